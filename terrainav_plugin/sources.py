@@ -126,7 +126,7 @@ def heights_for(mission: Mission) -> Heights | None:
 
 def costs_of(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
-    from ..core.imagery.opening import kind_of
+    from ..core.imagery.opening import source_kind
     from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
 
     if is_of_qgis(name):
@@ -135,7 +135,7 @@ def costs_of(name: str) -> Costs:
         return ONLINE
     source = _named(name)
     if source.is_local:
-        return FROM_FILE if kind_of(name).is_file else OFFLINE
+        return FROM_FILE if source_kind(name).is_file else OFFLINE
     # The terms of a service are in its capabilities, which planning has read and an estimate does not read again.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)

@@ -189,11 +189,11 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 def _summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> Summary:
     from ..bands import RGB
-    from ..imagery.opening import kind_of
+    from ..imagery.opening import source_kind
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
 
     policy = source.policy
-    local = FROM_FILE if kind_of(source.text).is_file else OFFLINE
+    local = FROM_FILE if source_kind(source.text).is_file else OFFLINE
     costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
     # What is known of the size of files is that of red, green and blue.
     share = source.bands.bytes_per_px / RGB.bytes_per_px

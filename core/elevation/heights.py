@@ -20,7 +20,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..files import is_there
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry
-from ..imagery.opening import NAMED, NamedSource, SourceOptions, kind_of, named_source, whole_path
+from ..imagery.opening import NAMED, NamedSource, SourceOptions, named_source, source_kind, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..numbers import real_number
@@ -320,7 +320,7 @@ def _of_template(inner: str, text: str) -> tuple[str, int, int | None]:
         if number is None or (name == "tilesize" and number == 0):
             raise InvalidInput("heights {0}: {1} {2!r} must be a whole number", text, name, value)
         numbers[name] = number
-    is_template = kind_of(source).is_address
+    is_template = source_kind(source).is_address
     usual = _LARGE_TILE_PX if is_template and "@2x" in source else None
     return source, numbers.get("maxzoom", _DEFAULT_MAX_ZOOM), numbers.get("tilesize", usual)
 
@@ -346,7 +346,7 @@ def _may_be_heights(part: str, text: str) -> bool:
         return "://" not in text
     if part.lower() == "world" or part in _shipped() or part.partition(":")[0] in _ENCODED:
         return True
-    kind = kind_of(part)
+    kind = source_kind(part)
     return kind.is_file or kind.is_address
 
 
@@ -372,7 +372,7 @@ def _check_known(named: NamedSource) -> None:
 
 
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
-    if kind_of(text).named_by == NAMED:
+    if source_kind(text).named_by == NAMED:
         _check_known(named)
     if not named.has_bands and named.title:
         raise InvalidInput(

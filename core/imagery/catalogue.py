@@ -21,7 +21,7 @@ from .entry import (
     shipped_entry,
     under_provider,
 )
-from .opening import EntrySource, NamedSource, kind_of
+from .opening import EntrySource, NamedSource, source_kind
 from .placeholder import Placeholder
 from .source import Source
 from .tiles import KEY_ENV, Template, environment_key
@@ -94,7 +94,7 @@ def name_of(text: str) -> str:
     InvalidInput
         Several sources have this title.
     """
-    if text.lower() in shipped_data() or kind_of(text).name != _BY_NAME:
+    if text.lower() in shipped_data() or source_kind(text).name != _BY_NAME:
         return text
     own = shelf()
     if text.lower() in {*own.problems, *(entry.name for entry in own.entries)}:

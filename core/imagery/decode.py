@@ -1,4 +1,4 @@
-"""From the bytes of an answer to pixels, or to the reason why they are no picture."""
+"""From the bytes of an answer to pixels, or to the reason why it is not imagery."""
 
 from __future__ import annotations
 
@@ -23,28 +23,19 @@ from .http.transport import Response
 from .placeholder import PLACEHOLDER_REASON, Placeholder
 from .source import over_white
 
-#: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
-#: It begins with one plain byte, which is searched for ten times as fast as ``\xff+`` is, and which is all that is
-#: looked at again where many follow each other.
+#: End of the entropy-coded data of a JPEG: a marker that must not occur within (ITU-T T.81, B.1.1.5). A leading single
+#: byte is found ten times as fast as ``\xff+``, also where many follow each other.
 _JPEG_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]", re.DOTALL)
 _JPEG_FILL = re.compile(rb"\xff*")
 _JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
-#: Segments of a JPEG that do not say what its pixels are: comments, and all of applications but JFIF's and Adobe's.
+#: Segments of a JPEG that do not affect its pixels: comments, and application data except of JFIF and Adobe.
 _JPEG_NOTES = frozenset({*range(0xE1, 0xEE), 0xEF, 0xFE})
-#: What begins an extension, a picture and the end of a GIF, and the extension that tells which colour is transparent.
+#: First byte of an extension, an image and the trailer of a GIF.
 _GIF_BLOCK = re.compile(rb"[!,;]")
-_GIF_CONTROL = 0xF9
-#: First libwebp without the hole by which a picture may run any code (CVE-2023-4863).
-_SOUND_LIBWEBP = (1, 3, 2)
-#: How many times as wide as asked for a picture may be that is resized.
-_MOST_RESIZED = 4
-#: Bytes of a pixel with four channels of 16 bits.
-_PIXEL_BYTES = 8
-_KIND_CHARACTERS = 60
 
 
 class WrongSizeError(PartError):
-    """A picture of another size than was asked for; its first two values are the width and height that it has."""
+    """A picture of another size than requested; its first two values are its width and height."""
 
 
 def decode(
@@ -56,37 +47,38 @@ def decode(
     alpha: bool = False,
     any_size: bool = False,
 ) -> PixelValues:
-    """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
+    """Pixels of a PNG, JPEG, WebP or GIF, decoded completely.
 
-    Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do;
-    wholly transparent ones are ground without imagery, which a picture of nothing else is refused for.
+    Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do. Fully
+    transparent pixels have no imagery; a picture of these alone is refused.
 
     Parameters
     ----------
     body : bytes
     width_px, height_px : int
-        Size the picture must have; nothing of another size is decoded.
+        Required size; a picture of another size is not decoded.
     content_type : str
-        What the server calls it; for messages only.
+        Stated by the server; for messages only.
     alpha : bool
-        Hand translucent pixels out as they are, and pictures without imagery too.
+        Return translucent pixels as they are, and pictures without imagery too.
     any_size : bool
-        Resize a picture of another size, up to four times as wide and high: means of the pixels beneath each.
+        Resize a picture of up to four times the width and height: each pixel is the mean of those it covers.
 
     Returns
     -------
     array (height_px, width_px, 3 or 4) uint8
-        Red, green, blue; a fourth channel tells imagery (255) from none (0) where there are such pixels, or is the
-        picture's own alpha where that is asked for.
+        Red, green, blue; where some pixels have no imagery, a fourth channel that is 0 there and 255 elsewhere; with
+        ``alpha``, the alpha channel of the picture.
 
     Raises
     ------
     PartError
-        With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole, and
-        `WrongSizeError` for what is too large or too small.
+        With the reason only, not the part. `BrokenPictureError` where another copy may be sound, `WrongSizeError` for
+        another size.
     """
-    larger = _MOST_RESIZED if any_size else 1
-    most_bytes = _PIXEL_BYTES * width_px * height_px * larger**2 + MAX_PICTURE_EXTRA_BYTES
+    larger = 4 if any_size else 1
+    # A pixel of four channels of 16 bits has 8 bytes.
+    most_bytes = 8 * width_px * height_px * larger**2 + MAX_PICTURE_EXTRA_BYTES
     if len(body) > most_bytes:
         raise PartError(
             "{0:,} bytes, more than the {1:,} of {2}x{3} px at most",
@@ -158,7 +150,7 @@ def refuse_flat(pixels: PixelValues, placeholder: Placeholder) -> None:
 
 
 def picture_size(body: bytes) -> tuple[int, int]:
-    """Width and height of a picture, px, from its header; raises PartError where it has none."""
+    """Width and height of a picture, px, from its header; raises PartError without one."""
     try:
         return _open(body, "", whole=False).size
     except PartError:
@@ -168,20 +160,20 @@ def picture_size(body: bytes) -> tuple[int, int]:
 
 
 def _broken(why: Exception | Message) -> BrokenPictureError:
-    """Failure of what one of Pillow's readers has stumbled over: they let through whatever that is."""
+    """Error of a picture that Pillow cannot decode, for whichever exception it raised."""
     said = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
     return BrokenPictureError("broken image ({0})", said)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
-    """Picture with its header read, by the reader its first bytes ask for; its integrity checked where it is ``whole``.
+    """Picture with its header read, by the reader for its first bytes; checked for integrity where it is ``whole``.
 
-    Comments and other notes of a JPEG or GIF are left out: the time and memory they take Pillow has no bounds.
+    Comments and other notes of a JPEG or GIF are removed: Pillow takes unbounded time and memory for them.
     """
-    # Straight to the readers: Image.open warns of large pictures before their size can be refused here.
+    # Readers are called directly: Image.open warns of large pictures before their size can be refused here.
     if body.startswith(b"\x89PNG\r\n\x1a\n"):
         if whole:
-            # Pillow skips the checksums of the pixels' chunks when it decodes.
+            # Decoding skips the checksums of the pixels' chunks.
             PngImagePlugin.PngImageFile(io.BytesIO(body)).verify()
         return PngImagePlugin.PngImageFile(io.BytesIO(body))
     if body.startswith(b"\xff\xd8\xff"):
@@ -197,23 +189,23 @@ def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile
     if not body:
         raise BrokenPictureError("an empty answer instead of an image")
     words = first_words(body, content_type)
-    kind = one_line(content_type.partition(";")[0], _KIND_CHARACTERS) or "something"
+    kind = one_line(content_type.partition(";")[0], 60) or "something"
     if words:
-        # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
+        # Text is the provider's answer, not a damaged copy of a picture.
         raise PartError("{0} instead of an image: {1}", kind, words)
     raise BrokenPictureError("{0} instead of an image", kind)
 
 
 @lru_cache(maxsize=1)
 def webp_problem() -> str:
-    """Why WebP pictures are not safe to read here; empty where they are.
+    """Reason why WebP pictures are unsafe to read with this Pillow; empty if they are safe.
 
-    A distribution mends its own libwebp and leaves the version as it is; what comes inside a wheel of Pillow is as
-    old as the wheel.
+    A distribution patches its libwebp without a new version; a wheel of Pillow contains the version of its time.
     """
     version = str(features.version("webp") or "")  # type: ignore[no-untyped-call]
     numbers = tuple(int(part) for part in version.split(".") if part.isdigit())
-    if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
+    # The first version without CVE-2023-4863, by which a picture may run any code.
+    if not _brings_libraries() or numbers >= (1, 3, 2):
         return ""
     return Message(
         "a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
@@ -221,16 +213,16 @@ def webp_problem() -> str:
 
 
 def _brings_libraries() -> bool:
-    """Whether this Pillow has come with libraries of its own, as its wheels do."""
+    """Whether this Pillow contains its libraries, as wheels do."""
     package = Path(PIL.__file__).parent
     beside = (package.parent / "pillow.libs", package.parent / "Pillow.libs", package / ".dylibs")
     return sys.platform == "win32" or any(folder.is_dir() for folder in beside)
 
 
 def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
-    """JPEG without its notes; refused where its segments are broken or, as a whole, its scans are.
+    """JPEG without its notes; refused with broken segments or, where it is ``whole``, with scans cut off.
 
-    Of scans that break off libjpeg would fill what is missing with grey.
+    libjpeg would fill the missing rest of a scan with grey.
     """
     at, segments, scans = 2, 0, 0
     kept = [body[:at]]
@@ -248,7 +240,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
                 break
         if marker == _JPEG_END:
             break
-        # Pillow reads the head byte by byte.
+        # Before the scans Pillow reads byte by byte.
         segments += 1 if scans else at - begin - 1
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
@@ -267,7 +259,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
 
 
 def _plain_gif(body: bytes) -> bytes:
-    """GIF without the notes before its picture."""
+    """GIF without the notes before its image."""
     at = 13 + (3 << (body[10] & 7) + 1 if body[10] & 0x80 else 0)
     kept = [body[:at]]
     while found := _GIF_BLOCK.search(body, at):
@@ -278,7 +270,8 @@ def _plain_gif(body: bytes) -> bytes:
         while size := body[at]:
             at += 1 + size
         at += 1
-        if body[begin + 1] == _GIF_CONTROL:
+        # The graphic control extension has the transparent colour.
+        if body[begin + 1] == 0xF9:
             kept.append(body[begin:at])
     return b"".join([*kept, body[at:]])
 
@@ -295,7 +288,7 @@ def _rgb(image: ImageFile.ImageFile, alpha: bool) -> PixelValues:
 
 
 def _resized(pixels: PixelValues, width_px: int, height_px: int, alpha: bool) -> PixelValues:
-    """Means of the pixels beneath each of another size; none where one of them holds no imagery."""
+    """Means of the pixels that each covers; without imagery where one of these has none."""
     means = np.array(Image.fromarray(pixels).resize((width_px, height_px), Image.Resampling.BOX))
     if means.shape[2] == 4 and not alpha:
         means[..., 3] = np.where(means[..., 3] == 255, 255, 0)
@@ -303,7 +296,7 @@ def _resized(pixels: PixelValues, width_px: int, height_px: int, alpha: bool) ->
 
 
 def _imagery(rgba: PixelValues) -> PixelValues:
-    """Colours over white; with a fourth channel, 0 or 255, where some pixels hold no imagery at all."""
+    """Colours over white; with a fourth channel, 0 or 255, where some pixels have no imagery."""
     alpha = rgba[..., 3:]
     if not alpha.any():
         raise PartError("no imagery (a transparent image)")

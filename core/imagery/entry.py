@@ -369,13 +369,9 @@ class CatalogueEntry:
         }
         data["plane"] = None if self.plane is None else asdict(self.plane)
         data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}
-        for own, default in ((self.policy, Policy()), (self.dates, Dates("any"))):
-            stated = {} if own is None else asdict(own)
-            differing = {name: value for name, value in stated.items() if value != getattr(default, name)}
-            if isinstance(own, Dates):
-                data["dates"] = {"kind": own.kind, **differing}
-            else:
-                data.update(differing)
+        data.update(_differing(self.policy, Policy()))
+        if self.dates is not None:
+            data["dates"] = {"kind": self.dates.kind, **_differing(self.dates, Dates("any"))}
         return data
 
     def grid(self, tile_px: int | None = None) -> PixelGrid:
@@ -463,6 +459,11 @@ class CatalogueEntry:
             and bounds_deg[2] <= east
             and bounds_deg[3] <= north
         )
+
+
+def _differing(value: Policy | Dates, default: Policy | Dates) -> dict[str, Any]:
+    """Fields that differ from those of another value."""
+    return {name: stated for name, stated in asdict(value).items() if stated != getattr(default, name)}
 
 
 def _check_kinds(data: Mapping[str, Any]) -> None:

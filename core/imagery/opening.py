@@ -131,7 +131,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     InvalidInput
         It is a map of QGIS, which the plugin alone knows; or bands or a stretch are wanted of what is no raster file.
     """
-    kind = kind_of(text)
+    kind = source_kind(text)
     if kind is _QGIS:
         raise InvalidInput(
             "source {0}: is a map of QGIS and can be captured inside QGIS only",
@@ -181,7 +181,7 @@ def open_source(name: str, **options: Any) -> Source:
 
 
 @dataclass(frozen=True)
-class Kind:
+class SourceKind:
     """A kind of source: how a text names one, and the class that it is.
 
     Parameters
@@ -249,26 +249,26 @@ _RASTERS = (
 )
 #: Kinds of sources, asked in this order. A further one is its module and a line.
 KINDS = (
-    Kind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
-    Kind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
-    Kind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
-    Kind("arcgis", SERVICE, ".services.arcgis", "ArcGISService", recognised_by=_ARCGIS.match),
-    Kind("ogcapi", SERVICE, ".services.ogcapi", "OGCAPITiles", recognised_by=_OGC_API.match),
-    Kind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
-    Kind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
+    SourceKind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
+    SourceKind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
+    SourceKind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
+    SourceKind("arcgis", SERVICE, ".services.arcgis", "ArcGISService", recognised_by=_ARCGIS.match),
+    SourceKind("ogcapi", SERVICE, ".services.ogcapi", "OGCAPITiles", recognised_by=_OGC_API.match),
+    SourceKind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
+    SourceKind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
 )
 #: Maps of QGIS, which the plugin alone opens.
-_QGIS = Kind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").match)
+_QGIS = SourceKind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").match)
 
 
-def kind_of(text: str) -> Kind:
+def source_kind(text: str) -> SourceKind:
     """Kind of source that a text names, whether or not there is such a source."""
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
 def whole_path(text: str) -> str:
     """Text that names the same source in processes with another current folder: a file's path is whole."""
-    if not kind_of(text).is_file or text.startswith("/vsi") or RASTER_ADDRESS.fullmatch(text):
+    if not source_kind(text).is_file or text.startswith("/vsi") or RASTER_ADDRESS.fullmatch(text):
         return text
     file = file_of_part(text) or text
     return text.replace(file, str(Path.cwd() / file))

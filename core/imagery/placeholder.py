@@ -1,4 +1,4 @@
-"""Pictures by which providers say that they have none: known ones, and files that come for many places."""
+"""Images by which providers say that they have no imagery: known ones, and files sent for many places."""
 
 from __future__ import annotations
 
@@ -16,20 +16,12 @@ from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid
 from .source import Window
 
-#: Why a picture fails that needs a placeholder.
+#: Reason of pictures that fail with a placeholder.
 PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder image")
-#: Digits of a SHA-256 that name a file as surely as all 64 do, unless somebody makes another for the purpose.
+#: Digits of a SHA-256 that identify a file, unless a collision is made on purpose.
 DIGEST_DIGITS = 16
-_DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}")
-#: Called with a part and the file that its pixels were read of.
+#: Called with a part and the file that its pixels were decoded from.
 Received = Callable[[Window, bytes], object]
-#: Places with the same file that are worth telling of.
-_LEAST_PLACES = 3
-#: Widths of a part that the farthest of them lie apart at least, from west to east or from north to south: nearer ones
-#: may be a pond. Tiles lie whole widths apart, so that no rounding decides. Where all of a run is narrower, they lie as
-#: far apart as it is wide.
-_FAR_PARTS = 3.5
-_DIGEST_BYTES = DIGEST_DIGITS // 2
 #: A place and its file: the digest's first bytes, and the part's place.
 _PLACE = np.dtype([("digest", ">u8"), ("zoom", "<i4"), ("left", "<f8"), ("top", "<f8"), ("width", "<f8")])
 Places = NDArray[np.void]
@@ -37,16 +29,16 @@ Places = NDArray[np.void]
 
 @dataclass(frozen=True)
 class Placeholder:
-    """How a provider's picture that says "nothing here" is told from imagery.
+    """How to recognise a provider's "no imagery" image.
 
     Parameters
     ----------
     sha256 : tuple of str
-        Hashes of its files, or the first 16 digits or more of each.
+        SHA-256 of its files, 16 to 64 digits of each.
     header : tuple of (name, value) pairs
-        Header that comes with it; a value of "*" stands for any.
+        Headers that accompany it; "*" stands for any value.
     flat_rgb : tuple of (red, green, blue)
-        Colours a picture of nothing else is no imagery in.
+        Colours of images of one colour that are no imagery.
     """
 
     sha256: tuple[str, ...] = ()
@@ -55,7 +47,7 @@ class Placeholder:
 
     def __post_init__(self) -> None:
         for digest in self.sha256:
-            if not _DIGEST.fullmatch(digest):
+            if not re.fullmatch(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}", digest):
                 raise InvalidInput(
                     "placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its "
                     "digits or more",
@@ -65,7 +57,7 @@ class Placeholder:
                 )
 
     def with_files(self, digests: Iterable[str]) -> Placeholder:
-        """Return one that knows further files by their hashes."""
+        """Return a copy with the hashes of further files."""
         known = (digest.strip().lower() for digest in digests)
         return replace(self, sha256=tuple(dict.fromkeys((*self.sha256, *known))))
 
@@ -81,9 +73,9 @@ class Provided(Protocol):
     Attributes
     ----------
     placeholder : Placeholder
-        What the provider sends where it has nothing.
+        The provider's "no imagery" image.
     received : callable or None
-        Called with each part that is fetched, from the network or out of the cache, in the thread that asks.
+        Called with each fetched part, from the network or the cache, in the calling thread.
     """
 
     placeholder: Placeholder
@@ -93,7 +85,7 @@ class Provided(Protocol):
 class Repeats:
     """Digests of the files of a run, each with its place; safe to use from several threads.
 
-    What is found depends on files and places only, not on the order they came in. A place takes 36 bytes.
+    The results depend on files and places only, not on their order. A place takes 36 bytes.
 
     Parameters
     ----------
@@ -107,63 +99,67 @@ class Repeats:
         self._noted = bytearray()
 
     def note(self, part: Window, file: bytes) -> None:
-        """Note the file that was sent for a part."""
-        digest = int.from_bytes(hashlib.sha256(file).digest()[:_DIGEST_BYTES], "big")
+        """Note the file sent for a part."""
+        digest = int.from_bytes(hashlib.sha256(file).digest()[: DIGEST_DIGITS // 2], "big")
         place = np.array((digest, part.zoom, part.left_px, part.top_px, part.width_px), _PLACE).tobytes()
         with self._lock:
             self._noted += place
 
     def noted(self) -> bytes:
-        """Return all that was noted, in an order of its own, for `add`."""
+        """Return the notes, sorted, for `add`."""
         with self._lock:
             return np.sort(np.frombuffer(bytes(self._noted), _PLACE)).tobytes()
 
     def add(self, noted: bytes) -> None:
-        """Take what another run has noted; raises ValueError for what no run has."""
+        """Add the notes of another run; raises ValueError for other data."""
         if len(noted) % _PLACE.itemsize:
             raise ValueError(noted)
         with self._lock:
             self._noted += noted
 
     def found(self) -> Mapping[str, frozenset[Window]]:
-        """Files that came for several places far apart.
+        """Files sent for three or more places that lie far apart.
+
+        Far is 3.5 widths of a part from west to east or from north to south, as nearer parts may show one lake; a
+        narrower run counts as far as it is wide. Tiles lie whole widths apart, so that rounding does not matter.
 
         Returns
         -------
         mapping of str to frozenset of Window
-            The digest's first digits, as `Placeholder` takes them, to upper-left corners of parts (their sizes are 0);
+            First digits of the digest, as `Placeholder` takes them, to the upper left corners of parts (of size 0);
             files of the most places first.
         """
+        least_places = 3
         with self._lock:
             noted = np.frombuffer(bytes(self._noted), _PLACE)
-        if len(noted) < _LEAST_PLACES:
+        if len(noted) < least_places:
             return {}
-        far = min(_FAR_PARTS, self._span(noted))
+        far = min(3.5, self._span(noted))
         noted = noted[np.argsort(noted["digest"], kind="stable")]
         begins = np.flatnonzero(np.r_[True, noted["digest"][1:] != noted["digest"][:-1]])
         counts = np.diff(np.r_[begins, len(noted)])
         found: dict[str, frozenset[Window]] = {}
-        for begin, count in zip(begins[counts >= _LEAST_PLACES], counts[counts >= _LEAST_PLACES]):
+        for begin, count in zip(begins[counts >= least_places], counts[counts >= least_places]):
             places = noted[begin : begin + count]
             corners = frozenset(corner(int(zoom), left, top) for _, zoom, left, top, _ in places.tolist())
-            # A part that was asked for twice is one place.
-            if len(corners) >= _LEAST_PLACES and self._span(places) >= far:
+            # A part that was requested twice is one place.
+            if len(corners) >= least_places and self._span(places) >= far:
                 found[f"{int(places['digest'][0]):0{DIGEST_DIGITS}x}"] = corners
         return dict(sorted(found.items(), key=lambda one: (-len(one[1]), one[0])))
 
     def _span(self, places: Places) -> float:
-        """How far apart the farthest places lie along an axis, in widths of a part; the map's edges meet."""
+        """Greatest distance of places along an axis, in widths of a part; the map's edges meet."""
         world = np.ldexp(float(self._grid.tile_px), places["zoom"])
         across, down = np.sort(places["left"] / world), places["top"] / world
         gap = np.diff(across, append=across[0] + 1.0).max()
         return float(max(1.0 - gap, np.ptp(down)) / (places["width"] / world).max())
 
 
-def digests_of(noted: bytes) -> set[str]:
-    """First digits of the files' digests in what `Repeats.noted` has returned."""
+def noted_digests(noted: bytes) -> set[str]:
+    """First digits of the files' digests in the notes of `Repeats.noted`."""
     return {f"{digest:0{DIGEST_DIGITS}x}" for digest in np.frombuffer(noted, _PLACE)["digest"].tolist()}
 
 
 def corner(zoom: int, left_px: float, top_px: float) -> Window:
-    """What `Repeats.found` names a part by."""
+    """Corner of a part, as `Repeats.found` returns it."""
     return Window(zoom, left_px, top_px, 0, 0)

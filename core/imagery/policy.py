@@ -1,4 +1,4 @@
-"""What a provider allows."""
+"""The terms of a provider: how much, how fast, and whether it may be kept."""
 
 from __future__ import annotations
 
@@ -10,21 +10,19 @@ from typing import Any
 from ..errors import InvalidInput, Message, OptionName, SourceError
 
 BULK = ("yes", "ask", "no")
-#: Share of a second that requests may be late on their way, so that one more of them would fall into it.
-_APART = 0.1
 
 
 class TermsError(SourceError):
-    """A run of more requests than a provider's terms let pass.
+    """A run of more requests than a provider's terms allow.
 
     Parameters
     ----------
     title : str
-        The source, as people see it.
+        Title of the source.
     policy : Policy
     requests : int
     instead : tuple of str
-        Sources that allow it.
+        Sources that allow such a run.
     """
 
     def __init__(self, title: str, policy: Policy, requests: int, instead: tuple[str, ...] = ()) -> None:
@@ -62,7 +60,7 @@ class Policy:
     bulk_allowed : str
         ``yes``; ``ask``, where the user must have agreed to the terms; ``no``, which nothing overrides.
     max_tiles : int or None
-        Requests of one run that need no asking, or that are the most there may be where bulk is not allowed.
+        Most requests of one run without consent (``ask``) or at all (``no``).
     cache_allowed : bool
         Whether pictures may be kept for a later run.
     max_connections : int or None
@@ -70,10 +68,10 @@ class Policy:
     licence : str
         Of the imagery.
     terms : str
-        What the provider's terms say of downloading, in short.
+        Summary of the terms for downloads.
     terms_url : str
     rest_s : float
-        Seconds from the opening of a source to its first request.
+        Seconds from opening a source to its first request.
     """
 
     bulk_allowed: str = "yes"
@@ -100,71 +98,73 @@ class Policy:
                 raise InvalidInput("{0} {1}: must be a number above 0, or left out", name, value)
 
     def connections(self, wanted: int) -> int:
-        """Return the connections to open where ``wanted`` are asked for."""
+        """Return the number of connections to open where ``wanted`` are requested."""
         return wanted if self.max_connections is None else min(wanted, self.max_connections)
 
     @property
     def most_sharers(self) -> int | None:
-        """Runs that may ask at the same time, each with a share that is a request a second at least; None for any."""
+        """Most runs at a time whose shares are a connection and a request per second at least; None for any number."""
         limits = [self.max_connections, self.requests_per_s and max(math.floor(self.requests_per_s), 1)]
         known = [int(one) for one in limits if one]
         return min(known, default=None)
 
     def shared(self, sharers: int) -> Policy:
-        """Share of each of several runs that ask at the same time, and know nothing of each other.
+        """Share of each of several independent runs at the same time.
 
-        No second has more requests in it than the provider allows, whenever these runs come and go, if the shares of
-        those under way are never more than the whole: a share is a whole number of requests a second, a little more
-        than evenly apart, and the first comes a good second after the run has begun, when what was asked for before it
-        with the same share is past.
+        While the shares of the runs under way add up to the whole at most, no second has more requests than the
+        provider allows, whenever runs begin and end. For that, a share is a whole number of requests per second, spaced
+        a little wider than evenly, and its first request comes more than a second after the run has begun, when the last
+        request of a predecessor with the same share is past.
 
         Parameters
         ----------
         sharers : int
-            `most_sharers` at most; 0 for a run that is alone, which has all there is.
+            Up to `most_sharers`; 0 for a single run, which has the whole.
         """
         if sharers == 0 or (self.requests_per_s is None and self.max_connections is None):
             return self
+        # Seconds by which requests may be late on their way, so that one more would fall into a second.
+        delay_s = 0.1
         rate, connections = self.requests_per_s, self.max_connections
         if rate is not None:
-            rate = (max(rate // sharers, 1.0) if rate >= 1.0 else rate) / (1.0 + _APART)
+            rate = (max(rate // sharers, 1.0) if rate >= 1.0 else rate) / (1.0 + delay_s)
         return replace(
             self,
             requests_per_s=rate,
             max_connections=None if connections is None else max(connections // sharers, 1),
-            rest_s=0.0 if rate is None else 1.0 + _APART,
+            rest_s=0.0 if rate is None else 1.0 + delay_s,
         )
 
     def check(
         self, title: str, requests: int, accept_terms: bool = False, instead: tuple[str, ...] = ()
     ) -> None:
-        """Refuse a run of more requests than the terms let pass.
+        """Refuse a run of more requests than the terms allow.
 
         Parameters
         ----------
         title : str
-            The source, as people see it.
+            Title of the source.
         requests : int
             Requests of the run.
         accept_terms : bool
             The user has agreed to the terms; counts for ``ask`` only.
         instead : tuple of str
-            Sources that allow it, to be named.
+            Sources to suggest.
 
         Raises
         ------
         TermsError
-            Quoting the terms.
+            With the terms.
         """
         if self.stops(requests) and not (self.bulk_allowed == "ask" and accept_terms):
             raise TermsError(title, self, requests, instead)
 
     def stops(self, requests: int) -> bool:
-        """Whether so many requests are more than pass without asking, or at all."""
+        """Whether a number of requests exceeds the most without consent, or at all."""
         return self.bulk_allowed != "yes" and self.max_tiles is not None and requests > self.max_tiles
 
     def text(self) -> Message:
-        """Words for people on how much may be downloaded."""
+        """Description for people of how much may be downloaded."""
         if self.bulk_allowed == "yes" or self.max_tiles is None:
             bulk = Message("unlimited requests")
         elif self.bulk_allowed == "ask":
@@ -177,6 +177,6 @@ class Policy:
             bulk = Message("at most {0:,} requests, whatever you agree to", self.max_tiles)
         pace = [] if self.max_connections is None else [Message("{0} connections", self.max_connections)]
         pace += [] if self.requests_per_s is None else [Message("{0:g} requests/s", self.requests_per_s)]
-        told = [bulk, *([Message.joined(", ", pace)] if pace else [])]
-        told += [] if self.cache_allowed else [Message("nothing may be cached")]
-        return Message.joined("; ", told)
+        parts = [bulk, *([Message.joined(", ", pace)] if pace else [])]
+        parts += [] if self.cache_allowed else [Message("nothing may be cached")]
+        return Message.joined("; ", parts)

@@ -1,4 +1,4 @@
-"""What a source of imagery is to the rest of TerrAInav."""
+"""The protocol of a source of imagery: windows of its pixel grid, the parts that fill them, their pixels."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .policy import Policy
 class Window(NamedTuple):
     """A rectangle of a source's global pixel grid at a zoom; hashable, so that equal ones are fetched once.
 
-    Left and top count px from the upper left corner of the grid's plane (of the map 180° W and 85.0511° N); they are
-    whole but for sources addressed by centre.
+    Left and top are px from the upper left corner of the grid's plane (of the map, 180° W and 85.0511° N); they are
+    whole numbers except for sources addressed by centre.
     """
 
     zoom: int
@@ -27,10 +27,10 @@ class Window(NamedTuple):
 
 
 class Part(NamedTuple):
-    """One request's share of a picture.
+    """One request of a picture.
 
-    ``window`` is what to fetch, its left within the world; ``dx_px, dy_px`` is where its upper-left pixel
-    falls in the picture (negative where it starts before the picture does).
+    ``window`` is to be fetched, its left within the world; ``dx_px, dy_px`` is the place of its upper left pixel in the
+    picture (negative where it begins before the picture).
     """
 
     window: Window
@@ -39,77 +39,77 @@ class Part(NamedTuple):
 
 
 class Source(Protocol):
-    """A place pixels come from. Implementations are safe to call from several threads at once."""
+    """A source of pixels. Implementations are safe to call from several threads at once."""
 
     @property
     def name(self) -> str:
-        """What a mission names it by."""
+        """Name in missions."""
 
     @property
     def title(self) -> str:
-        """What people see; "Synthetic (offline)" for the embedded world."""
+        """Title for people; "Synthetic (offline)" for the embedded world."""
 
     @property
     def attribution(self) -> str:
-        """Credit that goes into every picture's metadata."""
+        """Credit for the metadata of every picture."""
 
     @property
     def map_types(self) -> tuple[str, ...]:
-        """Map types it can tell apart; empty where it has one kind of picture only."""
+        """Available map types; empty where there is a single kind of picture."""
 
     @property
     def grid(self) -> PixelGrid:
-        """Its pixels."""
+        """Pixel grid."""
 
     @property
     def policy(self) -> Policy:
-        """What its provider allows."""
+        """Terms of the provider."""
 
     @property
     def date(self) -> str:
-        """Date of its imagery as the source writes it, YYYY-MM-DD or YYYY; empty where it is not known."""
+        """Date of the imagery as the source writes it, YYYY-MM-DD or YYYY; empty where unknown."""
 
     def parts(self, window: Window) -> list[Part]:
         """Return the parts that together fill ``window`` exactly."""
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:
-        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a source with `bands`, these.
+        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a source with `bands`, those.
 
-        One channel more, where there is one, is 0 at pixels without imagery and not 0 elsewhere (255 of uint8).
+        A further channel, where present, is 0 at pixels without imagery and nonzero elsewhere (255 for uint8).
 
         Raises
         ------
         PartError
-            This part cannot be had: the pictures that need it fail.
+            This part is not available: the pictures that need it fail.
         SourceError
-            Nothing can be had from this source: the run stops.
+            The source refuses all requests: the run stops.
         """
 
     def close(self) -> None:
-        """Free what it holds; requests under way end at once and raise Cancelled."""
+        """Release its resources; requests under way end at once and raise Cancelled."""
 
 
 class Walled(Protocol):
-    """A source of imagery and of heights that also has the colours of walls, which no map shows."""
+    """A source of imagery and heights that also has the colours of walls, which no map shows."""
 
     def walls(
         self, map_type: str, lat_deg: Floats, lon_deg: Floats, east: Floats, north: Floats
     ) -> NDArray[np.float32]:
-        """Colours of the walls below roofs, (n, 3); NaN where there are none.
+        """Colours of the walls below roofs, (n, 3); NaN without walls.
 
         Parameters
         ----------
         lat_deg, lon_deg : array (n,)
-            Places on the roofs, right above the walls.
+            Positions on the roofs, directly above the walls.
         east, north : array (n,)
-            Which way the walls face, as a unit vector.
+            Unit vector away from the wall.
         """
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
-    """Tiles of ``grid`` that fill a whole-numbered window, by rows; columns wrap around the world, where it is the map.
+    """Tiles of ``grid`` that fill a window of whole numbers, by rows; on the map, columns wrap around the world.
 
-    The part of a tile starts at ``x * tile_px, y * tile_px`` of its wrapped column x and row y.
+    The part of a tile begins at ``x * tile_px, y * tile_px`` of its wrapped column x and row y.
     """
     size = grid.tile_px
     left, top = int(window.left_px), int(window.top_px)
@@ -125,7 +125,7 @@ def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
 
 
 def over_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Colours over white by their alpha, 0 to 255; of one shape, or of shapes that go together."""
+    """Colours over white by their alpha, 0 to 255; the shapes broadcast."""
     if bool((alpha == 255).all()):
         return colour
     whole = alpha.astype(np.uint16)

@@ -17,10 +17,10 @@ from ..geodesy.planes import ProjectedPlane
 from ..map_types import MAP_TYPES
 from .source import Window
 
-#: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
-#: other: an address in a mission file, a config file or a server's document may have been written by anybody.
+#: Environment variable with the key for a user's address. It is sent to hosts that the user has named only, as anybody
+#: may have written the address in a mission file, a config file or a server's document.
 KEY_ENV = "TERRAINAV_KEY"
-#: What may stand in braces, and what stands for it.
+#: Placeholders in braces, and their values.
 PLACEHOLDERS = {
     "z": "zoom",
     "x": "column",
@@ -36,24 +36,20 @@ PLACEHOLDERS = {
     "bbox": "west,south,east,north of the tile in the plane that the source states",
     "bbox-yx": "south,west,north,east of it",
 }
-#: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
+#: Bounds of a tile, as Mapbox and MapLibre name them; in the source's plane, with easting or northing first.
 BBOX = "bbox-epsg-3857"
-#: The same in a plane of the source's own, by easting or by northing first.
 OWN_BBOX, OWN_BBOX_YX = "bbox", "bbox-yx"
 _BRACES = re.compile(r"\{([^{}]*)\}")
-#: Names and numbers of hosts, once they are written plainly.
+#: Names and numbers of hosts, in plain spelling.
 _HOST = re.compile(r"[a-z0-9._-]+|[0-9a-f:.]+")
-_LONGEST_HOST = 253
-#: Letters that older and newer rules of names (IDNA 2003 and 2008) lead to different hosts.
-_OF_TWO_HOSTS = re.compile("[\u00df\u1e9e\u03c2\u200c\u200d]")
-#: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
+#: Subdomains in the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
-#: Environment variable with the hosts that the key is for, with commas or spaces between them.
+#: Environment variable with the hosts that may receive the key, separated by commas or spaces.
 HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
 
 
 class Tile(NamedTuple):
-    """A tile: zoom, column counted from 180° W, row counted from the north."""
+    """A tile: zoom, column from 180° W, row from the north."""
 
     zoom: int
     x: int
@@ -69,7 +65,7 @@ class Tile(NamedTuple):
 
 
 def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
-    """Address of the tile of ``grid`` that a part is.
+    """Tile of ``grid`` that fills a part.
 
     Parameters
     ----------
@@ -81,9 +77,9 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     Raises
     ------
     InvalidInput
-        The part is no tile of the grid, or of a zoom the source does not have.
+        The part is not a tile of the grid, or its zoom is not available.
     PartError
-        The tile would be beyond the edge of the map.
+        The tile lies beyond the edge of the map.
     """
     size = grid.tile_px
     x, left = divmod(part.left_px, size)
@@ -98,7 +94,7 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
 
 
 def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
-    """Refuse a zoom that a source of a grid, which errors name by its title, does not have."""
+    """Refuse a zoom beyond those of a grid; errors name the source by its title."""
     if not grid.min_zoom <= zoom <= grid.max_zoom:
         raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
@@ -110,14 +106,13 @@ class Template:
     Parameters
     ----------
     text : str
-        http or https; with {z}, {x} and {y} or {-y}, or with {q} or {bbox-epsg-3857}. Holds no key: {key} stands
-        for it.
+        http or https; with {z}, {x} and {y} or {-y}, or with {q} or {bbox-epsg-3857}; with {key} in place of a key.
     subdomains : tuple of str
-        What {s} stands for, in turn.
+        Values of {s}, in turn.
     levels : tuple of (zoom, name) pairs
-        What {z} stands for where the server calls its zooms otherwise.
+        Values of {z} where the server names its zooms.
     plane : ProjectedPlane or None
-        That the tiles divide; None for the Web-Mercator map.
+        Plane of the tiles; None for the Web-Mercator map.
     """
 
     text: str
@@ -139,26 +134,26 @@ class Template:
 
     @property
     def names(self) -> frozenset[str]:
-        """Placeholders it uses."""
+        """Placeholders in the template."""
         return frozenset(_BRACES.findall(self.text))
 
     @property
     def host(self) -> str:
-        """Host asked, its first subdomain where there are several."""
+        """Host of the tiles, the first of several."""
         return self.hosts[0]
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """Hosts asked, as `host_of` names them: of every subdomain, map type and size of tiles."""
+        """Hosts of the tiles, as `host_of` spells them: for every subdomain, map type and tile size."""
         values = itertools.product(self.subdomains or ("",), MAP_TYPES, ("", "@2x"))
         asked = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
-        # What else stands in braces is known once a tile is asked for.
+        # The values of further placeholders depend on the tile.
         return tuple(dict.fromkeys(host_of(_BRACES.sub("0", url)) for url in asked))
 
     def url(
         self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
     ) -> str:
-        """URL of a tile; the subdomain follows from column and row, so that a tile always has the same."""
+        """URL of a tile; column and row determine the subdomain, so that a tile always has the same URL."""
         names = self.names
         level = next((name for zoom, name in self.levels if zoom == z), str(z))
         values = {"z": quote(level, safe=":"), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
@@ -224,31 +219,32 @@ class Template:
 
 
 def host_of(url: str) -> str:
-    """Host of a URL as it is looked up, in whatever way the URL writes it; empty where it names none.
+    """Host of a URL as DNS has it, in whatever spelling; empty without a host.
 
-    Upper case, percent-encoding, other forms of letters and dots (IDNA) and the dot of the root make no other host. One
-    that programs take for different hosts, such as ``straße.example``, is none: xn--… says which is meant.
+    Upper case, percent-encoding, IDNA forms of letters and dots, and the root's dot are normalised. A host that programs
+    resolve differently, such as ``straße.example``, counts as missing: xn--… is unambiguous.
     """
     try:
         host = unquote(urlsplit(url).hostname or "").rstrip(".")
-        if len(host) > _LONGEST_HOST or _OF_TWO_HOSTS.search(host):
+        # IDNA 2003 and 2008 map these letters to different hosts.
+        if len(host) > 253 or not {"\u00df", "\u1e9e", "\u03c2", "\u200c", "\u200d"}.isdisjoint(host):
             return ""
         plain = host.encode("idna").decode("ascii").lower()
     except ValueError:
         return ""
-    # Programs differ in where a host ends that has other signs in it.
+    # Programs disagree on where a host with other characters ends.
     return plain.rstrip(".") if _HOST.fullmatch(plain) else ""
 
 
 def check_address(text: str, what: str) -> None:
-    """Refuse an address that is not http or https, or that holds a user's credentials.
+    """Refuse an address that is not http or https, or that contains credentials.
 
     Parameters
     ----------
     text : str
-        May hold placeholders in braces.
+        May contain placeholders in braces.
     what : str
-        What it is, as errors name it.
+        Name of the address in errors.
     """
     if not text.isprintable() or " " in text:
         raise InvalidInput(
@@ -286,7 +282,7 @@ def _in_braces(names: Iterable[str]) -> str:
 
 
 def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
-    """Subdomains of a range or list in a template."""
+    """Subdomains of a range or list in a template, as `_RANGE` matches it."""
     first, last = inline.group(1) or inline.group(3), inline.group(2) or inline.group(4)
     if first is None:
         return tuple(inline.group(5).split(","))
@@ -298,21 +294,21 @@ def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
 
 
 def quadkey(z: int, x: int, y: int) -> str:
-    """Bing's name of a tile: a base-4 digit a zoom, column in the low bit, row in the high one."""
+    """Bing's quadkey of a tile: one base-4 digit per zoom, column in the low bit, row in the high bit."""
     return "".join(str((x >> bit & 1) + 2 * (y >> bit & 1)) for bit in range(z - 1, -1, -1))
 
 
 def bbox(z: int, x: int, y: int) -> str:
-    """West, south, east and north of a tile in metres of EPSG:3857, with all their digits."""
+    """West, south, east and north of a tile in metres of EPSG:3857, with all digits."""
     size_m = 2.0 * HALF_WORLD_M / (1 << z)
     west, north = x * size_m - HALF_WORLD_M, HALF_WORLD_M - y * size_m
-    # From the grid's lines on both sides, so that neighbours share an edge to the last digit.
+    # Each edge follows from its grid line, so that neighbours share it to the last digit.
     edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
     return ",".join(repr(edge) for edge in edges)
 
 
 def own_edges(plane: ProjectedPlane, z: int, x: int, y: int) -> tuple[float, float, float, float]:
-    """West, south, east and north of a tile of a plane, in its system's unit; neighbours share an edge."""
+    """West, south, east and north of a tile of a plane, in the unit of its CRS; neighbours share an edge."""
     columns, rows = (x, x + 1), (y + 1, y)
     west, east = (plane.west + plane.width * column / (1 << z) for column in columns)
     south, north = (plane.north - plane.height * row / (1 << z) for row in rows)
@@ -320,26 +316,28 @@ def own_edges(plane: ProjectedPlane, z: int, x: int, y: int) -> tuple[float, flo
 
 
 def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
-    """Return the environment's key for an address that holds ``{key}``; None where there is none.
+    """Return the environment's key for an address with ``{key}``, or None.
 
     Parameters
     ----------
     hosts : iterable of str
-        All that the address leads to.
+        All hosts of the address.
     named_by_user : bool
-        Whether the user has named the address himself, for this run.
+        Whether the user, not a file, has named the address for this run.
 
     Raises
     ------
     SourceError
-        There is a key, and it is for other hosts.
+        The key is for other hosts.
     """
     key = os.environ.get(KEY_ENV)
     if not key or named_by_user:
         return key or None
     known = os.environ.get(HOSTS_ENV, "").replace(",", " ").lower().split()
     for host in hosts:
-        if not any(host == own or host.endswith("." + own) for own in (one.strip(".") for one in known)):
+        if not any(
+            host == named or host.endswith("." + named) for named in (one.strip(".") for one in known)
+        ):
             raise SourceError(
                 "{0}: {1} is not sent there, because a file names this host and not you",
                 host,

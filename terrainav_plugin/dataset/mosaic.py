@@ -26,7 +26,7 @@ from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, Message, OutputError
 from ...core.files import open_foreign, partial_file, read_limited, write_whole
 from ...core.geodesy.reference import read_reference
-from ...core.imagery.raster.place import named_crs
+from ...core.imagery.raster.georeference import named_crs
 from ...core.limits import MAX_VRT_BYTES
 from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of

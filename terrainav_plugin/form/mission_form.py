@@ -306,7 +306,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
 
 def state_of(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
-    from ...core.imagery.opening import kind_of
+    from ...core.imagery.opening import source_kind
 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
     state = FormState(
@@ -319,7 +319,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         takeoff=takeoff_text(mission.route.takeoff),
         **{name: given[name] for name in ENTERED_AS_DECLARED},
     )
-    if kind_of(mission.imagery.source).is_address:
+    if source_kind(mission.imagery.source).is_address:
         state = replace(state, source=URL_TEMPLATE, template=mission.imagery.source)
     if mission.wind is not None:
         state = replace(

@@ -118,23 +118,23 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
 
 def unlisted(name: str) -> SourceChoice | None:
     """Entry for a source that the chooser does not list: a file, or a layer that is not there (any more)."""
-    from ...core.imagery.opening import kind_of
+    from ...core.imagery.opening import source_kind
 
     if is_connection(name):
         title = tr("Missing connection")
         return SourceChoice(name, title, group=CONNECTION, limits=html.escape(name[len(XYZ) :]))
     if is_of_qgis(name):
         return SourceChoice(name, tr("Missing layer"), group=PROJECT)
-    if kind_of(name).is_file:
+    if source_kind(name).is_file:
         return SourceChoice(name, Path(name).name, group=FILE, limits=html.escape(name))
     return None
 
 
 def template_limits(template: str) -> str:
     """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
-    from ...core.imagery.opening import kind_of, named_source
+    from ...core.imagery.opening import named_source, source_kind
 
-    kind = kind_of(template)
+    kind = source_kind(template)
     if not kind.is_address or kind.is_service:
         return ""
     try:

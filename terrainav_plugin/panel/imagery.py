@@ -175,12 +175,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _is_dated(self, choice: SourceChoice | None) -> bool:
         """Whether there may be a date to choose; a service says so only once it is asked."""
-        from ...core.imagery.opening import kind_of
+        from ...core.imagery.opening import source_kind
 
         if choice is not None:
             return bool(choice.dates) or "{date}" in choice.name
         address = self.template.text().strip()
-        return "{date}" in address or kind_of(address).is_service
+        return "{date}" in address or source_kind(address).is_service
 
     def _form_row(self, label: QLabel, field: QWidget, shown: bool) -> None:
         label.setVisible(shown)

@@ -20,7 +20,7 @@ from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
 from ...core.files import make_folder, partial_file
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
-from ...core.imagery.opening import kind_of, open_source
+from ...core.imagery.opening import open_source, source_kind
 from ...core.imagery.raster.trust import name_for_gdal
 from ...core.imagery.source import Window
 from ...core.mission.areas.area import Box
@@ -103,7 +103,7 @@ class SourceOnMap(QObject):
                 self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay)
                 return
             title = self._title()
-            if kind_of(state.source).is_file:
+            if source_kind(state.source).is_file:
                 self._background.show_file(state.source, title)
             elif not is_of_qgis(state.source):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)

@@ -29,7 +29,7 @@ from qgis.PyQt.QtXml import QDomDocument
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM, PixelGrid, extent_of_outline, fitting_zoom
 from ...core.imagery.policy import Policy
-from ...core.imagery.raster.place import Place
+from ...core.imagery.raster.georeference import RasterGeoreference
 from ...core.imagery.raster.reading import Facts
 from ...core.imagery.raster.sizes import check_block, check_counts
 from ..compat import attribution
@@ -328,7 +328,7 @@ def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
         return None
     corner = (box.xMinimum(), box.width() / width, 0.0, box.yMaximum(), 0.0, -box.height() / height)
     try:
-        place = Place(Facts((), ((width, height),), wkt, corner, {}))
+        place = RasterGeoreference(Facts((), ((width, height),), wkt, corner, {}))
         own = place.own_plane()
     except InvalidInput:
         # What has no place is refused as every such layer is.

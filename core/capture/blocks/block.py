@@ -23,7 +23,7 @@ from ...arrays import Numbers
 from ...errors import OutputError, PartError
 from ...files import read_if_there, write_whole
 from ...imagery.opening import NamedSource, SourceOptions
-from ...imagery.placeholder import Repeats, digests_of
+from ...imagery.placeholder import Repeats, noted_digests
 from ...imagery.source import Source
 from ...limits import MAX_RELIEF_BYTES
 from ...mission.parts import Terrain
@@ -161,7 +161,7 @@ class Record(NamedTuple):
         try:
             head = parse_json(first)
             shard_bytes, noted = int(head["shard_bytes"]), bytes.fromhex(head.get("noted", ""))
-            digests_of(noted)
+            noted_digests(noted)
             if head["images"] != len(outcomes) or not data.endswith(b"\n"):
                 return None
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):

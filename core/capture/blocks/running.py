@@ -17,7 +17,7 @@ from ...dataset.table import other_columns
 from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
 from ...files import json_bytes, write_whole
 from ...imagery.opening import NamedSource
-from ...imagery.placeholder import Provided, Repeats, digests_of
+from ...imagery.placeholder import Provided, Repeats, noted_digests
 from ...imagery.source import Source
 from ...mission.export import write_plan
 from ...mission.plan import Plan
@@ -187,7 +187,7 @@ class _Run:
         """Whether a block has a file that counts as placeholder by now."""
         if not isinstance(self._own, Provided):
             return False
-        return any(map(self._own.placeholder.knows, digests_of(record.noted)))
+        return any(map(self._own.placeholder.knows, noted_digests(record.noted)))
 
     def make_all(self) -> bool:
         """Make all blocks that are missing; False where cancelled."""

@@ -16,7 +16,7 @@ from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text import printable
 from ..source import over_white
-from .reading import Band, Box, Facts, RasterFile, Values
+from .reading import Band, Facts, OpenRaster, PixelBox, Values
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
 _OTHER_COLOURS = frozenset(
@@ -74,7 +74,7 @@ class Colours:
     over_white: bool = False
     stored_type: str = ""
 
-    def read(self, file: RasterFile, box: Box) -> Values:
+    def read(self, file: OpenRaster, box: PixelBox) -> Values:
         """Values of a box, (height, width, bands + 1), the last channel 1 for imagery; all 0 where there is none.
 
         Translucent pixels, whose alpha is not 0, are imagery.

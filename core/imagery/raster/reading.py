@@ -52,7 +52,7 @@ _COMPLEX_BYTES = 8
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-class Box(NamedTuple):
+class PixelBox(NamedTuple):
     """A rectangle of a raster's own pixels, columns from its left and rows from its top."""
 
     left: int
@@ -144,19 +144,19 @@ class ReadError(Exception):
         super().__init__(words if own else " ".join(str(words).split()) or Message("no reason given"))
 
 
-class RasterFile(Protocol):
+class OpenRaster(Protocol):
     """An open raster, or an open overview of one; for one thread at a time."""
 
     def facts(self) -> Facts:
         """Read what the file says of itself; asked of the raster, not of an overview."""
 
-    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+    def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError.
 
         ``data_type`` is one that holds them.
         """
 
-    def read_mask(self, band: int, box: Box) -> Bytes:
+    def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
 
     def close(self) -> None:
@@ -164,7 +164,7 @@ class RasterFile(Protocol):
 
 
 #: Opens a path's raster (level 0) or its overviews (from 1 on), as one of the ``drivers`` named; raises ReadError.
-Opener = Callable[..., RasterFile]
+Opener = Callable[..., OpenRaster]
 
 
 def opener() -> Opener:
@@ -202,7 +202,7 @@ def _looked_through(
         return drivers, options
     options = {**ALONE, **options}
     raw = kind(vrt_of_bytes(path), 0, ("VRT",), {**OPTIONS, **options})
-    file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], Box(0, row, ROW_BYTES, 1)).tobytes()))
+    file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], PixelBox(0, row, ROW_BYTES, 1)).tobytes()))
     try:
         return check_virtual_file(path, file, drivers), options
     except EOFError as wrong:
@@ -355,14 +355,14 @@ class GdalFile:
             ),
         )
 
-    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+    def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
         kind = getattr(self._gdal, _GDAL_TYPES[data_type])
         with _heard(self._options) as said:
             values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
         return _array(values, said, (len(bands), box.height, box.width), data_type)
 
-    def read_mask(self, band: int, box: Box) -> Bytes:
+    def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Mask of a band."""
         with _heard(self._options) as said:
             mask = self._dataset.GetRasterBand(band).GetMaskBand()
@@ -506,12 +506,12 @@ class RasterioFile:
                 ),
             )
 
-    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+    def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
         with _refused(self._options):
             return np.asarray(self._dataset.read(list(bands), window=_window(box)), data_type)
 
-    def read_mask(self, band: int, box: Box) -> Bytes:
+    def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Mask of a band."""
         with _refused(self._options):
             return np.asarray(self._dataset.read_masks(band, window=_window(box)), np.uint8)
@@ -521,7 +521,7 @@ class RasterioFile:
         self._dataset.close()
 
 
-def _window(box: Box) -> Any:
+def _window(box: PixelBox) -> Any:
     from rasterio.windows import Window
 
     return Window(*box)
@@ -530,7 +530,7 @@ def _window(box: Box) -> Any:
 class _FileApart:
     """A raster of which everything is asked on threads of their own (see `NativeCall`), as long as it is wanted."""
 
-    def __init__(self, file: RasterFile, is_wanted: Callable[[], bool]) -> None:
+    def __init__(self, file: OpenRaster, is_wanted: Callable[[], bool]) -> None:
         self._file, self._is_wanted = file, is_wanted
         self._last: NativeCall[Any] | None = None
 
@@ -539,12 +539,12 @@ class _FileApart:
         facts: Facts = self._asked(self._file.facts)
         return facts
 
-    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+    def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
         values: Values = self._asked(partial(self._file.read, bands, box, data_type))
         return values
 
-    def read_mask(self, band: int, box: Box) -> Bytes:
+    def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Mask of a band."""
         mask: Bytes = self._asked(partial(self._file.read_mask, band, box))
         return mask
@@ -561,7 +561,7 @@ class _FileApart:
         return self._last.result(self._is_wanted)
 
 
-def _close(files: Sequence[RasterFile]) -> None:
+def _close(files: Sequence[OpenRaster]) -> None:
     for file in files:
         file.close()
 
@@ -579,12 +579,12 @@ class Pool:
 
     def __init__(self, open_file: Opener, path: str, remote: Remote | None = None) -> None:
         self._open, self._path, self.remote = open_file, path, remote
-        self._free: dict[int, list[RasterFile]] = {}
+        self._free: dict[int, list[OpenRaster]] = {}
         self._closed = False
         self._lock = threading.Lock()
 
     @contextmanager
-    def lent(self, level: int) -> Iterator[RasterFile]:
+    def lent(self, level: int) -> Iterator[OpenRaster]:
         """Lend the raster (level 0) or an overview; one that failed is not lent again.
 
         Raises
@@ -619,7 +619,7 @@ class Pool:
                 raise
             raise ReadError(self.remote.masked(str(wrong))) from None
 
-    def _opened(self, level: int) -> RasterFile:
+    def _opened(self, level: int) -> OpenRaster:
         if self.remote is None:
             return self._apart(partial(self._open, self._path, level))
         try:
@@ -629,7 +629,7 @@ class Pool:
                 raise
         return self._apart(partial(self._open, self.remote.path, level, options=self.remote.options))
 
-    def _apart(self, work: Callable[[], RasterFile]) -> RasterFile:
+    def _apart(self, work: Callable[[], OpenRaster]) -> OpenRaster:
         call = NativeCall(work)
         try:
             return _FileApart(call.result(self._is_open), self._is_open)
@@ -640,7 +640,7 @@ class Pool:
     def _is_open(self) -> bool:
         return not self._closed
 
-    def _taken_back(self, level: int, file: RasterFile) -> bool:
+    def _taken_back(self, level: int, file: OpenRaster) -> bool:
         with self._lock:
             if not self._closed:
                 self._free[level].append(file)

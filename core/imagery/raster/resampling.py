@@ -31,7 +31,7 @@ _SAME_PX = 1e-5
 _SLACK = 1e-4
 
 
-class Boxes(NamedTuple):
+class PixelFootprints(NamedTuple):
     """Boxes of a raster: centres and widths in px.
 
     Arrays (h, w), or (1, w) for columns and (h, 1) for rows where these do not depend on each other.
@@ -47,14 +47,14 @@ class Boxes(NamedTuple):
         """Whether columns and rows do not depend on each other."""
         return self.column_px.shape[0] == 1 and self.row_px.shape[1] == 1
 
-    def scaled(self, left: float, top: float, x: float, y: float) -> Boxes:
+    def scaled(self, left: float, top: float, x: float, y: float) -> PixelFootprints:
         """Boxes in other pixels, which are ``x`` and ``y`` times as large and begin at ``left, top`` of these."""
-        return Boxes(
+        return PixelFootprints(
             (self.column_px - left) / x, (self.row_px - top) / y, self.width_px / x, self.height_px / y
         )
 
 
-def boxes(column_px: Floats, row_px: Floats) -> Boxes:
+def pixel_footprints(column_px: Floats, row_px: Floats) -> PixelFootprints:
     """Footprints of the map's pixels in a raster.
 
     Parameters
@@ -64,13 +64,13 @@ def boxes(column_px: Floats, row_px: Floats) -> Boxes:
 
     Returns
     -------
-    Boxes
+    PixelFootprints
         Of the (h, w) pixels. Width is the step of columns across a pixel and down a pixel, taken together as by
         Pythagoras: a turned raster has boxes as large as one that is not. Not finite where positions are not.
     """
     with np.errstate(invalid="ignore"):
         if column_px.shape[0] == 1:
-            return Boxes(
+            return PixelFootprints(
                 column_px[:, 1:-1],
                 row_px[1:-1],
                 np.maximum(_step(column_px, 1), 1.0),
@@ -81,7 +81,7 @@ def boxes(column_px: Floats, row_px: Floats) -> Boxes:
             np.maximum(np.hypot(_step(values[1:-1], 1), _step(values[:, 1:-1], 0)), 1.0)
             for values in (column_px, row_px)
         ]
-        return Boxes(column_px[inner], row_px[inner], sizes[0], sizes[1])
+        return PixelFootprints(column_px[inner], row_px[inner], sizes[0], sizes[1])
 
 
 def _step(values: Floats, axis: int) -> Floats:
@@ -101,14 +101,14 @@ def reduced(colours: Values, x: int, y: int) -> Sums:
     return np.add.reduceat(rows, np.arange(0, colours.shape[1], x), axis=1)
 
 
-def means(ground: Sums, over: Boxes, block: int, data_type: str = "uint8") -> Values:
+def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str = "uint8") -> Values:
     """Values of boxes.
 
     Parameters
     ----------
     ground : array (h, w, c + 1)
         Sums of the bands' values, and count of the pixels that have imagery, of ``block`` pixels each.
-    over : Boxes
+    footprints : PixelFootprints
         In pixels of ``ground``; beyond it there is no imagery.
     block : int
     data_type : str
@@ -120,23 +120,25 @@ def means(ground: Sums, over: Boxes, block: int, data_type: str = "uint8") -> Va
         The last channel is not 0 where the whole box has imagery (255 of uint8), else all are 0.
     """
     kind = np.dtype(data_type)
-    pixels = _whole_pixels(over)
-    shape = over.row_px.shape[0], over.column_px.shape[1]
+    pixels = _whole_pixels(footprints)
+    shape = footprints.row_px.shape[0], footprints.column_px.shape[1]
     if pixels is not None and block == 1:
         picture = _taken(ground, shape, pixels).astype(kind, copy=False)
         picture[..., -1] *= full(kind)
         return picture
     if pixels is not None:
         total = _taken(ground, shape, pixels).astype(np.float64)
-    elif not over.are_upright:
-        total = _means_anyhow(ground, over)
+    elif not footprints.are_upright:
+        total = _means_anyhow(ground, footprints)
     elif kind.kind == "f":
         # Running totals of floats would mix values that lie far apart.
-        down = _weighted(ground, over.row_px[:, 0], over.height_px[:, 0])
-        total = _weighted(down.swapaxes(0, 1), over.column_px[0], over.width_px[0]).swapaxes(0, 1)
+        down = _weighted(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
+        total = _weighted(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     else:
-        down = _means_along(ground, over.row_px[:, 0], over.height_px[:, 0])
-        total = _means_along(down.swapaxes(0, 1), over.column_px[0], over.width_px[0]).swapaxes(0, 1)
+        down = _means_along(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
+        total = _means_along(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(
+            0, 1
+        )
     total /= block
     whole = total[..., -1] > 1.0 - _SLACK
     picture = fitted(total, kind)
@@ -145,12 +147,15 @@ def means(ground: Sums, over: Boxes, block: int, data_type: str = "uint8") -> Va
     return picture
 
 
-def _whole_pixels(over: Boxes) -> tuple[tuple[int, int], tuple[int, int]] | None:
+def _whole_pixels(footprints: PixelFootprints) -> tuple[tuple[int, int], tuple[int, int]] | None:
     """First row and column of the pixels that boxes are, each with its step; None where one is not just a pixel."""
-    if not over.are_upright:
+    if not footprints.are_upright:
         return None
     found = []
-    for centre, width in ((over.row_px[:, 0], over.height_px), (over.column_px[0], over.width_px)):
+    for centre, width in (
+        (footprints.row_px[:, 0], footprints.height_px),
+        (footprints.column_px[0], footprints.width_px),
+    ):
         if not np.isfinite(centre).all():
             return None
         index = np.floor(centre)
@@ -215,20 +220,20 @@ def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats
     return result
 
 
-def _means_anyhow(ground: Sums, over: Boxes) -> Floats:
+def _means_anyhow(ground: Sums, footprints: PixelFootprints) -> Floats:
     height, width, channels = ground.shape
     # Sums of bytes are exact in float32, and `take` is three times as fast as an index.
     kind: Any = np.float32 if ground.dtype in (np.uint8, np.uint32) else np.float64
     flat = ground.reshape(-1, channels).astype(kind)
-    columns, across = _taps(over.column_px, over.width_px, width, kind)
-    rows, down = _taps(over.row_px, over.height_px, height, kind)
-    total: NDArray[Any] = np.zeros((over.column_px.size, channels), kind)
+    columns, across = _taps(footprints.column_px, footprints.width_px, width, kind)
+    rows, down = _taps(footprints.row_px, footprints.height_px, height, kind)
+    total: NDArray[Any] = np.zeros((footprints.column_px.size, channels), kind)
     for j in range(len(rows)):
         line = np.zeros_like(total)
         for i in range(len(columns)):
             line += across[i][:, np.newaxis] * flat.take(rows[j] * width + columns[i], axis=0)
         total += down[j][:, np.newaxis] * line
-    return total.reshape(*over.column_px.shape, channels).astype(np.float64)
+    return total.reshape(*footprints.column_px.shape, channels).astype(np.float64)
 
 
 def _taps(centre: Floats, size: Floats, count: int, kind: Any) -> tuple[NDArray[np.intp], NDArray[Any]]:

@@ -31,10 +31,10 @@ from ..source import Part, Window, tile_parts
 from ..systems import MAP
 from ..tiles import KEY_ENV, check_zoom, environment_key
 from .colours import Colours, colours_of, heights_of
-from .place import TILE_PX, Place
-from .reading import Box, Facts, Pool, ReadError, Values, opener
+from .georeference import TILE_PX, RasterGeoreference
+from .reading import Facts, PixelBox, Pool, ReadError, Values, opener
 from .remote import Remote
-from .resampling import MOST_PX, Boxes, Sums, boxes, means, reduced
+from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced
 from .trust import FETCHED, KEY, check_virtual, drivers_for, file_of_part, host_of_virtual, name_for_gdal
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
@@ -242,7 +242,7 @@ class RasterSource:
         self.bands: Bands = replace(kind, data_type="uint8") if self._is_stretched else kind
         self._percentiles: tuple[Range, ...] | None = None
         self._measuring = threading.Lock()
-        self._place = Place(facts)
+        self._place = RasterGeoreference(facts)
         self._sizes = facts.sizes
         self._pool = pool
         self.policy = Policy() if pool.remote is None else pool.remote.policy
@@ -284,7 +284,7 @@ class RasterSource:
         if self.policy.bulk_allowed == "no":
             self.policy.check(self.title, next(self._fetched))
         self._check_same()
-        picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
+        picture = self._mean_colours(pixel_footprints(*self._place.positions(part, self.grid)), part)
         if self._is_stretched:
             picture = self._stretched(picture)
         return np.ascontiguousarray(picture[..., :-1]) if bool(picture[..., -1].all()) else picture
@@ -336,13 +336,13 @@ class RasterSource:
             i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX
         )
         width, height = self._sizes[level]
-        boxes_read = [Box(0, 0, width, height)]
+        boxes_read = [PixelBox(0, 0, width, height)]
         # Of many bands fewer pixels tell enough, and fit memory.
         share = max(len(self.bands) / _USUAL_BANDS, 1.0)
         if width * height * share > _MOST_SAMPLED_PX:
             side = min(max(int(_SAMPLE_SIDE_PX / share), 1), width, height)
             boxes_read = [
-                Box(round(left), round(top), side, side)
+                PixelBox(round(left), round(top), side, side)
                 for top in np.linspace(0, height - side, _SAMPLES)
                 for left in np.linspace(0, width - side, _SAMPLES)
             ]
@@ -374,15 +374,18 @@ class RasterSource:
         highest, extent = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM), self._place.own_extent(native)
         return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
 
-    def _mean_colours(self, over: Boxes, part: Window) -> Values:
-        level = self._level(over)
+    def _mean_colours(self, footprints: PixelFootprints, part: Window) -> Values:
+        level = self._level(footprints)
         width, height = self._sizes[level]
-        over = over.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
+        footprints = footprints.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
         # Where boxes are large still, blocks of pixels are summed up as they are read.
         # Of a raster's own pixels all those that one of a lower zoom is the mean of make one block.
         least = _LEAST_OF_BLOCKS if self.grid.own is None else 1.0
-        x, y = (max(int(_smallest(size) / least + _SLIVER_PX), 1) for size in (over.width_px, over.height_px))
-        box = _extent(over, width, height, x, y)
+        x, y = (
+            max(int(_smallest(size) / least + _SLIVER_PX), 1)
+            for size in (footprints.width_px, footprints.height_px)
+        )
+        box = _extent(footprints, width, height, x, y)
         if box is None:
             kind = self._colours.kind
             return np.zeros((part.height_px, part.width_px, len(kind) + 1), kind.dtype)
@@ -395,13 +398,13 @@ class RasterSource:
                 box.height,
                 remedy="give it overviews, with gdaladdo",
             )
-        over = over.scaled(box.left, box.top, x, y)
-        return means(self._read(level, box, x, y), over, x * y, self._colours.kind.data_type)
+        footprints = footprints.scaled(box.left, box.top, x, y)
+        return means(self._read(level, box, x, y), footprints, x * y, self._colours.kind.data_type)
 
-    def _level(self, over: Boxes) -> int:
+    def _level(self, footprints: PixelFootprints) -> int:
         """Coarsest overview of which boxes still have pixels enough."""
         full_width, full_height = self._sizes[0]
-        wide, high = _smallest(over.width_px), _smallest(over.height_px)
+        wide, high = _smallest(footprints.width_px), _smallest(footprints.height_px)
         return max(
             (
                 level
@@ -412,7 +415,7 @@ class RasterSource:
             default=0,
         )
 
-    def _read(self, level: int, box: Box, x: int, y: int) -> Sums:
+    def _read(self, level: int, box: PixelBox, x: int, y: int) -> Sums:
         """Sums of values over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
         bottom = box.top + box.height
         rows = max(_STRIP_VALUES // (box.width * y * (len(self.bands) + 1)), 1) * y
@@ -421,7 +424,7 @@ class RasterSource:
                 strips = [
                     reduced(self._colours.read(file, strip), x, y)
                     for strip in (
-                        Box(box.left, top, box.width, min(rows, bottom - top))
+                        PixelBox(box.left, top, box.width, min(rows, bottom - top))
                         for top in range(box.top, bottom, rows)
                     )
                 ]
@@ -471,15 +474,21 @@ def _smallest(size_px: Floats) -> float:
     return float(finite.min()) if finite.size else 1.0
 
 
-def _extent(over: Boxes, width: int, height: int, x: int, y: int) -> Box | None:
+def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int) -> PixelBox | None:
     """Pixels of a raster that boxes reach, in whole blocks of ``x`` by ``y`` counted from its corner; None for none."""
-    left, right = over.column_px - over.width_px / 2.0, over.column_px + over.width_px / 2.0
-    top, bottom = over.row_px - over.height_px / 2.0, over.row_px + over.height_px / 2.0
+    left, right = (
+        footprints.column_px - footprints.width_px / 2.0,
+        footprints.column_px + footprints.width_px / 2.0,
+    )
+    top, bottom = (
+        footprints.row_px - footprints.height_px / 2.0,
+        footprints.row_px + footprints.height_px / 2.0,
+    )
     # Comparisons with what is not finite say no.
     with np.errstate(invalid="ignore"):
         across = (right > _SLIVER_PX) & (left < width - _SLIVER_PX)
         down = (bottom > _SLIVER_PX) & (top < height - _SLIVER_PX)
-    if not over.are_upright:
+    if not footprints.are_upright:
         across = down = across & down
     if not (across.any() and down.any()):
         return None
@@ -488,7 +497,7 @@ def _extent(over: Boxes, width: int, height: int, x: int, y: int) -> Box | None:
     first_x, first_y = first_x - first_x % x, first_y - first_y % y
     last_x, last_y = (math.ceil(edge.max() - _SLIVER_PX) for edge in (right, bottom))
     last_x, last_y = min(last_x + -last_x % x, width), min(last_y + -last_y % y, height)
-    return Box(first_x, first_y, last_x - first_x, last_y - first_y)
+    return PixelBox(first_x, first_y, last_x - first_x, last_y - first_y)
 
 
 def checked_date(text: str) -> str:

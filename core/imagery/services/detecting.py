@@ -8,7 +8,7 @@ from typing import Any
 
 from ...errors import InvalidInput, Message, SourceError
 from ...safe_json import parse_json
-from ..opening import NamedSource, SourceOptions, kind_of, named_source
+from ..opening import NamedSource, SourceOptions, named_source, source_kind
 from .capabilities import ROOTS, Offered, asked
 from .ogcapi import OGCAPITiles
 
@@ -53,7 +53,7 @@ class FoundService:
 
 def is_service_address(text: str) -> bool:
     """Whether a text may be the address of a service: one in full, or an address of the web without placeholders."""
-    if kind_of(text).is_service:
+    if source_kind(text).is_service:
         return True
     return re.match(r"https?://", text, re.IGNORECASE) is not None and not re.search(r"\{(?!key\})", text)
 
@@ -74,7 +74,7 @@ def found_service(text: str, options: SourceOptions) -> FoundService:
     SourceError
         No such service answers there.
     """
-    if kind_of(text).is_service:
+    if source_kind(text).is_service:
         return _found(text, options)
     address = text.partition("#")[0]
     hinted = next((kinds for hint, kinds in _HINTS if hint.search(address)), ())

@@ -20,9 +20,9 @@ from terrainav.core.imagery.opening import (
     KINDS,
     NamedSource,
     SourceOptions,
-    kind_of,
     named_source,
     open_source,
+    source_kind,
 )
 from terrainav.core.imagery.policy import TermsError
 from terrainav.core.imagery.source import Window
@@ -75,15 +75,15 @@ def test_the_world_opens_with_its_seed():
     ],
 )
 def test_what_a_name_is_taken_for(name, template, file):
-    assert (kind_of(name).name == "template", kind_of(name).is_file) == (template, file)
+    assert (source_kind(name).name == "template", source_kind(name).is_file) == (template, file)
 
 
 def test_a_file_that_is_there_is_known_for_one(tmp_path, monkeypatch):
     (tmp_path / "orthophoto").write_bytes(b"x")
     monkeypatch.chdir(tmp_path)
-    assert not kind_of("orthophoto").is_file
-    assert kind_of("./orthophoto").is_file
-    assert kind_of(str(tmp_path / "orthophoto")).is_file
+    assert not source_kind("orthophoto").is_file
+    assert source_kind("./orthophoto").is_file
+    assert source_kind(str(tmp_path / "orthophoto")).is_file
     with pytest.raises(InvalidInput, match="orthophoto"):
         open_source(str(tmp_path / "orthophoto"))
 
@@ -450,7 +450,7 @@ class Silent:
 )
 def test_what_the_text_tells_is_told_without_asking_anybody(name, kind, is_local, needs_key, has_terms):
     named = named_source(name, SourceOptions(transport=Silent()))
-    assert (kind_of(name).name, named.is_local, named.needs_key) == (kind, is_local, needs_key)
+    assert (source_kind(name).name, named.is_local, named.needs_key) == (kind, is_local, needs_key)
     if has_terms is not None:
         assert (named.stated_policy is not None) == has_terms
 

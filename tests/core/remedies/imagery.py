@@ -17,7 +17,7 @@ from terrainav.core.imagery.catalogue import entry_named
 from terrainav.core.imagery.entry import Dates
 from terrainav.core.imagery.http import client as clients
 from terrainav.core.imagery.http.transport import Response
-from terrainav.core.imagery.opening import kind_of, named_source, open_source
+from terrainav.core.imagery.opening import named_source, open_source, source_kind
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.raster import reading as raster_files
 from terrainav.core.imagery.raster import sizes, trust
@@ -306,7 +306,7 @@ def _no_rasterio(case: Case) -> None:
 
 
 @remedy(
-    "imagery/raster/place.py",
+    "imagery/raster/georeference.py",
     "it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632",
 )
 def _no_crs(case: Case) -> None:
@@ -314,7 +314,7 @@ def _no_crs(case: Case) -> None:
 
 
 @remedy(
-    "imagery/raster/place.py",
+    "imagery/raster/georeference.py",
     "its coordinate reference system, {}, is not one of maps: say which, for example with gdal_edit.py -a_srs "
     "EPSG:32632",
 )
@@ -336,7 +336,8 @@ def _place_by_crs(case: Case, epsg: int | None) -> None:
 
 
 @remedy(
-    "imagery/raster/place.py", "only ground control points place it: make a map of it first, with gdalwarp"
+    "imagery/raster/georeference.py",
+    "only ground control points place it: make a map of it first, with gdalwarp",
 )
 def _by_points(case: Case) -> None:
     path = raster(case, "points.tif", geotransform=None, epsg=None)
@@ -369,7 +370,7 @@ def _within(case: Case) -> None:
     text = case.refused(lambda: read(path))
     named = text.rpartition("such as ")[2]
     case.follow(f"name one of those within, such as {named}", lambda: opened(named))
-    assert not any(kind_of(name).is_file for name in ("GPKG:not.there:a", "Mine:a", "WMS:https://h/wms"))
+    assert not any(source_kind(name).is_file for name in ("GPKG:not.there:a", "Mine:a", "WMS:https://h/wms"))
 
 
 @remedy(

@@ -10,7 +10,7 @@ import pytest
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
 from terrainav.core.errors import InvalidInput, SourceError  # noqa: E402
-from terrainav.core.imagery.opening import SourceOptions, kind_of, named_source  # noqa: E402
+from terrainav.core.imagery.opening import SourceOptions, named_source, source_kind  # noqa: E402
 from terrainav.core.imagery.raster import remote as remote_module  # noqa: E402
 
 from tests.core.imagery.raster.test_remote import GEOTRANSFORM, OPTIONS, is_same  # noqa: E402
@@ -69,7 +69,7 @@ def opened(name, **options):
 def test_the_remedy_of_the_message_opens_the_raster(query, key, sent, before, server, monkeypatch):
     monkeypatch.setenv("TERRAINAV_KEY", key)
     name = f"{before}{server.url}/a.tif?{query}"
-    assert kind_of(name).name == "raster"
+    assert source_kind(name).name == "raster"
     source = opened(name)
     assert is_same(source, VALUES, 64, 64)
     source.close()

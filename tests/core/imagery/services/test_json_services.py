@@ -11,7 +11,7 @@ import pytest
 from pyproj import Transformer
 from terrainav.core.errors import InvalidInput, PartError, SourceError, TerrAInavError
 from terrainav.core.imagery.http.transport import Response
-from terrainav.core.imagery.opening import SourceOptions, kind_of, named_source, open_source
+from terrainav.core.imagery.opening import SourceOptions, named_source, open_source, source_kind
 from terrainav.core.imagery.services.detecting import found_service, is_service_address
 from terrainav.core.imagery.source import Window
 
@@ -529,7 +529,7 @@ def test_names_and_addresses_are_told_apart():
         ("/data/map.tif", False),
     ):
         assert is_service_address(text) == is_service
-    assert kind_of("ogcapi:https://h.example/").is_service
+    assert source_kind("ogcapi:https://h.example/").is_service
 
 
 # --- anything anywhere

@@ -34,7 +34,7 @@ _LEAST_STEP = 16.0
 _COMPARED = 5
 
 
-class Place:
+class RasterGeoreference:
     """Geotransform and coordinate reference system of a raster.
 
     Every pixel of a picture is transformed on its own, by PROJ: no interpolation between transformed points.
@@ -182,19 +182,22 @@ class Place:
         across, down = grid.pixel_size(window.zoom)
         x = grid.plane.west + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * across
         y = grid.plane.north - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * down
-        upright = grid.own is not None or self.is_upright
+        to_map, period, upright = self._to_map, self._period, self.is_upright
+        if grid.own:
+            # Its own plane differs from its pixels by steps and origin alone.
+            to_map, period, upright = None, None, True
         if upright:
             x, y = x[np.newaxis, :], y[:, np.newaxis]
         else:
             x, y = np.meshgrid(x, y)
-        if self._to_map is not None and grid.own is None:
-            x, y = through_proj(self._to_map.transform, x, y, direction=TransformDirection.INVERSE)
-        if self._period is not None and grid.own is None:
-            # A raster across the antimeridian counts on where the map begins anew.
-            away = np.abs(x - self._centre_x) > self._period / 2.0
+        if to_map is not None:
+            x, y = through_proj(to_map.transform, x, y, direction=TransformDirection.INVERSE)
+        if period is not None:
+            # A raster across the antimeridian continues where the map starts again.
+            away = np.abs(x - self._centre_x) > period / 2.0
             if away.any():
-                turns = np.rint((x - self._centre_x) / self._period)
-                x = np.where(away & np.isfinite(x), x - turns * self._period, x)
+                turns = np.rint((x - self._centre_x) / period)
+                x = np.where(away & np.isfinite(x), x - turns * period, x)
         if upright:
             return (x - self._origin[0]) / self._steps[0, 0], (y - self._origin[1]) / self._steps[1, 1]
         to_pixels = np.linalg.inv(self._steps)
