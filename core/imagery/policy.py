@@ -113,8 +113,8 @@ class Policy:
 
         While the shares of the runs under way add up to the whole at most, no second has more requests than the
         provider allows, whenever runs begin and end. For that, a share is a whole number of requests per second, spaced
-        a little wider than evenly, and its first request comes more than a second after the run has begun, when the last
-        request of a predecessor with the same share is past.
+        a little wider than evenly, and its first request comes more than a second after the run has begun: by then, the
+        last request of a predecessor with the same share is past.
 
         Parameters
         ----------

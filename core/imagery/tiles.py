@@ -221,8 +221,8 @@ class Template:
 def host_of(url: str) -> str:
     """Host of a URL as DNS has it, in whatever spelling; empty without a host.
 
-    Upper case, percent-encoding, IDNA forms of letters and dots, and the root's dot are normalised. A host that programs
-    resolve differently, such as ``straße.example``, counts as missing: xn--… is unambiguous.
+    Upper case, percent-encoding, IDNA forms of letters and dots, and the root's dot are normalised. A host that
+    programs resolve differently, such as ``straße.example``, counts as missing: xn--… is unambiguous.
     """
     try:
         host = unquote(urlsplit(url).hostname or "").rstrip(".")
