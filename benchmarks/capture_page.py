@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from capture_floor import Terms
 from terrainav.core.capture.pipeline import MEMORY_BYTES
-from terrainav.core.files import make_folder
 from terrainav.core.report.machine import machine
+from terrainav.core.storage.files import make_folder
 
 Row = dict[str, Any]
 

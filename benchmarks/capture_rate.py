@@ -29,7 +29,7 @@ from capture_contenders import Job, windows
 from capture_floor import Terms, measure_terms
 from capture_page import draw, page
 from loopback_server import MODULUS, LoopbackServer, positions_of
-from terrainav.core.files import make_folder, write_whole
+from terrainav.core.storage.files import make_folder, write_whole
 
 ROOT = Path(__file__).resolve().parents[1]
 PEERS = ROOT / "build" / "peers"

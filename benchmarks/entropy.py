@@ -174,7 +174,7 @@ def peer_versions() -> str:
 
 def drawn(rows: list[Row]) -> bytes:
     """Images a second, by size."""
-    from terrainav.core.drawing import BLUE, FONT, ORANGE, PURPLE, dress, new_figure, png
+    from terrainav.core.external.drawing import BLUE, FONT, ORANGE, PURPLE, dress, new_figure, png
 
     figure = new_figure(10.0, 4.2)
     for axes, kind in zip(figure.subplots(1, 2), ("grey", "RGB")):
@@ -313,8 +313,8 @@ def main() -> None:
     if asked.dataset is None:
         print("\n".join(rate_lines(rows)))
         return
-    from terrainav.core.files import write_whole
     from terrainav.core.report.machine import versions
+    from terrainav.core.storage.files import write_whole
 
     text = TEXT.format(
         cores=os.cpu_count(),

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from terrainav.core.drawing import BLUE, FONT, GREEN, ORANGE, VERMILION, dress, new_figure, png
 from terrainav.core.errors import InvalidInput
+from terrainav.core.external.drawing import BLUE, FONT, GREEN, ORANGE, VERMILION, dress, new_figure, png
 from terrainav.core.mission.flight.gusts import LinearSystem, factor, flight_system
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.plan import Plan

@@ -24,12 +24,12 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import open_image, read_dataset
 from terrainav.core.dataset.loading import Batches, Samples
 from terrainav.core.dataset.loading.augment import Augmentation
-from terrainav.core.files import write_whole
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions
+from terrainav.core.storage.files import write_whole
 from terrainav.core.timing import Effort, timed_together
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -347,7 +347,7 @@ def content_of(folder: Path) -> dict[str, str]:
 
 def emptied(address: str) -> dict[str, str]:
     """Digests of all shards and tables at an address, by name; all there is is removed."""
-    from terrainav.core.stores import get, remove, sizes_in, store_path
+    from terrainav.core.storage.stores import get, remove, sizes_in, store_path
 
     found = {}
     for place in (store_path(address) / "satellite", store_path(address) / "blocks", store_path(address)):

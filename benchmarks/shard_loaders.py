@@ -44,9 +44,9 @@ from PIL import Image
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.loading import Batches
 from terrainav.core.dataset.loading.torch_loader import TorchDataset
-from terrainav.core.files import write_whole
 from terrainav.core.report.machine import machine, versions
-from terrainav.core.stores import put, store_path
+from terrainav.core.storage.files import write_whole
+from terrainav.core.storage.stores import put, store_path
 from terrainav.core.timing import Effort, timed_together
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -34,7 +34,6 @@ from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
-from terrainav.core.files import write_whole
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.http.client import Client
@@ -46,6 +45,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.picture.map_frame import window_of
+from terrainav.core.storage.files import write_whole
 
 from tests.support.faults import flat_placeholder
 from tests.support.patterns import MODULUS, decode_position

@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from integrators import Flight, flight_diagram, flight_of, flight_table, integrators_text
-from terrainav.core.drawing import check_matplotlib
-from terrainav.core.files import make_folder, write_whole
+from terrainav.core.external.drawing import check_matplotlib
 from terrainav.core.mission.areas.area import Area, Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -36,6 +35,7 @@ from terrainav.core.report.tables import (
     savings_table,
     seconds_text,
 )
+from terrainav.core.storage.files import make_folder, write_whole
 from terrainav.core.timing import QUICK, THOROUGH
 from terrainav.core.world import WorldSource
 

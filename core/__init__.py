@@ -1,19 +1,17 @@
 """TerrAInav without any GUI: missions planned and captured over map imagery, and the datasets that come of them.
 
-Rooms, each on those before it: geodesy, mission and imagery, world, dataset, capture, report and pairs, cli.
+Rooms, each on those before it: text, external, storage, geodesy, mission and imagery, world, dataset, capture, report
+and pairs, cli. Here lies what all of them share:
 
-errors      every error that is raised on purpose
-limits      how much is read, waited for and kept at most
-arrays      arrays, as annotations name them
-bands       what a picture's channels are, and how values of more than 8 bits are shown
-numbers     numbers in text of strangers
-text        text of strangers, on one line and without keys
-files       files written whole or not at all, and held by one run at a time
-safe_json   JSON of strangers
-config      what the user keeps in the configuration folder
-units       what numbers are in, in words and as they are typed
-resources   what ships beside the code
-drawing     what all diagrams have in common
-unexpected  errors that nobody foresaw
-native_calls  calls into libraries in C, which Ctrl-C must not wait for
+- `errors`: every error that is raised on purpose, and messages
+- `limits`: limits on what is read, waited for and kept
+- `addresses`: passwords and keys in addresses
+- `numbers`: numbers in text from outside
+- `arrays`: types of arrays
+- `units`, `fields`: declared fields of missions, with their units
+- `bands`: channels of images, and how more than 8 bits are displayed
+- `map_types`: kinds of imagery
+- `resources`: files that ship beside the code
+- `timing`: measured processor time
+- `waiting`: waiting for other threads
 """

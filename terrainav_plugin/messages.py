@@ -44,7 +44,7 @@ def _masked(text: str, most: int) -> str:
     """Text without the credentials of an address in it, of so many characters at most."""
     # Of the core, which is loaded when it is first used.
     from ..core.addresses import without_credentials
-    from ..core.text import shortened
+    from ..core.text.plain import shortened
 
     return shortened(without_credentials(text), most)
 

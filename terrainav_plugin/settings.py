@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import QgsApplication, QgsSettings
 
 from ..core.errors import InvalidInput
-from ..core.safe_json import parse_json
+from ..core.text.safe_json import parse_json
 from ..core.units import LENGTHS_M
 from .paths import exists
 

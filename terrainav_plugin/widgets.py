@@ -52,7 +52,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..core.text import shortened
+from ..core.text.plain import shortened
 from .i18n import localized, plain_number, tr
 from .plain import plain_label, shown_plain
 

@@ -25,14 +25,14 @@ from ..dataset.dataset import open_image
 from ..dataset.folder import PARTS
 from ..dataset.table import GAP
 from ..errors import InvalidInput, Message, OptionName
-from ..files import csv_bytes, read_limited, write_whole
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
 from ..numbers import real_number
 from ..poses.priors import PRIORS_FILE
-from ..safe_json import decoded, parse_json
+from ..storage.files import csv_bytes, read_limited, write_whole
+from ..text.safe_json import decoded, parse_json
 
 BENCHMARK_FILE = "benchmark.json"
 QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv", "positives.csv"

@@ -14,7 +14,7 @@ from ..dataset.folder import TRAIN
 from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, sized
 from ..dataset.loading.streaming import random_numbers
 from ..errors import InvalidInput
-from ..stores import Address
+from ..storage.stores import Address
 from .folder import POSITIVE, Benchmark
 
 Images = tuple[NDArray[Any], NDArray[Any]]

@@ -23,12 +23,12 @@ from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
 from ..dataset.table import GAP
 from ..errors import InvalidInput, Message, OptionName, OutputError
-from ..files import json_bytes, make_folder, open_locked, read_limited, write_whole
 from ..imagery.source import Source
 from ..limits import MAX_SETTINGS_BYTES
 from ..poses.priors import PRIORS_FILE, write_priors
 from ..poses.settings import Sensors
-from ..safe_json import parse_json
+from ..storage.files import json_bytes, make_folder, open_locked, read_limited, write_whole
+from ..text.safe_json import parse_json
 from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
     BENCHMARK_FILE,

@@ -15,7 +15,7 @@ from PIL import Image
 
 from ..arrays import Floats
 from ..dataset.dataset import open_image
-from ..drawing import (
+from ..external.drawing import (
     BLACK,
     BLUE,
     FONT,
@@ -30,9 +30,9 @@ from ..drawing import (
     new_figure,
     png,
 )
-from ..files import json_bytes, make_folder, write_whole
-from ..markup import Markup, document, element, figure, pairs, table
-from ..text import shortened
+from ..storage.files import json_bytes, make_folder, write_whole
+from ..text.markup import Markup, document, element, figure, pairs, table
+from ..text.plain import shortened
 from .folder import Benchmark
 from .scoring import ALL, Errors, Figure, Scores
 

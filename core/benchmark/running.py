@@ -15,8 +15,8 @@ import numpy as np
 
 from ..arrays import Numbers
 from ..errors import InvalidInput, Message, TerrAInavError
-from ..text import words_of
-from ..user_code import called, is_ctrl_c, output_apart
+from ..external.user_code import called, is_ctrl_c, output_apart
+from ..text.plain import words_of
 from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, query_of
 from .choices import METHODS
 from .folder import Benchmark

@@ -11,14 +11,14 @@ from typing import Any
 
 from ..dataset.folder import MISSION_FILE
 from ..errors import InvalidInput, Message, OutputError
-from ..files import json_bytes, read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.parts import FLAT_PARTS
-from ..safe_json import parse_json
-from ..stores import is_file
-from ..text import shortened
+from ..storage.files import json_bytes, read_limited, write_whole
+from ..storage.stores import is_file
+from ..text.plain import shortened
+from ..text.safe_json import parse_json
 
 #: Beside ``mission.json``, or what stands for it: the settings again, by their paths.
 BEGUN_FILE = "begun.json"

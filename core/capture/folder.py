@@ -9,12 +9,12 @@ from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
-from ..files import PARTIAL_ENDING, make_folder, open_locked, read_if_there, read_limited, write_whole
 from ..geodesy.mercator import WebMercator
 from ..limits import MAX_MISSION_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..stores import is_address, put_new, sizes_in, store_path
+from ..storage.files import PARTIAL_ENDING, make_folder, open_locked, read_if_there, read_limited, write_whole
+from ..storage.stores import is_address, put_new, sizes_in, store_path
 from .begun import edited_since
 from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .journal import Outcome

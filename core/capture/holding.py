@@ -15,9 +15,9 @@ from typing import IO
 
 from ..dataset.folder import JOURNAL_FILE
 from ..errors import InvalidInput, Message, OutputError
-from ..files import lock_tried, open_locked, open_own, read_if_there, write_whole
 from ..limits import MAX_SETTINGS_BYTES
-from ..stores import is_address, put, put_new, remove
+from ..storage.files import lock_tried, open_locked, open_own, read_if_there, write_whole
+from ..storage.stores import is_address, put, put_new, remove
 from ..waiting import check_cancelled
 from .folder import LOCK_FILE
 

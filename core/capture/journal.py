@@ -18,10 +18,10 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import OutputError
-from ..files import open_locked, open_own
 from ..limits import MAX_JOURNAL_LINE_BYTES, MAX_TABLE_BYTES
-from ..safe_json import parse_json
-from ..store_requests import larger_than
+from ..storage.files import open_locked, open_own
+from ..storage.store_requests import larger_than
+from ..text.safe_json import parse_json
 
 DONE = "done"
 FAILED = "failed"

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from ..arrays import Numbers
 from ..bands import RGB, bands_of
 from ..errors import InvalidInput, PartError
-from ..files import write_whole
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import Provided, Received, corner
 from ..imagery.source import Part, Source, Window
@@ -24,6 +23,7 @@ from ..picture.camera_frame import parts_of_tiles
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
 from ..picture.shot import parts_of, tiles_of
+from ..storage.files import write_whole
 from .journal import FAILED, Outcome
 from .pipeline import Pipeline, sweep
 from .progress import Repeat

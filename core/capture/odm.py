@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Numbers
-from ..files import json_bytes, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, body_of, optics_of
+from ..storage.files import json_bytes, write_whole
 from .metadata import DECIMALS_OF_DEGREES, MAKE, FocalTags, accuracy, degrees, figure
 
 GEO_FILE = "geo.txt"

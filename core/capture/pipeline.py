@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Bytes
 from ..errors import Cancelled, PartError, TerrAInavError
+from ..external.unexpected import UnexpectedErrors
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
-from ..unexpected import UnexpectedErrors
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")

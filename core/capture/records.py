@@ -16,7 +16,6 @@ from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
 from ..errors import Message, PartError
-from ..files import write_whole
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
@@ -28,6 +27,7 @@ from ..picture.map_frame import resized
 from ..picture.optics import Exposures, optics_of
 from ..picture.products import BANDS, products
 from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
+from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
 from .metadata import Description, degrees, figure

@@ -17,13 +17,13 @@ from ..arrays import Numbers
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
-from ..files import write_whole
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Repeats
 from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
-from ..stores import is_address, store_path
+from ..storage.files import write_whole
+from ..storage.stores import is_address, store_path
 from .begun import hold_to_mission
 from .folder import (
     captured_mission,

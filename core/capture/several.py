@@ -15,7 +15,7 @@ from ..imagery.opening import NamedSource
 from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..stores import is_address, is_file, store_path
+from ..storage.stores import is_address, is_file, store_path
 from .begun import hold_to_mission
 from .folder import check_captured, open_place
 from .holding import held

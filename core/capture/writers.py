@@ -17,7 +17,7 @@ from PIL import Image, PngImagePlugin
 from ..arrays import PixelValues
 from ..bands import Bands, Range, unnamed
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header

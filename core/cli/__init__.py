@@ -46,7 +46,7 @@ _COMMANDS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
     code = _main(argv)
-    from ..native_calls import end_with
+    from ..external.native_calls import end_with
 
     end_with(code)
     return code
@@ -135,7 +135,7 @@ def _run(argv: Sequence[str]) -> int:
 def _check_addresses(values: Mapping[str, object]) -> None:
     """Refuse passwords and keys in what is to be a file, a folder or an address; sources refuse theirs themselves."""
     from ..errors import Message
-    from ..stores import check_no_credentials
+    from ..storage.stores import check_no_credentials
 
     for name, value in values.items():
         for text in value if isinstance(value, list) else [value]:
@@ -187,7 +187,7 @@ def _fail(error: object, code: int) -> int:
 
     from ..addresses import without_credentials
     from ..limits import MAX_TEXT_CHARACTERS
-    from ..text import printable, shortened
+    from ..text.plain import printable, shortened
 
     # Names of files and words of servers may hold line ends and the terminal's control characters, without end.
     said = without_credentials(shortened(printable(str(error)), MAX_TEXT_CHARACTERS))

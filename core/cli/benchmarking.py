@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS
-from ..text import printable, writable
+from ..text.plain import printable, writable
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
     NAMED,
@@ -224,7 +224,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if predictions is None:
         print("terrainav: stopped; nothing was written", file=sys.stderr)
         return exit_code(signals[0])
-    from ..files import make_folder
+    from ..storage.files import make_folder
 
     make_folder(target)
     written = prediction_file(target, arguments.method)

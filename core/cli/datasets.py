@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..dataset.folder import ATTITUDE, HEIGHT, IMAGE
 from ..errors import InvalidInput
-from ..text import printable
+from ..text.plain import printable
 from .exits import DONE
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..text import printable
+from ..text.plain import printable
 from .exits import DONE
 
 

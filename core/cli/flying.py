@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ..capture.choices import FOLDERS, IMAGES
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
-from ..stores import is_address
-from ..text import printable
+from ..storage.stores import is_address
+from ..text.plain import printable
 from ..waiting import ended_where
 from .exits import DONE, INCOMPLETE, exit_code
 from .listing import opened_cache

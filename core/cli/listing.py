@@ -9,8 +9,8 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message, SourceError
-from ..stores import is_address
-from ..text import printable
+from ..storage.stores import is_address
+from ..text.plain import printable
 from .exits import DONE
 
 if TYPE_CHECKING:

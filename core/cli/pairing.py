@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..files import is_there
-from ..text import printable
+from ..storage.files import is_there
+from ..text.plain import printable
 from .dataset_options import shared_options
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (

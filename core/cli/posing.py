@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, Message
 from ..fields import declared_fields
-from ..files import is_there, write_whole
 from ..numbers import real_number
-from ..text import printable
+from ..storage.files import is_there, write_whole
+from ..text.plain import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def run_poses(arguments: argparse.Namespace) -> int:
 def _read(arguments: argparse.Namespace) -> int:
     from ..poses.reading import read_poses_file
     from ..poses.settings import PoseFile
-    from ..text import time_s
+    from ..text.plain import time_s
 
     given = {field.name: getattr(arguments, field.name_of_option) for field in declared_fields(PoseFile)}
     given["origin"] = given["origin"] or ()
@@ -80,7 +80,7 @@ def _inside(arguments: argparse.Namespace) -> Callable[[Poses], Any]:
 def _line(arguments: argparse.Namespace) -> int:
     from ..poses.line import fly, read_lines, turn_radius_m
     from ..poses.settings import LineFlight
-    from ..text import time_s
+    from ..text.plain import time_s
 
     flight = LineFlight(
         arguments.speed, arguments.every_s, arguments.every_m, arguments.bank, arguments.fixed_camera

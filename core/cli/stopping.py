@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ..native_calls import GRACE_S, ask_to_end, forget_signals, signals_asked
+from ..external.native_calls import GRACE_S, ask_to_end, forget_signals, signals_asked
 from .exits import exit_code
 
 #: Windows has no SIGHUP.

@@ -12,10 +12,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
-from ..files import clear_partial, open_locked
-from ..stores import is_address
+from ..external.drawing import check_matplotlib
+from ..storage.files import clear_partial, open_locked
+from ..storage.stores import is_address
 from .dataset import Images, Move
 from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu, parts_groups
 from .figures import draw_all

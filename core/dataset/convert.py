@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InvalidInput, OutputError
-from ..files import PARTIAL_ENDING, make_folder
+from ..storage.files import PARTIAL_ENDING, make_folder
 from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, picture_of, read_dataset, some
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed

@@ -21,9 +21,9 @@ from PIL import Image, UnidentifiedImageError
 
 from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
-from ..files import open_foreign, read_limited
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_PICTURE_PX, MAX_SETTINGS_BYTES
-from ..stores import Address, is_address, sizes_in, store_path
+from ..storage.files import open_foreign, read_limited
+from ..storage.stores import Address, is_address, sizes_in, store_path
 from .folder import (
     LAYOUTS,
     NAME,

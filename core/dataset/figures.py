@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Floats
-from ..drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
-from ..files import make_folder, write_whole
+from ..external.drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
+from ..storage.files import make_folder, write_whole
 from .entropy import HIGHEST_ENTROPY, Deciding, deciding_entropies, otsu
 
 #: Files of the figures of a map type.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
-from ..stores import Address, folders_in, is_address, is_file, resolved, store_path
+from ..storage.stores import Address, folders_in, is_address, is_file, resolved, store_path
 
 if TYPE_CHECKING:
     from .table import Table

@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
-from ..files import open_foreign, text_lines
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.reference import check_reference
 from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
-from ..stores import is_file
+from ..storage.files import open_foreign, text_lines
+from ..storage.stores import is_file
 from .dataset import UNREADABLE, ImageSet, open_bands, picture_of, size_of
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message
-from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.projections import geodesics, transformation, utm_zone
 from ..geodesy.reference import read_reference
 from ..limits import MAX_SETTINGS_BYTES
-from ..safe_json import decoded, parse_json
+from ..storage.files import read_limited, write_whole
+from ..text.safe_json import decoded, parse_json
 from .folder import FRAMES, TRAIN
 from .table import Table, part_of, taken
 

@@ -15,9 +15,9 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from ..errors import InvalidInput
-from ..files import open_foreign, read_if_there
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_IMAGE_MEMBERS
-from ..stores import get_range, is_address, is_file, sizes_in
+from ..storage.files import open_foreign, read_if_there
+from ..storage.stores import get_range, is_address, is_file, sizes_in
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.

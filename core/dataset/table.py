@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message, OutputError
-from ..files import open_foreign, read_line, text_lines, write_whole
 from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
-from ..stores import Address, store_path
-from ..text import table_cell, time_s
+from ..storage.files import open_foreign, read_line, text_lines, write_whole
+from ..storage.stores import Address, store_path
+from ..text.plain import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
 
 #: Headers that differ from the names of `Table`'s fields: the published dataset's.

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InvalidInput
-from ..files import read_limited
 from ..limits import MAX_SETTINGS_BYTES
 from ..numbers import real_number
-from ..safe_json import decoded
+from ..storage.files import read_limited
+from ..text.safe_json import decoded
 from .folder import SUPPLEMENT_FOLDER
 from .table import HEADERS, Table, first_faults
 

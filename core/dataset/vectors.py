@@ -13,8 +13,8 @@ from collections.abc import Iterable, Iterator
 from functools import partial
 
 from ..errors import InvalidInput
-from ..files import open_foreign
 from ..limits import MAX_GEOJSON_CRS_BYTES
+from ..storage.files import open_foreign
 
 #: Beginning in which GDAL's drivers look for what a file is; the most that one of them looks at is some 20 kB.
 HEAD_BYTES = 1 << 16

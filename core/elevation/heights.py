@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
-from ..files import is_there
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import NAMED, NamedSource, SourceOptions, named_source, source_kind, whole_path
@@ -25,7 +24,8 @@ from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..numbers import real_number
 from ..resources import read_json
-from ..text import whole_number
+from ..storage.files import is_there
+from ..text.plain import whole_number
 from .datum import UNITS_M, Datum
 
 Heights32 = NDArray[np.float32]

@@ -12,10 +12,10 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
-from ..files import json_bytes, open_foreign, text_lines, write_whole
 from ..limits import MAX_TABLE_BYTES
-from ..stores import Address, resolved
-from ..text import writable
+from ..storage.files import json_bytes, open_foreign, text_lines, write_whole
+from ..storage.stores import Address, resolved
+from ..text.plain import writable
 from .huggingface import credit_of
 from .tables import chosen_sets, described_folder, is_same
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InvalidInput
-from ..files import json_bytes, make_folder, new_folder, write_whole
 from ..geodesy.quaternions import quaternions_from_matrices
+from ..storage.files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_of
 
 #: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).

@@ -16,8 +16,8 @@ from ..dataset.entropy import Report
 from ..dataset.folder import PARTS
 from ..dataset.table import NUMBER, WHOLE, Column, cell_of, columns_of, part_of, taken
 from ..errors import Cancelled, InvalidInput
-from ..files import link_or_copy, new_folder, write_whole
 from ..map_types import SATELLITE
+from ..storage.files import link_or_copy, new_folder, write_whole
 from .tables import chosen_sets
 
 CARD_FILE, METADATA_FILE = "README.md", "metadata.jsonl"

@@ -25,7 +25,9 @@ from ..dataset.dataset import open_image
 from ..dataset.entropy import Report
 from ..dataset.folder import TEST, TRAIN, VALIDATION
 from ..errors import Cancelled, InvalidInput, OutputError
-from ..files import (
+from ..geodesy.local import LocalFrame
+from ..geodesy.mercator import wrap_lon_deg
+from ..storage.files import (
     PARTIAL_ENDING,
     csv_bytes,
     json_bytes,
@@ -34,8 +36,6 @@ from ..files import (
     new_folder,
     write_whole,
 )
-from ..geodesy.local import LocalFrame
-from ..geodesy.mercator import wrap_lon_deg
 from .scenes import Ground, Ortho, OrthoGrid, frame_about
 from .views import ORIGIN_FILE, origin_of
 

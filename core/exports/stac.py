@@ -17,12 +17,12 @@ from ..dataset.folder import MISSION_FILE
 from ..dataset.ground import of_camera
 from ..dataset.table import NUMBER, REJECTED, TEXT, WHOLE, Column, columns_of
 from ..errors import InvalidInput
-from ..files import json_bytes, write_whole
 from ..geodesy.camera import image_axes
 from ..geodesy.ellipsoid import arctan2
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.mission import Mission
-from ..stores import Address, is_file
+from ..storage.files import json_bytes, write_whole
+from ..storage.stores import Address, is_file
 from .croissant import DESCRIPTION, TAR, describe_files, media_of, name_of, own_folder
 from .huggingface import credit_of
 from .tables import (

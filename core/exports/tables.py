@@ -18,11 +18,11 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
 from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
 from ..errors import InvalidInput, OutputError
-from ..files import make_folder, new_folder, open_foreign, read_line, write_whole
 from ..limits import MAX_TABLE_BYTES
-from ..safe_json import parse_json
-from ..stores import Address, is_address, is_file, resolved, store_path
-from ..text import writable
+from ..storage.files import make_folder, new_folder, open_foreign, read_line, write_whole
+from ..storage.stores import Address, is_address, is_file, resolved, store_path
+from ..text.plain import writable
+from ..text.safe_json import parse_json
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer

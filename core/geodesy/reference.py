@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..limits import MAX_CRS_CHARACTERS
-from ..safe_json import parse_json
+from ..text.safe_json import parse_json
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -81,7 +81,7 @@ def check_reference(text: str) -> None:
     InvalidInput
         It names a file, is too long, or is no definition.
     """
-    from ..text import one_line
+    from ..text.plain import one_line
 
     if len(text) > MAX_CRS_CHARACTERS:
         raise InvalidInput(
@@ -122,7 +122,7 @@ def read_reference(text: str) -> CRS:
     from pyproj import CRS
     from pyproj.exceptions import CRSError
 
-    from ..text import one_line
+    from ..text.plain import one_line
 
     check_reference(text)
     try:

@@ -8,11 +8,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
-from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
-from ..text import listed
+from ..storage.config import Shelf, config_file, read_named, read_shelf, write_named
+from ..text.plain import listed
 from .entry import (
     NAME,
     CatalogueEntry,

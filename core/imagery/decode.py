@@ -17,7 +17,7 @@ from PIL import GifImagePlugin, Image, ImageFile, JpegImagePlugin, PngImagePlugi
 from ..arrays import PixelValues
 from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
-from ..text import first_words, one_line
+from ..text.plain import first_words, one_line
 from .http.client import BrokenPictureError
 from .http.transport import Response
 from .placeholder import PLACEHOLDER_REASON, Placeholder

@@ -17,7 +17,7 @@ from ..geodesy.mercator import PixelGrid, extent_of_box
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_TILE_PX
 from ..resources import read_json
-from ..text import listed
+from ..text.plain import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
 from .systems import WORLD_DEG, Bounds, box_on, plane_of

@@ -25,7 +25,7 @@ from ..limits import (
     MAX_VIEW_CHARACTERS,
 )
 from ..numbers import real_number
-from ..text import one_line, whole_number
+from ..text.plain import one_line, whole_number
 from .cache.database import FILE_ERRORS, connect, fault
 from .decode import decode, picture_size
 from .opening import FileSource

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Callable
 
 from ..bands import NO_STRETCH, Bands, bands_of
 from ..errors import InvalidInput, SourceError
-from ..files import is_there
 from ..geodesy.mercator import PixelGrid
+from ..storage.files import is_there
 from .entry import NAME, PIXELS, CatalogueEntry, providers_in, strictest
 from .placeholder import Placeholder
 from .policy import Policy

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..resources import read_json
+from ..storage.config import Shelf, config_file, read_named, read_shelf, write_named
 
 #: Facts that a field of view follows from, each a way of its own to state it.
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")

@@ -15,7 +15,7 @@ from ..errors import InvalidInput, Message
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import geodesic_ends, geodesics
 from ..limits import MAX_POSES
-from ..text import finite_number
+from ..text.plain import finite_number
 from ..units import LENGTHS_M
 from .areas.area import Points
 

@@ -10,10 +10,10 @@ from typing import Any, TypeVar
 
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
-from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
-from ..safe_json import decoded, parse_json
+from ..storage.files import read_limited, write_whole
+from ..text.safe_json import decoded, parse_json
 from .areas.area import Area, Box, Points, Polygon, Polygons, check_ground
 from .flight.wind import Wind
 from .imageries import NamedImagery

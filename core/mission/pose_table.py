@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..errors import InvalidInput, Message
 from ..numbers import real_number
-from ..text import time_s
+from ..text.plain import time_s
 from ..units import LENGTHS_M
 from .areas.area import ANGLES, Points
 from .clock import check_column

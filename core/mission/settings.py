@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
-from ..files import read_limited
 from ..geodesy.camera import Camera
 from ..limits import MAX_SETTINGS_BYTES
-from ..safe_json import parse_json
+from ..storage.files import read_limited
+from ..text.safe_json import parse_json
 from ..units import LENGTHS_M
 from .areas.area import Area, Points
 from .areas.coords import parse_coords

@@ -15,7 +15,7 @@ from ..capture.metadata import SOFTWARE
 from ..capture.tiff import Tag, TagType, big_header, directory, header
 from ..capture.writers import band_items, gdal_metadata
 from ..errors import OutputError
-from ..files import partial_file
+from ..storage.files import partial_file
 
 #: Side of a tile, a multiple of 16.
 TILE_PX = 256

@@ -20,7 +20,6 @@ from ..dataset.ground import check_poses, of_camera, plane_of
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
-from ..files import open_foreign, read_limited
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import enu_axes, geocentric
@@ -34,7 +33,8 @@ from ..mission.plan import Plan
 from ..mission.relief.modelled import Heights
 from ..numbers import real_number
 from ..picture.heights import heights_of
-from ..safe_json import decoded
+from ..storage.files import open_foreign, read_limited
+from ..text.safe_json import decoded
 from .raster import Block, Ground, places, positions
 
 OpenHeights = Callable[[Mission], "Heights | None"]

@@ -16,11 +16,19 @@ from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
-from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, read_limited, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
 from ..limits import MAX_MISSION_BYTES
-from ..text import table_cell
+from ..storage.files import (
+    csv_bytes,
+    json_bytes,
+    link_or_copy,
+    make_folder,
+    open_locked,
+    read_limited,
+    write_whole,
+)
+from ..text.plain import table_cell
 from .parts import TEST, TRAIN
 from .planning import DRONE, SATELLITE, PairPlan
 

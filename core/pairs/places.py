@@ -14,13 +14,13 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message
-from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
 from ..limits import MAX_MISSION_BYTES
 from ..mission.areas.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
-from ..safe_json import decoded
+from ..storage.files import read_limited
+from ..text.safe_json import decoded
 
 _FORMATS = (
     "a file of lines `lat lon` or `lat lon name` (or the paper's `lat lon agl`), or a box "

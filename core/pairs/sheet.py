@@ -12,9 +12,9 @@ from PIL import Image, ImageDraw
 
 from ..dataset.dataset import open_image
 from ..errors import InvalidInput
-from ..files import read_limited, write_whole
 from ..limits import MAX_MISSION_BYTES
-from ..safe_json import decoded
+from ..storage.files import read_limited, write_whole
+from ..text.safe_json import decoded
 from .capturing import TABLE_FILE
 from .planning import DRONE, SATELLITE
 

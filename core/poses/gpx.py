@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import InvalidInput, Message, OptionName
 from ..mission.clock import implausible
-from ..safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
-from ..text import finite_number, time_s
+from ..text.plain import finite_number, time_s
+from ..text.safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
 from .logs import missing_reader
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 

@@ -16,7 +16,6 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message
-from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import geodesic_ends, geodesics
@@ -24,7 +23,8 @@ from ..limits import MAX_MISSION_BYTES, MAX_POSES
 from ..mission.areas.area import Points, check_agl, check_lat_lon
 from ..mission.areas.geojson import shapes
 from ..mission.flight.gusts import GRAVITY_M_PER_S2
-from ..safe_json import parse_json
+from ..storage.files import read_limited
+from ..text.safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
-from ..files import open_foreign
 from ..geodesy.camera import attitude_from_axes
 from ..geodesy.quaternions import quaternions_from_angles, rotation_matrices
 from ..limits import (
@@ -33,6 +32,7 @@ from ..limits import (
     MAX_MISSION_BYTES,
 )
 from ..mission.clock import CLOCKS, implausible, is_dated
+from ..storage.files import open_foreign
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 from .trajectories import BODIES, ROUNDING, WORLDS
 

@@ -19,12 +19,12 @@ from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.table import seconds_of
 from ..errors import InvalidInput
-from ..files import csv_bytes, json_bytes, write_whole
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.flight.motion import intervals_s, legs, normal, uniform
 from ..mission.mission import Mission
 from ..mission.parts import Flight
+from ..storage.files import csv_bytes, json_bytes, write_whole
 from .settings import Sensors
 
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"

@@ -10,14 +10,14 @@ import numpy as np
 
 from ..errors import InvalidInput, Message
 from ..fields import field_named
-from ..files import is_there, open_foreign, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..mission.areas.area import ANGLES, Points, check_lat_lon
 from ..mission.litchi_table import is_litchi
 from ..mission.parts import Flight
 from ..mission.pose_table import read_poses
-from ..safe_json import decoded
-from ..safe_xml import XMLReader, elements_of
+from ..storage.files import is_there, open_foreign, read_limited
+from ..text.safe_json import decoded
+from ..text.safe_xml import XMLReader, elements_of
 from .gpx import read_gpx
 from .logs import read_dataflash, read_ulog
 from .settings import (

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ..drawing import check_matplotlib
 from ..errors import Message
-from ..files import make_folder, write_whole
+from ..external.drawing import check_matplotlib
 from ..imagery.source import Source
-from ..markup import Content, Markup, document, element, figure, pairs, table
 from ..mission.plan import Plan
+from ..storage.files import make_folder, write_whole
+from ..text.markup import Content, Markup, document, element, figure, pairs, table
 from . import plots, sentences
 from .machine import machine, versions
 from .measure import Measurement, Progress, measure

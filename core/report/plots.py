@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..drawing import (
+from ..external.drawing import (
     BLACK,
     BLUE,
     FONT,

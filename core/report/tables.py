@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Union
 
-from ..files import csv_bytes
 from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
+from ..storage.files import csv_bytes
 from ..timing import Seconds
 from .measure import Kernel, Measured, Measurement, Saving, compared_with
 from .pictures import BANDS, Encoding, Resampling

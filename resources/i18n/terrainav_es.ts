@@ -7300,7 +7300,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <location filename="../../core/text.py"/>
+        <location filename="../../core/text/plain.py"/>
         <source>{0} {1!r}: must be a number</source>
         <translation>{0} {1!r}: debe ser un número</translation>
     </message>
@@ -7361,7 +7361,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
-        <location filename="../../core/files.py"/>
+        <location filename="../../core/storage/files.py"/>
         <source>choose another folder</source>
         <translation>elija otra carpeta</translation>
     </message>
@@ -7898,15 +7898,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
-        <location filename="../../core/files.py"/>
+        <location filename="../../core/storage/files.py"/>
         <source>folder {0}: another run is at work in it</source>
         <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
         <location filename="../../core/capture/journal.py"/>
-        <location filename="../../core/files.py"/>
         <location filename="../../core/mission/export/geopackage.py"/>
+        <location filename="../../core/storage/files.py"/>
         <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>folder {0}: cannot write {1} ({2})</source>
         <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
@@ -8025,36 +8025,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
     </message>
     <message>
-        <location filename="../../core/config.py"/>
-        <source>mend it, or move it away</source>
-        <translation>corríjalo o apártelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/config.py"/>
-        <location filename="../../core/dataset/labels.py"/>
-        <location filename="../../core/exports/tables.py"/>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/raster/trust.py"/>
-        <location filename="../../core/mission/areas/files.py"/>
-        <source>{0}: cannot be read ({1})</source>
-        <translation>{0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/config.py"/>
-        <source>{0}: cannot be read as JSON ({1})</source>
-        <translation>{0}: no se puede leer como JSON ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/config.py"/>
-        <source>{0}: must hold a JSON object of {1}</source>
-        <translation>{0}: debe contener un objeto JSON de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/config.py"/>
-        <source>{0}; {1} names another folder</source>
-        <translation>{0}; {1} indica otra carpeta</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/cells.py"/>
         <source>has {0} cells, not {1}</source>
         <translation>tiene {0} celdas, no {1}</translation>
@@ -8097,8 +8067,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
-        <location filename="../../core/files.py"/>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/files.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
@@ -8155,8 +8125,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
-        <location filename="../../core/files.py"/>
         <location filename="../../core/mosaic/frames.py"/>
+        <location filename="../../core/storage/files.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
@@ -8462,6 +8432,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <location filename="../../core/exports/tables.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
+        <location filename="../../core/storage/config.py"/>
+        <source>{0}: cannot be read ({1})</source>
+        <translation>{0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/published.py"/>
         <source>table {0}: {1}</source>
         <translation>tabla {0}: {1}</translation>
@@ -8687,16 +8667,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>huellas {0}: su crs lleva a otro lugar o no es el de un código; debe ser un nombre como EPSG:25832, u omitirse para WGS 84</translation>
     </message>
     <message>
-        <location filename="../../core/drawing.py"/>
-        <source>get it with: pip install 'terrainav[report]'</source>
-        <translation>se obtiene con: pip install 'terrainav[report]'</translation>
-    </message>
-    <message>
-        <location filename="../../core/drawing.py"/>
-        <source>matplotlib, which draws the diagrams, is not installed</source>
-        <translation>no está instalado matplotlib, que dibuja los diagramas</translation>
-    </message>
-    <message>
         <location filename="../../core/elevation/datum.py"/>
         <source>, as it lacks the grid {0}</source>
         <translation>, porque le falta la rejilla {0}</translation>
@@ -8872,7 +8842,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/localisers.py"/>
-        <location filename="../../core/files.py"/>
+        <location filename="../../core/storage/files.py"/>
         <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>folder {0}: cannot be made ({1})</source>
         <translation>carpeta {0}: no se puede crear ({1})</translation>
@@ -8933,6 +8903,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>folder {0}: its images are windows of the map, which no camera takes</source>
         <translation>carpeta {0}: sus imágenes son ventanas del mapa, que ninguna cámara toma</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/drawing.py"/>
+        <source>get it with: pip install 'terrainav[report]'</source>
+        <translation>se obtiene con: pip install 'terrainav[report]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/drawing.py"/>
+        <source>matplotlib, which draws the diagrams, is not installed</source>
+        <translation>no está instalado matplotlib, que dibuja los diagramas</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/importing.py"/>
+        <source>{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong</source>
+        <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/native_calls.py"/>
+        <source>stopped while a raster was read</source>
+        <translation>detenido mientras se leía un ráster</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/unexpected.py"/>
+        <source>unexpected error ({0})</source>
+        <translation>error inesperado ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/external/user_code.py"/>
+        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
+        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
@@ -9028,41 +9028,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/fields.py"/>
         <source>{0} {1}: must be {2}</source>
         <translation>{0} {1}: debe ser {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>a line is longer than {0} kB</source>
-        <translation>una línea ocupa más de {0} kB</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>file {0}: cannot be read ({1})</source>
-        <translation>archivo {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>folder {0}: a file is in its place</source>
-        <translation>carpeta {0}: hay un archivo en su lugar</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>folder {0}: is not empty</source>
-        <translation>carpeta {0}: no está vacía</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>folder {0}: must be one of this machine</source>
-        <translation>carpeta {0}: debe ser una de este equipo</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>image {0}: cannot be placed ({1})</source>
-        <translation>imagen {0}: no se puede colocar ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>wait until it has ended or choose another folder</source>
-        <translation>espere a que termine o elija otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
@@ -10784,11 +10749,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>{0}: needs an API key, and none is set</source>
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
-    </message>
-    <message>
-        <location filename="../../core/importing.py"/>
-        <source>{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong</source>
-        <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
     </message>
     <message>
         <location filename="../../core/mission/areas/area.py"/>
@@ -13869,11 +13829,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>mosaico: detenido</translation>
     </message>
     <message>
-        <location filename="../../core/native_calls.py"/>
-        <source>stopped while a raster was read</source>
-        <translation>detenido mientras se leía un ráster</translation>
-    </message>
-    <message>
         <location filename="../../core/picture/camera_frame.py"/>
         <source>no imagery at {0} of the samples that the image is made of</source>
         <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
@@ -14768,11 +14723,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>
     <message>
-        <location filename="../../core/redirects.py"/>
-        <source>{0}: its server leads to another one, which is not asked (name that one if it is meant)</source>
-        <translation>{0}: su servidor lleva a otro, al que no se pregunta (indique ese si es el deseado)</translation>
-    </message>
-    <message>
         <location filename="../../core/report/measure.py"/>
         <source>an image</source>
         <translation>una imagen</translation>
@@ -14803,179 +14753,234 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>página</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>a whole number of {0:,} digits: {1} at most</source>
-        <translation>un número entero de {0:,} cifras: {1} como máximo</translation>
+        <location filename="../../core/storage/config.py"/>
+        <source>mend it, or move it away</source>
+        <translation>corríjalo o apártelo</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>nested too deep: {0} levels at most</source>
-        <translation>anidado demasiado hondo: {0} niveles como máximo</translation>
+        <location filename="../../core/storage/config.py"/>
+        <source>{0}: cannot be read as JSON ({1})</source>
+        <translation>{0}: no se puede leer como JSON ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>no text in UTF-8: byte {0} does not belong there</source>
-        <translation>no es texto en UTF-8: el byte {0} no le corresponde</translation>
+        <location filename="../../core/storage/config.py"/>
+        <source>{0}: must hold a JSON object of {1}</source>
+        <translation>{0}: debe contener un objeto JSON de {1}</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>number {0}: too large</source>
-        <translation>número {0}: demasiado grande</translation>
+        <location filename="../../core/storage/config.py"/>
+        <source>{0}; {1} names another folder</source>
+        <translation>{0}; {1} indica otra carpeta</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>{0} alone is half a character</source>
-        <translation>{0} solo es medio carácter</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>a line is longer than {0} kB</source>
+        <translation>una línea ocupa más de {0} kB</translation>
     </message>
     <message>
-        <location filename="../../core/safe_json.py"/>
-        <source>{0}: JSON has finite numbers only</source>
-        <translation>{0}: JSON solo tiene números finitos</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>file {0}: cannot be read ({1})</source>
+        <translation>archivo {0}: no se puede leer ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>a document type or entities of its own, which are not read</source>
-        <translation>tipo de documento o entidades propias, que no se leen</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>folder {0}: a file is in its place</source>
+        <translation>carpeta {0}: hay un archivo en su lugar</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>elements nested more than {0} deep</source>
-        <translation>elementos anidados a más de {0} niveles</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>folder {0}: is not empty</source>
+        <translation>carpeta {0}: no está vacía</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>encoding {0}: must be {1}</source>
-        <translation>codificación {0}: debe ser {1}</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>folder {0}: must be one of this machine</source>
+        <translation>carpeta {0}: debe ser una de este equipo</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>is not {0}; must be {1}, and say which</source>
-        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>image {0}: cannot be placed ({1})</source>
+        <translation>imagen {0}: no se puede colocar ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>layers that pass on more than {0:,} properties to those within them</source>
-        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
+        <location filename="../../core/storage/files.py"/>
+        <source>wait until it has ended or choose another folder</source>
+        <translation>espere a que termine o elija otra carpeta</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>more than {0:,} attributes of one element</source>
-        <translation>más de {0:,} atributos de un elemento</translation>
+        <location filename="../../core/storage/redirects.py"/>
+        <source>{0}: its server leads to another one, which is not asked (name that one if it is meant)</source>
+        <translation>{0}: su servidor lleva a otro, al que no se pregunta (indique ese si es el deseado)</translation>
     </message>
     <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>more than {0:,} different names</source>
-        <translation>más de {0:,} nombres distintos</translation>
-    </message>
-    <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>more than {0:,} elements and attributes</source>
-        <translation>más de {0:,} elementos y atributos</translation>
-    </message>
-    <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>more than {0:,} layers and styles</source>
-        <translation>más de {0:,} capas y estilos</translation>
-    </message>
-    <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>more than {0} MB or {1:,} elements</source>
-        <translation>más de {0} MB o {1:,} elementos</translation>
-    </message>
-    <message>
-        <location filename="../../core/store_requests.py"/>
+        <location filename="../../core/storage/store_requests.py"/>
         <source>it holds more than {0:,} objects</source>
         <translation>contiene más de {0:,} objetos</translation>
     </message>
     <message>
-        <location filename="../../core/store_requests.py"/>
+        <location filename="../../core/storage/store_requests.py"/>
         <source>larger than {0:,.0f} MB</source>
         <translation>mayor que {0:,.0f} MB</translation>
     </message>
     <message>
-        <location filename="../../core/store_requests.py"/>
+        <location filename="../../core/storage/store_requests.py"/>
         <source>only {0:,} bytes have come within {1:,.0f} s</source>
         <translation>solo han llegado {0:,} bytes en {1:,.0f} s</translation>
     </message>
     <message>
-        <location filename="../../core/store_requests.py"/>
+        <location filename="../../core/storage/store_requests.py"/>
         <source>the answer has not ended within {0:,.0f} s</source>
         <translation>la respuesta no ha terminado en {0:,.0f} s</translation>
     </message>
     <message>
-        <location filename="../../core/store_requests.py"/>
+        <location filename="../../core/storage/store_requests.py"/>
         <source>the answer is larger than {0} MB</source>
         <translation>la respuesta ocupa más de {0} MB</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>address {0!r}: must be a folder, or begin with {1}</source>
         <translation>dirección {0!r}: debe ser una carpeta o empezar por {1}</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>addresses of object stores: {0} cannot be imported ({1})</source>
         <translation>direcciones de almacenes de objetos: no se puede importar {0} ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>credentials are taken from where the store's own tools have them</source>
         <translation>las credenciales se toman de donde las tienen las herramientas del propio almacén</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>folder {0}: cannot be written ({1})</source>
         <translation>carpeta {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>get it with: pip install {0}</source>
         <translation>instálelo con: pip install {0}</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>make the bucket first</source>
         <translation>cree antes el «bucket»</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0} {1}://…: no user name, password, key or signature may stand in it ({2})</source>
         <translation>{0} {1}://…: no puede contener nombre de usuario, contraseña, clave ni firma ({2})</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0}: access is refused: the credentials do not allow it</source>
         <translation>{0}: se deniega el acceso: las credenciales no lo permiten</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0}: cannot be reached ({1})</source>
         <translation>{0}: no se puede acceder ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0}: is not there, or {1} is not</source>
         <translation>{0}: no existe, o no existe {1}</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0}: no valid credentials: they are taken from where the store's own tools have them</source>
         <translation>{0}: no hay credenciales válidas: se toman de donde las tienen las herramientas propias del almacén</translation>
     </message>
     <message>
-        <location filename="../../core/stores.py"/>
+        <location filename="../../core/storage/stores.py"/>
         <source>{0}: the credentials have expired: new ones are taken from where the store's own tools have them</source>
         <translation>{0}: las credenciales han caducado: las nuevas se toman de donde las tienen las herramientas propias del almacén</translation>
     </message>
     <message>
-        <location filename="../../core/text.py"/>
+        <location filename="../../core/text/plain.py"/>
         <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
         <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
     </message>
     <message>
-        <location filename="../../core/unexpected.py"/>
-        <source>unexpected error ({0})</source>
-        <translation>error inesperado ({0})</translation>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>a whole number of {0:,} digits: {1} at most</source>
+        <translation>un número entero de {0:,} cifras: {1} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>nested too deep: {0} levels at most</source>
+        <translation>anidado demasiado hondo: {0} niveles como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>no text in UTF-8: byte {0} does not belong there</source>
+        <translation>no es texto en UTF-8: el byte {0} no le corresponde</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>number {0}: too large</source>
+        <translation>número {0}: demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>{0} alone is half a character</source>
+        <translation>{0} solo es medio carácter</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_json.py"/>
+        <source>{0}: JSON has finite numbers only</source>
+        <translation>{0}: JSON solo tiene números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>a document type or entities of its own, which are not read</source>
+        <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>elements nested more than {0} deep</source>
+        <translation>elementos anidados a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>encoding {0}: must be {1}</source>
+        <translation>codificación {0}: debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>is not {0}; must be {1}, and say which</source>
+        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>layers that pass on more than {0:,} properties to those within them</source>
+        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>more than {0:,} attributes of one element</source>
+        <translation>más de {0:,} atributos de un elemento</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>more than {0:,} different names</source>
+        <translation>más de {0:,} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>more than {0:,} elements and attributes</source>
+        <translation>más de {0:,} elementos y atributos</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>more than {0:,} layers and styles</source>
+        <translation>más de {0:,} capas y estilos</translation>
+    </message>
+    <message>
+        <location filename="../../core/text/safe_xml.py"/>
+        <source>more than {0} MB or {1:,} elements</source>
+        <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
@@ -15021,11 +15026,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>share</source>
         <translation>fracción</translation>
-    </message>
-    <message>
-        <location filename="../../core/user_code.py"/>
-        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
-        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
     </message>
     <message>
         <location filename="../../core/waiting.py"/>

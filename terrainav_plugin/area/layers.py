@@ -41,7 +41,7 @@ from ...core.numbers import real_number
 from ...core.poses.line import FlownLine, fly
 from ...core.poses.reading import read_poses_file
 from ...core.poses.settings import LineFlight, PoseFile
-from ...core.text import time_s
+from ...core.text.plain import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr, translate

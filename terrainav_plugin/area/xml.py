@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from qgis.PyQt.QtCore import QXmlStreamReader
 
 from ...core.limits import MAX_XML_DEPTH
-from ...core.safe_xml import ATTRIBUTES, TEXTS, UnreadableXMLError, checked_text, too_deep
-from ...core.text import one_line
+from ...core.text.plain import one_line
+from ...core.text.safe_xml import ATTRIBUTES, TEXTS, UnreadableXMLError, checked_text, too_deep
 
 
 def xml_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:

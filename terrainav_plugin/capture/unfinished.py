@@ -11,10 +11,10 @@ from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QLockFile
 
 from ...core.errors import TerrAInavError
-from ...core.files import read_limited, write_whole
 from ...core.limits import MAX_MISSION_BYTES
 from ...core.mission.mission import Mission
-from ...core.safe_json import parse_json
+from ...core.storage.files import read_limited, write_whole
+from ...core.text.safe_json import parse_json
 from ..i18n import tr
 from ..messages import log
 from ..paths import UNFINISHED, is_remote, place_of

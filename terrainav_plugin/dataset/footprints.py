@@ -23,9 +23,9 @@ from pyproj.exceptions import ProjError
 from ...core.arrays import Bytes, Floats, Numbers
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
-from ...core.files import open_foreign, read_line, too_long_line
 from ...core.limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
-from ...core.safe_json import parse_json
+from ...core.storage.files import open_foreign, read_line, too_long_line
+from ...core.text.safe_json import parse_json
 from ..i18n import tr
 
 #: Read in one go: enough for arrays to be worth it, little memory.

@@ -24,8 +24,8 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import is_there, open_foreign, write_whole
 from ...core.limits import MAX_JOURNAL_LINE_BYTES
+from ...core.storage.files import is_there, open_foreign, write_whole
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT

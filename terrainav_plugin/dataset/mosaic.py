@@ -24,12 +24,12 @@ from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, Message, OutputError
-from ...core.files import open_foreign, partial_file, read_limited, write_whole
 from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.georeference import named_crs
 from ...core.limits import MAX_VRT_BYTES
 from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
+from ...core.storage.files import open_foreign, partial_file, read_limited, write_whole
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
 from .shown import ImageRendering, how_shown, open_image, open_shown

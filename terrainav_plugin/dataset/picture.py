@@ -14,9 +14,9 @@ from osgeo import gdal
 from qgis.PyQt.QtGui import QImage
 
 from ...core.errors import InvalidInput
-from ...core.files import is_there
 from ...core.imagery.raster.trust import check_fetched
-from ...core.text import one_line
+from ...core.storage.files import is_there
+from ...core.text.plain import one_line
 from ..i18n import tr
 from .shown import open_image, open_shown
 

@@ -19,9 +19,9 @@ from ...core.dataset.folder import TABLE_FILE
 from ...core.dataset.ground import of_camera
 from ...core.dataset.table import Table, taken
 from ...core.errors import InvalidInput, Message, OutputError
-from ...core.files import partial_file
 from ...core.mosaic.frames import CameraFrames, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
+from ...core.storage.files import partial_file
 from ..i18n import tr
 from .shown import open_image
 

@@ -13,7 +13,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE
-from ...core.files import is_there
+from ...core.storage.files import is_there
 from ..i18n import tr, translate
 from ..map.canvas import show_extent
 from ..paths import open_in_system

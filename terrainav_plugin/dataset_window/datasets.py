@@ -10,7 +10,7 @@ from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.dataset.folder import MISSION_FILE
-from ...core.files import is_there
+from ...core.storage.files import is_there
 from ..paths import folder_of
 from ..settings import recent
 from ..widgets import add_floating

@@ -12,7 +12,7 @@ from ...core.arrays import Floats, Numbers
 from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
-from ...core.files import is_there
+from ...core.storage.files import is_there
 
 
 class Example(NamedTuple):

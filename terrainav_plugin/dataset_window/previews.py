@@ -13,7 +13,7 @@ from ...core.dataset.folder import PARTS
 from ...core.dataset.labels import LABELS_FILE, Labels
 from ...core.dataset.table import GAP, REJECTED, SPLIT
 from ...core.errors import TerrAInavError
-from ...core.files import is_there
+from ...core.storage.files import is_there
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 
 if TYPE_CHECKING:

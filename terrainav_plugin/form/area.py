@@ -17,7 +17,7 @@ from ...core.mission.areas.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.mission.pose_table import header_of, read_poses, usual_names
 from ...core.numbers import real_number
-from ...core.safe_json import parse_json
+from ...core.text.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
 from ..units import area_text, length_text

@@ -11,7 +11,7 @@ from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Pixels, Route
-from ...core.safe_json import parse_json
+from ...core.text.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from .text import aspect_text
 

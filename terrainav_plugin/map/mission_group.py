@@ -19,7 +19,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QObject
 
 from ...core.dataset.folder import MISSION_FILE
-from ...core.files import is_there
+from ...core.storage.files import is_there
 from ..i18n import tr
 from ..tasks import single_shot
 

@@ -14,9 +14,9 @@ from qgis.PyQt.QtWidgets import QDialog, QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
-from ...core.files import is_there
 from ...core.limits import MAX_LINE_CHARACTERS
-from ...core.text import one_line, shortened
+from ...core.storage.files import is_there
+from ...core.text.plain import one_line, shortened
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
 from ..dataset.mosaic import MosaicRaster, build_any_mosaics, existing_mosaics

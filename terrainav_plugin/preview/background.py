@@ -18,12 +18,12 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
-from ...core.files import make_folder, partial_file
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
 from ...core.imagery.opening import open_source, source_kind
 from ...core.imagery.raster.trust import name_for_gdal
 from ...core.imagery.source import Window
 from ...core.mission.areas.area import Box
+from ...core.storage.files import make_folder, partial_file
 from ..form import mission_form
 from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle, show_extent

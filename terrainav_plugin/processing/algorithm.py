@@ -23,7 +23,7 @@ from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
 
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
-from ...core.text import one_line
+from ...core.text.plain import one_line
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..packages import missing_packages

@@ -16,7 +16,7 @@ from qgis.core import (
 )
 
 from ...core.errors import InvalidInput
-from ...core.text import one_line
+from ...core.text.plain import one_line
 from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
 

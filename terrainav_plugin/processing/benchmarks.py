@@ -26,8 +26,8 @@ from qgis.core import (
 from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
-from ...core.files import is_there
 from ...core.numbers import real_number
+from ...core.storage.files import is_there
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
@@ -533,7 +533,7 @@ def _judged(
     from ...core.benchmark.page import write_scores
     from ...core.benchmark.running import method_named, prediction_file, run_method
     from ...core.benchmark.scoring import score
-    from ...core.files import make_folder
+    from ...core.storage.files import make_folder
 
     if predictions:
         answers = Predictions.read(predictions, benchmark)

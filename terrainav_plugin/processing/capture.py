@@ -17,7 +17,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, SourceError
-from ...core.files import is_there
+from ...core.storage.files import is_there
 from ..i18n import number_text, tr, translate
 from .algorithm import AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms

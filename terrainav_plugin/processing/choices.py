@@ -8,7 +8,7 @@ from typing import Any
 from qgis.core import QgsProcessingContext, QgsProcessingParameterEnum, QgsProperty
 
 from ...core.errors import InvalidInput
-from ...core.text import listed
+from ...core.text.plain import listed
 from ..i18n import tr
 
 #: Values of choices that others make at run time are known then.

@@ -12,7 +12,7 @@ from qgis.core import QgsApplication, QgsOwsConnection
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HIGHEST_ZOOM
-from ...core.text import whole_number
+from ...core.text.plain import whole_number
 from ..i18n import tr, translate
 
 if TYPE_CHECKING:

@@ -17,11 +17,11 @@ from qgis.core import QgsApplication
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.dataset.vectors import checked_geojson
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import partial_file, read_limited, write_whole
 from ...core.imagery.http.client import NotThere
 from ...core.limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
-from ...core.safe_json import parse_json
+from ...core.storage.files import partial_file, read_limited, write_whole
+from ...core.text.safe_json import parse_json
 from ..foreign import check_driver
 from ..i18n import tr
 from ..paths import COPIES, exists, is_folder

@@ -17,8 +17,8 @@ from osgeo import gdal, ogr
 from ...core.dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
 from ...core.dataset.vectors import json_without_tags
 from ...core.errors import Cancelled, InvalidInput
-from ...core.files import write_whole
-from ...core.text import one_line
+from ...core.storage.files import write_whole
+from ...core.text.plain import one_line
 from ..i18n import tr
 
 ITEMS_FILE = "items.parquet"

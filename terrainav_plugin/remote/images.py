@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 from ...core.dataset.stored import TAR_BLOCK_BYTES, holds_file, is_name, members
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import open_foreign, write_whole
 from ...core.imagery.http.client import NotThere
 from ...core.limits import MAX_FETCHED_IMAGE_BYTES
-from ...core.text import whole_number
+from ...core.storage.files import open_foreign, write_whole
+from ...core.text.plain import whole_number
 from ..i18n import tr
 from .address import DatasetAddress
 from .copies import ADDRESS_FILE, copied_address

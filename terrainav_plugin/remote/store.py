@@ -16,7 +16,7 @@ from ...core.errors import Cancelled, OutputError, PartError
 from ...core.imagery.http.client import Client
 from ...core.imagery.http.transport import Response
 from ...core.limits import MAX_FETCHED_FILE_BYTES, MAX_WHOLE_ANSWER_BYTES
-from ...core.redirects import led_elsewhere
+from ...core.storage.redirects import led_elsewhere
 from ..i18n import tr
 from ..network.transport import QgisTransport
 from ..settings import Settings, credential_home

@@ -19,7 +19,7 @@ from ...core.imagery.catalogue import shelf
 from ...core.imagery.entry import serving
 from ...core.imagery.tiles import host_of
 from ...core.limits import MAX_AGREED_PLACES, MAX_DECODINGS, MAX_PLACE_CHARACTERS
-from ...core.safe_json import parse_json
+from ...core.text.safe_json import parse_json
 from ..settings import Settings
 
 if TYPE_CHECKING:

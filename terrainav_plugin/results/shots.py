@@ -12,10 +12,10 @@ from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from ...core.dataset.stored import is_name
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
-from ...core.files import is_there, open_foreign, text_lines
 from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
-from ...core.text import one_line
+from ...core.storage.files import is_there, open_foreign, text_lines
+from ...core.text.plain import one_line
 from ..dataset.footprints import FootprintFile, file_stamp, polygon_rings
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 from ..i18n import tr, translate

@@ -18,7 +18,7 @@ from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.text import one_line
+from ...core.text.plain import one_line
 from ..compat import LINE
 from ..dataset.layers import open_raster
 from ..i18n import tr, translate

@@ -16,9 +16,9 @@ from terrainav.core.dataset.folder import map_type_folders
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, Message, OutputError, TerrAInavError
 from terrainav.core.exports.kinds import export_as
-from terrainav.core.files import read_limited
 from terrainav.core.mission.export.writing import write_plan
-from terrainav.core.stores import check_no_credentials, store_errors, store_path
+from terrainav.core.storage.files import read_limited
+from terrainav.core.storage.stores import check_no_credentials, store_errors, store_path
 
 SECRET = "SENTINEL0nobody0may0see"
 COORDS = "35.16_-89.90_35.1597_-89.8997_120"

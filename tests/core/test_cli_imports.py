@@ -58,7 +58,7 @@ def test_help_imports_nothing_that_runs(tmp_path):
     codes, modules = run(*(f"{command} --help" for command in COMMANDS), cwd=tmp_path)
     assert codes == [0] * len(COMMANDS)
     runs = {f"terrainav.core.cli.{name}" for name in ("flying", "pairing", "datasets", "listing")}
-    assert not modules & {*runs, "terrainav.core.text", "terrainav.core.files"}
+    assert not modules & {*runs, "terrainav.core.text.plain", "terrainav.core.storage.files"}
 
 
 def test_the_version_is_told_without_the_options(tmp_path):

@@ -15,7 +15,7 @@ from terrainav.core import limits
 from terrainav.core.capture.blocks.block import _array_of
 from terrainav.core.dataset.dataset import open_image, open_masked, size_of
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.files import read_if_there, read_limited, text_lines
+from terrainav.core.storage.files import read_if_there, read_limited, text_lines
 
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 240.0

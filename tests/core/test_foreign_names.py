@@ -10,8 +10,8 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from terrainav.core import drawing
-from terrainav.core.text import writable
+from terrainav.core.external import drawing
+from terrainav.core.text.plain import writable
 
 from tests.support import rasters
 from tests.support.command import command

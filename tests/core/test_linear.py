@@ -9,8 +9,8 @@ from terrainav.core.capture.blocks.block import Record
 from terrainav.core.dataset.geotiff import pam_bands, stated_bands
 from terrainav.core.dataset.labels import Labels
 from terrainav.core.dataset.table import Table
-from terrainav.core.drawing import label_of
 from terrainav.core.errors import TerrAInavError
+from terrainav.core.external.drawing import label_of
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.coords import parse_coords, parse_points
 from terrainav.core.mission.areas.files import load_area
@@ -19,9 +19,10 @@ from terrainav.core.mission.pose_table import read_poses
 from terrainav.core.pairs.places import read_box, read_places
 from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.trajectories import read_trajectory
-from terrainav.core.safe_json import parse_json
-from terrainav.core.safe_xml import UnreadableXMLError, root_of
-from terrainav.core.text import Secrets, finite_number, first_words, one_line, time_s, without_markup
+from terrainav.core.text.plain import finite_number, first_words, one_line, time_s, without_markup
+from terrainav.core.text.safe_json import parse_json
+from terrainav.core.text.safe_xml import UnreadableXMLError, root_of
+from terrainav.core.text.secrets import Secrets
 
 from tests.support.growth import PROPORTIONAL, growth
 

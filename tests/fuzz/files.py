@@ -22,7 +22,7 @@ from terrainav.core.imagery.catalogue import described, shelf
 from terrainav.core.imagery.decode import refuse_flat, refuse_marked
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.poses.logs import read_dataflash, read_ulog
-from terrainav.core.safe_json import parse_json
+from terrainav.core.text.safe_json import parse_json
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
 from tests.support.logs import FLIGHT, copter, dataflash, flight, ulog

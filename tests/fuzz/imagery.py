@@ -22,7 +22,8 @@ from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.raster.trust import drivers_for
 from terrainav.core.imagery.source import Window
 from terrainav.core.limits import MAX_LINE_CHARACTERS
-from terrainav.core.text import Secrets, one_line, table_cell
+from terrainav.core.text.plain import one_line, table_cell
+from terrainav.core.text.secrets import Secrets
 
 from tests.fuzz.support import Target, any_of, mutated
 from tests.support.patterns import positions, to_bytes

@@ -13,7 +13,7 @@ from terrainav.core.errors import Cancelled
 from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.settings import PoseFile
-from terrainav.core.safe_xml import elements_of
+from terrainav.core.text.safe_xml import elements_of
 from terrainav.terrainav_plugin.area.control import ReadTask
 from terrainav.terrainav_plugin.area.dialogs import PosesDialog
 from terrainav.terrainav_plugin.area.layers import pose_file

@@ -11,7 +11,7 @@ from qgis.core import Qgis, QgsApplication
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QDockWidget, QPushButton, QTextBrowser
 from terrainav.core.errors import PartError
-from terrainav.core.unexpected import UnexpectedErrors
+from terrainav.core.external.unexpected import UnexpectedErrors
 
 from tests.plugin.steps import PATIENCE_MS
 

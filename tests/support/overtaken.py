@@ -20,7 +20,7 @@ from terrainav.core.errors import TerrAInavError
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.stores import is_address
+from terrainav.core.storage.stores import is_address
 
 from tests.support.sources import NamedPattern, PatternSource
 

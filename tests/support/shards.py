@@ -11,12 +11,12 @@ from pathlib import Path
 
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import FIELDS, Table
-from terrainav.core.files import write_whole
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.stores import Address, store_path
+from terrainav.core.storage.files import write_whole
+from terrainav.core.storage.stores import Address, store_path
 
 #: Of the embedded world: 20 images, 5 columns in 4 rows.
 MISSION = Mission(Box(35.16, -89.90, 35.1561, -89.8927), 120.0, image_px=48, max_px=48, image_format="png")

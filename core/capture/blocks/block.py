@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from ...arrays import Numbers
 from ...errors import OutputError, PartError
-from ...files import read_if_there, write_whole
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, noted_digests
 from ...imagery.source import Source
@@ -31,8 +30,9 @@ from ...mission.plan import Plan
 from ...picture.heights import heights_for, landscape_crs
 from ...picture.optics import Exposures
 from ...resources import version
-from ...safe_json import parse_json
-from ...stores import store_path
+from ...storage.files import read_if_there, write_whole
+from ...storage.stores import store_path
+from ...text.safe_json import parse_json
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making

@@ -9,11 +9,11 @@ from typing import Any
 from ...arrays import Numbers
 from ...dataset.folder import JOURNAL_FILE
 from ...errors import InvalidInput, Message, OutputError
-from ...files import json_bytes, read_each, read_if_there, write_whole
 from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
 from ...mission.plan import Plan
-from ...safe_json import parse_json
-from ...stores import is_address, is_file, sizes_in, store_path
+from ...storage.files import json_bytes, read_each, read_if_there, write_whole
+from ...storage.stores import is_address, is_file, sizes_in, store_path
+from ...text.safe_json import parse_json
 from ..begun import hold_to_mission
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, FOLDERS, WEBDATASET
 from ..folder import captured_mission, is_complete, open_place, sizes_of_pictures

@@ -22,11 +22,11 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from ...errors import Cancelled, InvalidInput, Message, OutputError
-from ...importing import imported
+from ...external.importing import imported
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
-from ...stores import check_no_credentials
-from ...text import one_line, words_of
+from ...storage.stores import check_no_credentials
+from ...text.plain import one_line, words_of
 from ...waiting import wait_for
 
 _log = logging.getLogger(__name__)

@@ -15,7 +15,6 @@ from ...arrays import Numbers
 from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
 from ...dataset.table import other_columns
 from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
-from ...files import json_bytes, write_whole
 from ...imagery.opening import NamedSource
 from ...imagery.placeholder import Provided, Repeats, noted_digests
 from ...imagery.source import Source
@@ -23,7 +22,8 @@ from ...mission.export import write_plan
 from ...mission.plan import Plan
 from ...picture.heights import with_whole_paths
 from ...resources import version
-from ...stores import is_address
+from ...storage.files import json_bytes, write_whole
+from ...storage.stores import is_address
 from ...waiting import ended_where
 from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..holding import held

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
-from ...importing import imported
-from ...stores import Address, is_address, is_file
+from ...external.importing import imported
+from ...storage.stores import Address, is_address, is_file
 from ..dataset import Dataset, ImageSet, bands_in, open_image, read_dataset, some
 from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables

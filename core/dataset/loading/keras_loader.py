@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...stores import Address
+from ...storage.stores import Address
 from ..dataset import Dataset
 from .batches import Ordered, chunks, optional_module, samples_of
 

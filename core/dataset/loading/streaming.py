@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from ...arrays import Numbers
 from ...errors import InvalidInput, OutputError, TerrAInavError
-from ...files import PARTIAL_ENDING, lock_tried
-from ...stores import get_range
+from ...storage.files import PARTIAL_ENDING, lock_tried
+from ...storage.stores import get_range
 
 #: Shards that are fetched at a time, by each process.
 _FETCHERS = 4

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from ...stores import Address, is_address
+from ...storage.stores import Address, is_address
 from ..dataset import Dataset
 from .batches import Ordered, Position, chunks, optional_module, samples_of
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 from ...errors import InvalidInput, OutputError
-from ...text import whole_number
+from ...text.plain import whole_number
 from . import database
 from .database import FILE_ERRORS, About
 from .tilestore import TileFile, TileStore

@@ -13,9 +13,10 @@ from typing import Callable, TypeVar
 from urllib.parse import urljoin, urlsplit
 
 from ...errors import Cancelled, Message, PartError, SourceError, TerrAInavError
+from ...external.unexpected import UnexpectedErrors
 from ...limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
-from ...text import Secrets, first_words, whole_number
-from ...unexpected import UnexpectedErrors
+from ...text.plain import first_words, whole_number
+from ...text.secrets import Secrets
 from .transport import Response, Transport, TransportError, http_date_s
 
 #: Attempts at one part, the first included.

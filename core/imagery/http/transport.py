@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 from ...errors import TerrAInavError
 from ...limits import MAX_HEADER_CHARACTERS, MAX_HEADERS
 from ...resources import version
-from ...text import one_line, whole_number
+from ...text.plain import one_line, whole_number
 
 PROJECT_URL = "https://github.com/terrainav/terrainav"
 #: Lifetime of an answer that states none, seconds: a week, the least that the tile usage policy of OpenStreetMap asks.

@@ -14,7 +14,7 @@ from ...arrays import Bytes
 from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, shown_of, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
-from ...text import printable
+from ...text.plain import printable
 from ..source import over_white
 from .reading import Band, Facts, OpenRaster, PixelBox, Values
 

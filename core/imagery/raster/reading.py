@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Bytes
 from ...errors import Cancelled, InvalidInput, Message
-from ...native_calls import NativeCall
+from ...external.native_calls import NativeCall
 from .remote import Remote
 from .sizes import check_block, check_counts
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE, VIRTUAL, check_virtual_file

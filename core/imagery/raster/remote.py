@@ -18,7 +18,7 @@ from typing import NamedTuple
 from urllib.parse import unquote
 
 from ...errors import InvalidInput, PartError, SourceError
-from ...text import Secrets
+from ...text.secrets import Secrets
 from ..entry import providers_in, strictest
 from ..http.client import FIRST_WAIT_S, TRIES, Client, NotThere
 from ..http.transport import Response, Timeouts, Transport, too_long, user_agent

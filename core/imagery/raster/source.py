@@ -23,7 +23,7 @@ from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_METADATA_CHARACTERS
-from ...text import printable
+from ...text.plain import printable
 from ..http.transport import Transport
 from ..opening import FileSource
 from ..policy import Policy

@@ -24,7 +24,6 @@ from typing import IO, Any
 from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
-from ...files import is_there, open_foreign
 from ...geodesy.reference import check_reference, file_named, may_name_file
 from ...limits import (
     MAX_BOXES,
@@ -40,7 +39,8 @@ from ...limits import (
     MAX_XML_DEPTH,
     MAX_XML_ELEMENTS,
 )
-from ...text import one_line
+from ...storage.files import is_there, open_foreign
+from ...text.plain import one_line
 from ..tiles import check_address, host_of
 from .sizes import check_directories, tag_texts
 

@@ -24,7 +24,7 @@ import numpy as np
 from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M
 from ...geodesy.projections import through_proj
-from ...text import one_line
+from ...text.plain import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry
 from ..policy import Policy

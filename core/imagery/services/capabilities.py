@@ -11,8 +11,9 @@ from urllib.parse import parse_qsl, quote, urlencode, urljoin, urlsplit, urlunsp
 
 from ...errors import InvalidInput, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
-from ...safe_xml import UnreadableXMLError, root_of, written
-from ...text import MASK, Secrets, one_line
+from ...text.plain import one_line
+from ...text.safe_xml import UnreadableXMLError, root_of, written
+from ...text.secrets import MASK, Secrets
 from ..entry import Dates
 from ..http.client import Client
 from ..http.transport import Transport

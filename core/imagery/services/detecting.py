@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...errors import InvalidInput, Message, SourceError
-from ...safe_json import parse_json
+from ...text.safe_json import parse_json
 from ..opening import NamedSource, SourceOptions, named_source, source_kind
 from .capabilities import ROOTS, Offered, asked
 from .ogcapi import OGCAPITiles

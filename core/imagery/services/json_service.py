@@ -11,8 +11,8 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, Message
 from ...limits import MAX_SERVICE_JSON_BYTES
-from ...safe_json import parse_json
-from ...text import one_line
+from ...text.plain import one_line
+from ...text.safe_json import parse_json
 from ..entry import CatalogueEntry, under_provider
 from ..policy import Policy
 from ..systems import WORLD_DEG, Bounds

@@ -17,7 +17,7 @@ from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM
 from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_TILE_PX
-from ...text import one_line
+from ...text.plain import one_line
 from ..systems import (
     MAP,
     WORLD_DEG,

@@ -27,8 +27,8 @@ from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M
 from ...geodesy.planes import ProjectedPlane
 from ...numbers import real_number
-from ...safe_xml import written
-from ...text import one_line
+from ...text.plain import one_line
+from ...text.safe_xml import written
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
 from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, code_of, is_usable, northing_first, refused

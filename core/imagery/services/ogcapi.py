@@ -16,7 +16,7 @@ from urllib.parse import parse_qsl, urljoin, urlsplit
 
 from ...errors import Message
 from ...geodesy.mercator import HALF_WORLD_M
-from ...text import one_line
+from ...text.plain import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry
 from ..opening import SourceOptions

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ...errors import InvalidInput, Message
-from ...files import is_there, read_limited
 from ...limits import MAX_MISSION_BYTES
 from ...numbers import real_number
-from ...safe_json import decoded
+from ...storage.files import is_there, read_limited
+from ...text.safe_json import decoded
 from ...units import LENGTHS_M
 from ..options import KINDS
 from ..pose_table import UNICODE_MINUS, header_of, read_poses, states_separator

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from ...errors import InvalidInput, Message, OutputError
-from ...files import read_limited
 from ...limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES, MAX_POLYGONS
 from ...numbers import real_number
-from ...safe_json import parse_json
-from ...safe_xml import UnreadableXMLError, XMLReader, elements_of
+from ...storage.files import read_limited
+from ...text.safe_json import parse_json
+from ...text.safe_xml import UnreadableXMLError, XMLReader, elements_of
 from .area import Polygon, Polygons, check_rings
 from .geojson import System, shapes
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import Message, OutputError
-from ...files import partial_file
+from ...storage.files import partial_file
 from ..plan import Plan
 from .flown import Reader, places_of_geopackage
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts

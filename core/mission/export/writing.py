@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from ...arrays import Floats
 from ...errors import InvalidInput, Message, OutputError
-from ...files import write_whole
-from ...stores import is_address, store_path
+from ...storage.files import write_whole
+from ...storage.stores import is_address, store_path
 from ..plan import Plan
 from .flown import Reader, Way, places_of_gpx, places_of_kml
 from .geojson import geojson_text

@@ -11,10 +11,10 @@ import sys
 import threading
 
 import pytest
-from terrainav.core import user_code
 from terrainav.core.benchmark.running import method_named, run_method
 from terrainav.core.errors import InvalidInput
-from terrainav.core.user_code import called, output_apart
+from terrainav.core.external import user_code
+from terrainav.core.external.user_code import called, output_apart
 
 from tests.support.forks import ROOT
 
@@ -179,7 +179,7 @@ def test_a_program_without_output_goes_on(closed):
         f"for one in {closed}: os.close(one)\n"
         f"sys.stdout = None if 1 in {closed} else sys.stdout\n"
         f"sys.stderr = None if 2 in {closed} else sys.stderr\n"
-        "from terrainav.core.user_code import called\n"
+        "from terrainav.core.external.user_code import called\n"
         "assert called('spoiling:x', lambda: print('x') or 7) == 7\n"
         f"sys.exit(5 if sys.stdout is {'None' if 1 in closed else 'sys.__stdout__'} else 6)\n"
     )

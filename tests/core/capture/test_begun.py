@@ -15,7 +15,6 @@ from terrainav.core.capture.several import capture_imageries
 from terrainav.core.cli import main
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.fields import declared_fields
-from terrainav.core.files import json_bytes
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -26,6 +25,7 @@ from terrainav.core.pairs.places import Place
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.views import spiral
 from terrainav.core.picture.heights import heights_of
+from terrainav.core.storage.files import json_bytes
 
 from tests.support.sources import NamedPattern, PatternSource
 
@@ -186,7 +186,7 @@ def test_going_on_with_the_options_of_before_says_that_the_file_was_edited(tmp_p
 
 
 def test_stores_are_held_as_folders_are(tmp_path):
-    from terrainav.core.stores import get, put, store_path
+    from terrainav.core.storage.stores import get, put, store_path
 
     pytest.importorskip("upath")
     address = "memory://begun/out"

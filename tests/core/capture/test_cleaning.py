@@ -15,10 +15,10 @@ from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.files import open_locked
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.storage.files import open_locked
 
 from tests.support.command import command
 from tests.support.sources import PatternSource, missing

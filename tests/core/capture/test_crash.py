@@ -16,10 +16,10 @@ from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import OutputError
-from terrainav.core.files import open_locked
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.storage.files import open_locked
 
 from tests.support.caches import check_cache
 from tests.support.forks import KILLED, ROOT, Driver

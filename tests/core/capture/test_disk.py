@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 from terrainav.core.errors import OutputError
-from terrainav.core.files import make_folder, write_whole
 from terrainav.core.mission.mission import Mission
+from terrainav.core.storage.files import make_folder, write_whole
 
 from tests.core.capture.test_crash import AREA, check_interrupted, contents
 from tests.support.forks import Driver

@@ -14,7 +14,6 @@ from terrainav.core.capture import tiff
 from terrainav.core.capture.records import exposures_of, job_of
 from terrainav.core.capture.runner import capture
 from terrainav.core.capture.writers import jpeg
-from terrainav.core.config import FOLDER_ENV
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import u_to_lon, v_to_lat
@@ -23,6 +22,7 @@ from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.optics import body_of
+from terrainav.core.storage.config import FOLDER_ENV
 
 from tests.support.photos import SIXTH_DIGIT, exiftool, focal_ratio, ground_seen, position
 from tests.support.sources import PatternSource

@@ -7,8 +7,8 @@ import pytest
 from terrainav.core.capture.folder import complete_pictures
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
-from terrainav.core.files import open_locked
 from terrainav.core.limits import MAX_TABLE_BYTES
+from terrainav.core.storage.files import open_locked
 
 DONE = Outcome("satellite", "0_0_a", 7.123456789012345)
 FAILED = Outcome("roadmap", "0_0_a", reason='404 "nicht da"\r\nü')

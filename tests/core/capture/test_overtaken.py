@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 from terrainav.core.capture import holding
 from terrainav.core.errors import OutputError
-from terrainav.core.files import read_if_there
-from terrainav.core.stores import is_address, put, store_path
+from terrainav.core.storage.files import read_if_there
+from terrainav.core.storage.stores import is_address, put, store_path
 
 from tests.support.forks import ROOT
 from tests.support.objects import s3_store

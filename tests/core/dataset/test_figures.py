@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core import drawing
 from terrainav.core.dataset import figures
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
@@ -18,6 +17,7 @@ from terrainav.core.dataset.entropy import deciding_entropies, entropies_of, ent
 from terrainav.core.dataset.figures import draw_bars, draw_histogram, save_figures
 from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
+from terrainav.core.external import drawing
 
 from tests.support.command import command
 from tests.support.datasets import write_dataset

@@ -18,10 +18,10 @@ from terrainav.core.dataset.loading import Samples
 from terrainav.core.dataset.split import shuffled, split
 from terrainav.core.dataset.table import SPLIT, Table, part_of, taken
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.files import open_locked
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.storage.files import open_locked
 
 from tests.core.dataset.grounds import dataset_of
 from tests.support.command import command

@@ -9,7 +9,6 @@ import tarfile
 
 import numpy as np
 import pytest
-from terrainav.core import stores
 from terrainav.core.bands import Bands
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.georeference import Georeference
@@ -26,6 +25,7 @@ from terrainav.core.dataset.table import SPLIT, Table
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.imagery.opening import named_source, open_source
 from terrainav.core.mission.plan import plan
+from terrainav.core.storage import stores
 
 from tests.support.command import command
 from tests.support.objects import SECRET, s3_store

@@ -26,7 +26,7 @@ from terrainav.core.imagery.opening import named_source, open_source
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.stores import store_path
+from terrainav.core.storage.stores import store_path
 
 from tests.support.command import command
 from tests.support.datasets import write_dataset

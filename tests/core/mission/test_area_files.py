@@ -8,7 +8,6 @@ import zipfile
 
 import numpy as np
 import pytest
-from terrainav.core import safe_xml
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.limits import MAX_POLYGONS
@@ -18,6 +17,7 @@ from terrainav.core.mission.areas.files import load_area, load_no_fly
 from terrainav.core.mission.layout import rows
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.text import safe_xml
 
 from tests.support.growth import PROPORTIONAL, growth
 

@@ -11,7 +11,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.stores import get, store_path
+from terrainav.core.storage.stores import get, store_path
 
 pytest.importorskip("upath", reason="needs universal_pathlib")
 PLAN = plan(Mission(Box(35.16, -89.90, 35.158, -89.898), 120.0), PixelGrid())

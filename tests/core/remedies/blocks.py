@@ -18,7 +18,7 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.resources import version
-from terrainav.core.stores import put, store_path
+from terrainav.core.storage.stores import put, store_path
 
 from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy

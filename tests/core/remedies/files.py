@@ -10,16 +10,17 @@ from pathlib import Path
 import boto3
 import numpy as np
 import pytest
-from terrainav.core import config, drawing, files, stores
 from terrainav.core.capture import folder as captures
 from terrainav.core.capture import writers
 from terrainav.core.capture import writers as jpeg
 from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.runner import capture
+from terrainav.core.external import drawing
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.storage import config, files, stores
 
 from tests.support.objects import s3_store
 from tests.support.remedies import Case, remedy

@@ -14,11 +14,9 @@ import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core.errors import OutputError, PartError
-from terrainav.core.files import PARTIAL_ENDING
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.markup import document, element, table
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -28,6 +26,8 @@ from terrainav.core.report.measure import measure
 from terrainav.core.report.page import PAGE, write_report
 from terrainav.core.report.sentences import verdict
 from terrainav.core.report.tables import csv_files, methods_table, px_text
+from terrainav.core.storage.files import PARTIAL_ENDING
+from terrainav.core.text.markup import document, element, table
 from terrainav.core.timing import Seconds
 from terrainav.core.world import WorldSource
 

@@ -24,7 +24,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.resources import version
-from terrainav.core.stores import get, sizes_in, store_path
+from terrainav.core.storage.stores import get, sizes_in, store_path
 
 from tests.support.command import command
 from tests.support.objects import SECRET, s3_store

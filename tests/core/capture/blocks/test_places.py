@@ -20,13 +20,13 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.capture.several import capture_imageries
 from terrainav.core.elevation.heights import with_whole_path
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.files import open_locked
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
-from terrainav.core.stores import get, store_path
+from terrainav.core.storage.files import open_locked
+from terrainav.core.storage.stores import get, store_path
 
 from tests.support.rasters import write
 from tests.support.sources import NamedPattern

@@ -36,7 +36,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
-from terrainav.core.stores import get, store_path
+from terrainav.core.storage.stores import get, store_path
 
 from tests.support.sources import NamedPattern, PatternSource
 

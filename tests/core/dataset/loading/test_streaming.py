@@ -16,11 +16,11 @@ from uuid import uuid4
 
 import numpy as np
 import pytest
-from terrainav.core import stores
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.loading import Batches, Samples, streaming
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.files import PARTIAL_ENDING
+from terrainav.core.storage import stores
+from terrainav.core.storage.files import PARTIAL_ENDING
 
 from tests.support.objects import SECRET, s3_store
 from tests.support.shards import write_folders, write_shards

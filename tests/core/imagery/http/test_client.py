@@ -14,7 +14,7 @@ from terrainav.core.imagery.http import client as client_module
 from terrainav.core.imagery.http.client import LONGEST_WAIT_S, Client, OutOfReach, Pace, retry_after_s
 from terrainav.core.imagery.http.transport import Response, TransportError, user_agent
 from terrainav.core.limits import MAX_LATE_PARTS
-from terrainav.core.text import first_words
+from terrainav.core.text.plain import first_words
 
 
 class Answers:

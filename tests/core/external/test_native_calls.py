@@ -10,9 +10,9 @@ import threading
 import time
 
 import pytest
-from terrainav.core import native_calls
 from terrainav.core.errors import Cancelled
-from terrainav.core.native_calls import NativeCall
+from terrainav.core.external import native_calls
+from terrainav.core.external.native_calls import NativeCall
 
 PLACE = "47.8206_11.5450_47.8200_11.5460_60"
 #: Two files, of a few bytes, that GDAL reads for many minutes: 400 times the mean over 900 million pixels.

@@ -7,8 +7,8 @@ import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
-from terrainav.core import stores
 from terrainav.core.errors import OutputError
+from terrainav.core.storage import stores
 
 REGION = {"x-amz-bucket-region": "eu-west-1"}
 ERROR = (

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
-from terrainav.core import files
 from terrainav.core.errors import OutputError
-from terrainav.core.files import make_folder, write_whole
+from terrainav.core.storage import files
+from terrainav.core.storage.files import make_folder, write_whole
 
 
 def test_a_file_is_written_and_replaced(tmp_path):

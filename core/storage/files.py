@@ -15,8 +15,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
-from .errors import InvalidInput, OutputError
-from .limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
+from ..errors import InvalidInput, OutputError
+from ..limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
 from .store_requests import larger_than
 from .stores import get, get_each, is_address, open_object, put, store_path
 

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from .errors import InvalidInput, TerrAInavError
-from .text import words_of
+from ..errors import InvalidInput, TerrAInavError
+from ..text.plain import words_of
 
 #: File descriptors of the process's output and error output, whatever Python's own are.
 _OUTPUT, _ERRORS = 1, 2

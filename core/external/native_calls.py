@@ -17,7 +17,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Generic, TypeVar
 
-from .errors import Cancelled
+from ..errors import Cancelled
 
 Result = TypeVar("Result")
 #: Seconds between two looks at whether a result is still wanted.

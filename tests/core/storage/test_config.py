@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from terrainav.core.config import config_file, default_folder, read_named, write_named
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.storage.config import config_file, default_folder, read_named, write_named
 
 
 def test_where_the_folder_is(monkeypatch, tmp_path):

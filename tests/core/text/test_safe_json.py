@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.files import read_limited
 from terrainav.core.limits import MAX_JSON_DEPTH, MAX_JSON_DIGITS
-from terrainav.core.safe_json import parse_json
+from terrainav.core.storage.files import read_limited
+from terrainav.core.text.safe_json import parse_json
 
 _TEXT = st.text(st.characters(exclude_categories=["Cs"]))
 _VALUES = st.recursive(

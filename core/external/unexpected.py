@@ -7,8 +7,8 @@ import threading
 import traceback
 from typing import Callable
 
-from .errors import PartError
-from .text import one_line
+from ..errors import PartError
+from ..text.plain import one_line
 
 _log = logging.getLogger(__name__)
 

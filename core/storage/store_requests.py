@@ -14,16 +14,16 @@ from collections.abc import AsyncIterator, Awaitable, Sequence
 from dataclasses import dataclass
 from typing import IO, Any, Callable, NamedTuple
 
-from .errors import InvalidInput, Message
-from .limits import (
+from ..errors import InvalidInput, Message
+from ..limits import (
     MAX_STORE_ANSWER_BYTES,
     MAX_STORE_NAMES,
     MAX_STORE_S,
     MAX_STORE_SILENCE_S,
     MIN_STORE_BYTES_PER_S,
 )
+from ..waiting import wait_for
 from .redirects import same_server
-from .waiting import wait_for
 
 _PIECE_BYTES = 1 << 18
 #: How often an object is asked for whose body breaks off.

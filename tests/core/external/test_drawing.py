@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core.benchmark.page import _recall
-from terrainav.core.drawing import label_of
+from terrainav.core.external.drawing import label_of
 
 
 @pytest.mark.parametrize("name", ["a\n" * 2000, "x" * 100_000, r"$\frac{a$", "\r\x0b\u2028b"])

@@ -12,7 +12,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import Any
 
-from .errors import OutputError
+from ..errors import OutputError
 
 #: Codes of answers that lead elsewhere, and the header by which S3 says in which of its regions a bucket is.
 _REDIRECTS = (301, 302, 303, 307, 308)

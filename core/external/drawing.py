@@ -8,10 +8,10 @@ import math
 import warnings
 from typing import Any
 
-from .errors import OutputError
+from ..errors import OutputError
+from ..limits import MAX_TEXT_CHARACTERS
+from ..text.plain import printable, shortened
 from .importing import imported
-from .limits import MAX_TEXT_CHARACTERS
-from .text import printable, shortened
 
 #: Okabe and Ito's palette, which people with any kind of colour vision tell apart.
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (

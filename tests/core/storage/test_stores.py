@@ -10,9 +10,9 @@ from pathlib import Path
 from uuid import uuid4
 
 import pytest
-from terrainav.core import stores
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.files import write_whole
+from terrainav.core.storage import stores
+from terrainav.core.storage.files import write_whole
 
 from tests.support.objects import SECRET, s3_store
 

@@ -6,23 +6,18 @@ Whatever the text is, all of this takes time in proportion to its length at most
 from __future__ import annotations
 
 import html
-import json
 import math
 import re
-from collections.abc import Iterable
 from datetime import datetime
 from typing import Any, Callable
-from urllib.parse import quote, quote_plus
 
-from .errors import InvalidInput
-from .limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
-from .numbers import real_number
+from ..errors import InvalidInput
+from ..limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
+from ..numbers import real_number
 from .safe_json import parse_json
 
 #: Ends what was cut short.
 CUT = "…"
-#: Stands where a key stood.
-MASK = "***"
 #: Largest number read: more than anything that is counted.
 _LARGEST_DIGITS = 18
 _WORDS_CHARACTERS = 200
@@ -43,14 +38,6 @@ _INLINE = frozenset("a abbr b big cite code em font i img mark small span strong
 _HIDDEN = {name: re.compile(f"</{name}", re.IGNORECASE) for name in ("script", "style")}
 _TITLE = re.compile(r"<title\b", re.IGNORECASE)
 _TITLE_END = re.compile("</title", re.IGNORECASE)
-#: A character as URLs (encoded up to nine times over), HTML and JSON spell it.
-_SPELLED = re.compile(
-    rb"%(?:25){0,8}([0-9a-f]{2})|(&(?:#[0-9]{1,7}|#x[0-9a-f]{1,6}|[a-z]{2,8});)|\\u([0-9a-f]{4})|\\(?=[/\"\\])",
-    re.IGNORECASE,
-)
-#: Beginning of such a spelling, cut short.
-_PARTLY_SPELLED = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
-_PARTLY_SPELLED_BYTES = 20
 
 
 def time_s(text: str, where: str) -> float:
@@ -219,92 +206,3 @@ def _json_message(text: str) -> str:
         names = ("message", "error_message", "error", "errors", "detail", "title", "reason")
         found = next((found[name] for name in names if name in found), "")
     return str(found)
-
-
-class Secrets:
-    """Keys that no text may show, however they are spelled: in URLs (encoded several times, too), HTML or JSON."""
-
-    def __init__(self, values: Iterable[str]) -> None:
-        forms = set()
-        for value in filter(None, values):
-            written = (value, quote(value), quote(value, safe=""), quote_plus(value), html.escape(value))
-            forms |= {_alike(value.encode("utf-8", "replace"))}
-            forms |= {_read(one)[0] for one in (*written, json.dumps(value)[1:-1])}
-        self._forms = sorted(forms - {b""}, key=len, reverse=True)
-
-    def __repr__(self) -> str:
-        return f"Secrets of {len(self._forms)} forms"
-
-    def __bool__(self) -> bool:
-        return bool(self._forms)
-
-    def masked(self, text: str) -> str:
-        """Text with asterisks for the keys, and for the beginning of one where it was cut short."""
-        return self._with(MASK, text, lambda plain, form: _places(plain, form) + _cut_short(plain, form))
-
-    def replaced(self, text: str, by: str) -> str:
-        """Text with ``by`` in the place of the keys."""
-        return self._with(by, text, _places)
-
-    def _with(self, by: str, text: str, places: Callable[[bytes, bytes], list[tuple[int, int]]]) -> str:
-        if not self._forms:
-            return text
-        plain, starts = _read(text)
-        found = [place for form in self._forms for place in places(plain, form)]
-        if not found:
-            return text
-        written, pieces, at = text.encode("utf-8", "replace"), [], 0
-        for begin, end in sorted(found):
-            if starts[end] > at:
-                # Keys that overlap are replaced once.
-                pieces += [written[at : starts[begin]], by.encode()] if starts[begin] >= at else []
-                at = starts[end]
-        return b"".join([*pieces, written[at:]]).decode("utf-8", "replace")
-
-
-def _alike(plain: bytes) -> bytes:
-    """Bytes without what spellings of a key may differ in: upper case, and + for a space."""
-    return plain.lower().replace(b"+", b" ")
-
-
-def _read(text: str) -> tuple[bytes, list[int] | range]:
-    """Text as UTF-8 with its spellings read, `_alike`, and where each of these bytes begins in its own UTF-8."""
-    written = text.encode("utf-8", "replace")
-    if not _SPELLED.search(written):
-        return _alike(written), range(len(written) + 1)
-    plain, starts, at = bytearray(), [], 0
-    for found in _SPELLED.finditer(written):
-        percent, entity, code = found.groups()
-        if percent:
-            read = bytes([int(percent, 16)])
-        elif entity:
-            read = html.unescape(entity.decode("ascii")).encode("utf-8", "replace")
-        else:
-            read = chr(int(code, 16)).encode("utf-8", "replace") if code else b""
-        plain += written[at : found.start()] + read
-        starts += [*range(at, found.start()), *(found.start(),) * len(read)]
-        at = found.end()
-    plain += written[at:]
-    return _alike(bytes(plain)), [*starts, *range(at, len(written) + 1)]
-
-
-def _places(plain: bytes, form: bytes) -> list[tuple[int, int]]:
-    """Where a key begins and ends."""
-    found, at = [], plain.find(form)
-    while at >= 0:
-        found.append((at, at + len(form)))
-        at = plain.find(form, at + len(form))
-    return found
-
-
-def _cut_short(plain: bytes, form: bytes) -> list[tuple[int, int]]:
-    """Where the beginning of a key stands before the last mark of what was cut short; that mark is its end."""
-    found = []
-    cut = plain.rfind(CUT.encode())
-    partly = _PARTLY_SPELLED.search(plain, max(cut - _PARTLY_SPELLED_BYTES, 0), cut) if cut >= 0 else None
-    for end in {cut, partly.start() if partly else cut} - {-1}:
-        before = plain[max(end - len(form), 0) : end]
-        length = next((n for n in range(len(before), 0, -1) if before.endswith(form[:n])), 0)
-        if length:
-            found.append((end - length, cut))
-    return found

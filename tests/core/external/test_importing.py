@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from terrainav.core.importing import imported
+from terrainav.core.external.importing import imported
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 #: Does what needs a library, and prints the line.
 _PROGRAM = """
 import sys
@@ -30,7 +30,7 @@ except OutputError as wrong:
             "fsspec",
             "FSSPEC_CONFIG_DIR",
             ".",
-            "from terrainav.core.stores import store_path; store_path('s3://a/b')",
+            "from terrainav.core.storage.stores import store_path; store_path('s3://a/b')",
             "fsspec: cannot be imported (JSONDecodeError: ",
         ),
         (
@@ -51,7 +51,7 @@ except OutputError as wrong:
             "matplotlib",
             "MPLBACKEND",
             "nonsense",
-            "from terrainav.core.drawing import check_matplotlib; check_matplotlib()",
+            "from terrainav.core.external.drawing import check_matplotlib; check_matplotlib()",
             "matplotlib.figure: cannot be imported (",
         ),
     ],

@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Callable
 
-from .errors import Message
-from .limits import (
+from ..errors import Message
+from ..limits import (
     MAX_CAPABILITIES_BYTES,
     MAX_SERVICE_LAYERS,
     MAX_XML_ATTRIBUTES,
@@ -23,7 +23,7 @@ from .limits import (
     MAX_XML_NAMES,
     MAX_XML_NODES,
 )
-from .text import one_line
+from .plain import one_line
 
 #: Encodings that documents may have, by Python's names of them.
 _ENCODINGS = ("utf-8", "ascii", "utf-16", "iso8859-1")

@@ -6,8 +6,8 @@ import json
 import math
 from typing import Any, NoReturn
 
-from .errors import InvalidInput
-from .limits import MAX_JSON_DEPTH, MAX_JSON_DIGITS
+from ..errors import InvalidInput
+from ..limits import MAX_JSON_DEPTH, MAX_JSON_DIGITS
 
 
 def parse_json(text: str | bytes) -> Any:

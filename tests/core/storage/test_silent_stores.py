@@ -18,7 +18,7 @@ pytest.importorskip("s3fs", reason="needs s3fs")
 pytest.importorskip("upath", reason="needs universal_pathlib")
 pytest.importorskip("distributed", reason="needs distributed")
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 #: Far beyond what any of it takes, and far within the silence that a store may keep where a test leaves it as it is.
 PATIENCE_S = 50.0
 #: A limit of the program's memory: an endless body fills it if it is read to its end.
@@ -125,11 +125,11 @@ import os, resource, signal, sys
 import s3fs
 signal.signal(signal.SIGINT, signal.default_int_handler)
 resource.setrlimit(resource.RLIMIT_AS, ({MOST_BYTES}, {MOST_BYTES}))
-import terrainav.core.store_requests as requests
+import terrainav.core.storage.store_requests as requests
 from terrainav.core import cli
 from terrainav.core.capture.blocks import engines
-from terrainav.core.files import open_foreign, read_limited
-from terrainav.core.stores import folders_in, get, get_range, is_file, put, sizes_in, store_path
+from terrainav.core.storage.files import open_foreign, read_limited
+from terrainav.core.storage.stores import folders_in, get, get_range, is_file, put, sizes_in, store_path
 def run(code):
     by_http = store_path(os.environ["AWS_ENDPOINT_URL"] + "/run")
     exec(code, {{**globals(), "place": store_path("s3://data/run"), "by_http": by_http}})

@@ -18,10 +18,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Union
 
-from .addresses import holds_credentials
-from .errors import InvalidInput, Message, OutputError, TerrAInavError
-from .importing import imported
-from .limits import MAX_MISSION_BYTES
+from ..addresses import holds_credentials
+from ..errors import InvalidInput, Message, OutputError, TerrAInavError
+from ..external.importing import imported
+from ..limits import MAX_MISSION_BYTES
 from .redirects import follow_none, is_redirect, led_elsewhere, unredirected
 from .store_requests import (
     Entry,

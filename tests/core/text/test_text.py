@@ -19,10 +19,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.limits import MAX_LINE_CHARACTERS
 from terrainav.core.numbers import integer, real_number
-from terrainav.core.text import (
+from terrainav.core.text.plain import (
     CUT,
-    MASK,
-    Secrets,
     first_words,
     one_line,
     printable,
@@ -30,6 +28,7 @@ from terrainav.core.text import (
     whole_number,
     without_markup,
 )
+from terrainav.core.text.secrets import MASK, Secrets
 
 from tests.support.command import command
 from tests.support.patterns import positions, to_bytes

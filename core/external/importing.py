@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from .errors import OutputError
+from ..errors import OutputError
 
 #: Characters shown of what a library says, which may be pages.
 _SAID_CHARACTERS = 120
@@ -29,7 +29,7 @@ def imported(name: str) -> Any:
         raise
     except Exception as wrong:
         # Only where something is wrong: the command imports this for its help.
-        from .text import one_line, words_of
+        from ..text.plain import one_line, words_of
 
         raise OutputError(
             "{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong",

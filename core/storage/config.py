@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Generic, TypeVar
 
-from .errors import InvalidInput, Message, OutputError
+from ..errors import InvalidInput, Message, OutputError
+from ..limits import MAX_SETTINGS_BYTES
+from ..text.safe_json import parse_json
 from .files import json_bytes, make_folder, read_limited, write_whole
-from .limits import MAX_SETTINGS_BYTES
-from .safe_json import parse_json
 
 #: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
 FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
