@@ -82,9 +82,9 @@ def _name_of(source: str) -> str:
 
     if source == Imagery.source:
         return source
-    from ..imagery.catalogue import name_of
+    from ..imagery.catalogue import source_name
 
-    return name_of(source)
+    return source_name(source)
 
 
 def named(

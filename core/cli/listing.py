@@ -142,7 +142,7 @@ def _add_source(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
         asked = SourceOptions(tile_px=arguments.tile_size, crs=arguments.crs, named_by_user=True)
         entry = found_service(arguments.url, asked).source.entry
-        files = list(Placeholder().with_files(placeholders).sha256)
+        files = list(Placeholder().extended(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:
         if arguments.crs not in ("", MAP):

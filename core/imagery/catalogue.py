@@ -1,4 +1,4 @@
-"""The sources known by name, those shipped and the user's own, and what their providers' terms let pass."""
+"""The sources known by name, shipped and the user's, and the check of runs against their terms."""
 
 from __future__ import annotations
 
@@ -27,14 +27,12 @@ from .source import Source
 from .tiles import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
-#: Kind of the sources that go by a name, as `opening` has it.
-_BY_NAME = "catalogue"
-#: Zooms of a template of which nothing is said.
+#: Highest zoom of a template where none is stated.
 DEFAULT_MAX_ZOOM = 22
 
 
 class CatalogueName(EntrySource):
-    """A source by its name in the catalogue or among the user's own."""
+    """A source by its name in the catalogue or among the user's sources."""
 
     @property
     def is_local(self) -> bool:
@@ -43,7 +41,7 @@ class CatalogueName(EntrySource):
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
-        """Date and grid that the options ask for; the embedded world has charts of its own about the poles."""
+        """Date and grid by the options; the embedded world also has polar charts."""
         if not (self.is_local and self.options.crs):
             return super()._wanted
         self.entry.grid(self.options.tile_px)
@@ -63,38 +61,37 @@ class URLTemplate(EntrySource):
 
     @property
     def needs_key(self) -> bool:
-        """Whether a key stands in it, be it right otherwise or not."""
+        """Whether it contains {key}, whether or not it is otherwise valid."""
         return "{key}" in self.text
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if that is for its hosts."""
+        """Return the environment's key, if it is for its hosts."""
         return environment_key(self._template.hosts, named_by_user=self.options.named_by_user)
 
     def _find(self) -> CatalogueEntry:
-        # A provider's terms hold however its tiles are asked for.
         data = described(self.text, tile_px=self.options.tile_px or 256, max_zoom=self.options.max_zoom)
         return under_provider(CatalogueEntry.from_dict(self._template.text, data, user=True))
 
 
 def sources() -> tuple[CatalogueEntry, ...]:
-    """Return the catalogue, the embedded world first, then the user's own sources (``user`` is True)."""
+    """Return the catalogue, the embedded world first, then the user's sources (with ``user``)."""
     return (*shipped(), *user_sources())
 
 
-def name_of(text: str) -> str:
-    """Name of the source that a text names by its title, or as lists show it, in any case; any other text as it is.
+def source_name(text: str) -> str:
+    """Name of the source with a title, or with an entry of a list, in any case; other text is returned unchanged.
 
     Parameters
     ----------
     text : str
-        What a user gives for a source: a name, a title, an address, a file.
+        A name, a title, an address or a file, as a user enters it.
 
     Raises
     ------
     InvalidInput
         Several sources have this title.
     """
-    if text.lower() in shipped_data() or source_kind(text).name != _BY_NAME:
+    if text.lower() in shipped_data() or source_kind(text).name != "catalogue":
         return text
     own = shelf()
     if text.lower() in {*own.problems, *(entry.name for entry in own.entries)}:
@@ -118,12 +115,12 @@ def entry_named(name: str) -> CatalogueEntry:
     Raises
     ------
     InvalidInput
-        Naming those that are close.
+        The name is unknown; the error suggests similar ones.
     """
-    wanted = name_of(name).lower()
+    wanted = source_name(name).lower()
     if wanted in shipped_data():
         return shipped_entry(wanted)
-    # The user's file, which may be broken, is read only for what is not in the catalogue.
+    # The user's file, which may be damaged, is read only for names that are not in the catalogue.
     own = shelf()
     if wanted in own.problems:
         raise InvalidInput(own.problems[wanted])
@@ -143,14 +140,14 @@ def entry_named(name: str) -> CatalogueEntry:
 def alternatives(
     map_types: tuple[str, ...], bounds_deg: tuple[float, float, float, float] | None = None
 ) -> tuple[str, ...]:
-    """Sources that much may be had from, by title and name, best first; those that ask for consent say so.
+    """Titles and names of sources that allow bulk downloads, best first, with a note where they require consent.
 
     Parameters
     ----------
     map_types : tuple of str
-        Those wanted; empty where it does not matter.
+        Wanted map types; empty for any.
     bounds_deg : tuple of float or None
-        West, south, east, north of the ground wanted.
+        West, south, east, north of the wanted ground.
     """
     found = [
         entry
@@ -160,7 +157,7 @@ def alternatives(
         and (not map_types or not entry.map_types or set(map_types) & set(entry.map_types))
         and (bounds_deg is None or entry.covers(bounds_deg))
     ]
-    # Of those that cover the place, the finer first; the synthetic world, which shows no place, last.
+    # The finest first; the synthetic world, which shows no real place, last.
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
     hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
@@ -177,48 +174,49 @@ def check_policy(
     map_types: tuple[str, ...] = (),
     bounds_deg: tuple[float, float, float, float] | None = None,
 ) -> None:
-    """Refuse a run of more requests than the source's terms let pass.
+    """Refuse a run of more requests than the source's terms allow.
 
     Parameters
     ----------
     source : Source or NamedSource
     requests : int
-        Unique parts of the run, over all map types.
+        Unique parts of the run, of all map types.
     accept_terms : bool
         The user has agreed to the terms.
     map_types, bounds_deg
-        What is wanted and where, for naming other sources; see `alternatives`.
+        As for `alternatives`, to suggest other sources.
 
     Raises
     ------
     TermsError
-        Quoting the terms and, where nothing can be done about them, naming sources that allow it.
+        With the terms and, where consent does not help, sources that allow the run.
     """
     instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()
     source.policy.check(source.title, requests, accept_terms, instead)
 
 
 def shared_requests(asked: Sequence[tuple[Source | NamedSource, int]]) -> list[int]:
-    """Requests of sources of one run, each with those of the others that are under the same terms.
+    """Requests of each source of one run, together with those of the others under the same terms.
 
     Parameters
     ----------
     asked : sequence of (Source or NamedSource, int)
-        Sources, which may be there several times, and the requests of each.
+        Sources, which may repeat, and the requests of each.
     """
     policies = [source.policy for source, _ in asked]
     return [
-        sum(requests for (_, requests), policy in zip(asked, policies) if policy == own) for own in policies
+        sum(requests for (_, requests), other in zip(asked, policies) if other == policy)
+        for policy in policies
     ]
 
 
 def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:
-    """Return the user's entries, under their providers' terms, and what is wrong with others; see `read_shelf`."""
+    """Return the user's entries, under their providers' terms, and the errors of others; see `read_shelf`."""
     return read_shelf(config_file(FILE, folder), Message("sources"), _entry)
 
 
 def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
-    """Return the user's entries that are right; raises as `shelf`, which also tells what is wrong with the others."""
+    """Return the user's valid entries; raises as `shelf`, which also returns the errors of the others."""
     return shelf(folder).entries
 
 
@@ -238,15 +236,15 @@ def described(
     Parameters
     ----------
     url : str
-        Template; without a key in it, {key} stands for that of ``key_env``.
+        Template, with {key} in place of the key, which is in ``key_env``.
     max_zoom, native_zoom : int or None
-        22, and the highest zoom.
+        22 and the highest zoom by default.
     default_date : str
-        Where the template has a {date}; without one, each mission must say which.
+        For a template with {date}; without it, each mission must state a date.
     placeholders : iterable of str
         Files that count as missing, by their SHA-256 or 16 of its digits.
     **stated
-        What else an entry states: title (its host by default), attribution, licence and other terms.
+        Further fields of an entry: title (its host by default), attribution, licence and other terms.
 
     Raises
     ------
@@ -266,9 +264,9 @@ def described(
         "native_zoom": highest if native_zoom is None else native_zoom,
     }
     if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
-        # As it was written, so that it says its subdomains.
+        # As entered, with its subdomains.
         data["urls"] = {"": url.strip()}
-    files = Placeholder().with_files(placeholders).sha256
+    files = Placeholder().extended(placeholders).sha256
     if files:
         data["placeholder"] = {"sha256": list(files)}
     if "map_type" in template.names:
@@ -283,19 +281,19 @@ def described(
 
 
 def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None) -> CatalogueEntry:
-    """Keep a source under a name.
+    """Save a source under a name.
 
     Parameters
     ----------
     name : str
-        Lower-case letters, digits, hyphens and underscores; none that is taken.
+        An unused name of lower-case letters, digits, hyphens and underscores.
     data : mapping
         As an entry of ``resources/sources.json``: from `described`, or `CatalogueEntry.to_data`.
 
     Raises
     ------
     InvalidInput
-        The name or the data is not right.
+        The name or the data is invalid.
     OutputError
         The file cannot be written.
     """
@@ -315,12 +313,12 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
 
 
 def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
-    """Forget a source of the user.
+    """Remove a source of the user.
 
     Raises
     ------
     InvalidInput
-        There is no such source, or it is one of the catalogue's.
+        The source is unknown, or part of the catalogue.
     """
     path = config_file(FILE, folder)
     known = read_named(path, Message("sources"))

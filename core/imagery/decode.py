@@ -21,7 +21,7 @@ from ..text.plain import first_words, one_line
 from .http.client import BrokenPictureError
 from .http.transport import Response
 from .placeholder import PLACEHOLDER_REASON, Placeholder
-from .source import over_white
+from .source import composite_on_white
 
 #: End of the entropy-coded data of a JPEG: a marker that must not occur within (ITU-T T.81, B.1.1.5). A leading single
 #: byte is found ten times as fast as ``\xff+``, also where many follow each other.
@@ -300,7 +300,7 @@ def _imagery(rgba: PixelValues) -> PixelValues:
     alpha = rgba[..., 3:]
     if not alpha.any():
         raise PartError("no imagery (a transparent image)")
-    colour = over_white(np.ascontiguousarray(rgba[..., :3]), alpha)
+    colour = composite_on_white(np.ascontiguousarray(rgba[..., :3]), alpha)
     if bool(alpha.all()):
         return colour
     return np.concatenate([colour, np.where(alpha, np.uint8(255), np.uint8(0))], axis=2)

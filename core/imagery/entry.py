@@ -1,4 +1,4 @@
-"""Dates a source's imagery can be had of, and how its URLs write them."""
+"""An entry of the catalogue: URLs, dates, grid and terms of a source; the shipped entries, and providers by host."""
 
 from __future__ import annotations
 
@@ -20,64 +20,57 @@ from ..resources import read_json
 from ..text.plain import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
-from .systems import WORLD_DEG, Bounds, box_on, plane_of
-from .tiles import KEY_ENV, Template, host_of
+from .systems import WORLD_DEG, Bounds, project_box, read_plane
+from .tiles import KEY_ENV, Template, url_host
 
-DATE_KINDS = ("day", "year", "listed", "any")
-#: Dates that an error names; `terrainav sources show` names more.
-_NAMED = 6
 _FORMS = {"day": "YYYY-MM-DD", "year": "YYYY"}
-#: Steps of a time dimension (ISO 8601) that are a day or a year.
-_STEPS = {"P1D": "day", "P1Y": "year"}
-#: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
-#: as what they need is large, and the world stands above this room.
+#: Kinds of sources, and the modules whose `open_entry` opens one. Named, not imported: they import large libraries, and
+#: the world stands above this room.
 PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
-#: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
-_GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
-#: What every entry states.
-_NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
-_TEXT = ((str,), Message("text of one line"))
-_WHOLE = ((int,), Message("a whole number"))
-_LIST = ((list, tuple), Message("a list"))
-_OBJECT = ((Mapping,), Message("an object"))
-#: Types of what an entry states, and words for them.
-_KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
-    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
-    **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
-    **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
+#: Types of the fields of an entry, and their names in errors.
+_FIELD_TYPES: dict[str, tuple[tuple[type, ...], str]] = {
+    **dict.fromkeys(
+        (
+            *("title", "kind", "area", "attribution", "key_env", "signing_env"),
+            *("bulk_allowed", "licence", "terms", "terms_url"),
+        ),
+        ((str,), Message("text of one line")),
+    ),
+    **dict.fromkeys(
+        ("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"),
+        ((int,), Message("a whole number")),
+    ),
     "requests_per_s": ((int, float), Message("a number")),
     "cache_allowed": ((bool,), Message("true or false")),
-    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels", "tile_limits"), _LIST),
-    **dict.fromkeys(("urls", "dates", "placeholder", "plane"), _OBJECT),
+    **dict.fromkeys(
+        ("map_types", "hosts", "tile_px", "bounds_deg", "levels", "tile_limits"),
+        ((list, tuple), Message("a list")),
+    ),
+    **dict.fromkeys(("urls", "dates", "placeholder", "plane"), ((Mapping,), Message("an object"))),
 }
-#: Corners of the Web-Mercator map.
-_WHOLE_MAP = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-#: What names of sources look like.
+#: Names of sources.
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
-_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-#: User, host and port of an address; programs take one slash or several after the scheme. A letter alone is a drive.
+#: User, host and port of an address, after one or more slashes. A single letter before the colon is a drive.
 _AUTHORITY = re.compile(r"(?<=[A-Za-z0-9+.-]{2}):[/\\]{1,9}([^\s/\\?#&|'\"<>,]+)")
 #: Placeholders, as ${z}, {switch:a,b} and [1-4] of templates.
 _IN_BRACES = re.compile(r"\$?\{[\w:,.-]*\}|\[\w-\w\]")
-#: How often an address is decoded: within a data source, within another, and once more.
-_MOST_DECODED = 3
 
 
 @dataclass(frozen=True)
 class Dates:
-    """Dates a source's imagery can be had of.
+    """Dates for which a source has imagery.
 
     Parameters
     ----------
     kind : str
-        ``day`` or ``year``: any of them, as YYYY-MM-DD or YYYY; ``listed``: those of ``values``; ``any``: whatever
-        the server takes.
+        ``day`` or ``year``: every one, as YYYY-MM-DD or YYYY; ``listed``: those of ``values``; ``any``: whatever the
+        server takes.
     first, last : str
-        Empty where they are not known, or go on.
+        Empty where unknown or open.
     default : str
-        What is taken where nothing is asked for. Empty, for ``any`` alone: a date must be asked for.
+        Date used where none is given. Empty, for ``any`` only, where a date must be given.
     values : mapping
-        Of ``listed``: date to what stands for it in the URL.
+        Of ``listed``: date to its form in the URL.
     """
 
     kind: str
@@ -87,8 +80,9 @@ class Dates:
     values: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.kind not in DATE_KINDS:
-            raise InvalidInput("dates of kind {0!r}: must be one of {1}", self.kind, ", ".join(DATE_KINDS))
+        kinds = ("day", "year", "listed", "any")
+        if self.kind not in kinds:
+            raise InvalidInput("dates of kind {0!r}: must be one of {1}", self.kind, ", ".join(kinds))
         if (self.kind == "listed") != bool(self.values):
             raise InvalidInput("dates of kind {0!r}: values are for listed ones, which need them", self.kind)
         if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
@@ -100,13 +94,13 @@ class Dates:
             self.checked(self.default)
 
     def checked(self, date: str) -> str:
-        """Return ``date``, refused where it is of another form, out of range or not among those there are."""
+        """Return ``date``; raises InvalidInput for another form, or a date that is not available."""
         if self.kind == "listed":
             if date not in self.values:
                 raise InvalidInput(
                     "date {0!r}: must be one of those there are, such as {1}",
                     date,
-                    self._near(date),
+                    self._closest(date),
                     field="date",
                 )
         elif self.kind == "any":
@@ -117,7 +111,7 @@ class Dates:
                     field="date",
                     remedy=Message("say which{0}", OptionName("date").in_brackets),
                 )
-        elif not self._in_range(date):
+        elif not self._is_available(date):
             raise InvalidInput(
                 "date {0!r}: must be {1}, from {2} to {3}",
                 date,
@@ -129,16 +123,16 @@ class Dates:
         return date
 
     def written(self, date: str) -> str:
-        """Return what stands for a date in the URL."""
+        """Form of a date in the URL."""
         return self.values.get(date, date)
 
     def text(self) -> Message:
-        """Words for people."""
+        """Description for people."""
         default = (
             Message("{0} by default", self.default) if self.default else Message("one must be asked for")
         )
         if self.kind == "listed":
-            if len(self.values) <= _NAMED:
+            if len(self.values) <= 6:
                 return Message("{0}; {1}", ", ".join(sorted(self.values)), default)
             return Message("{0} from {1} to {2}; {3}", len(self.values), self.first, self.last, default)
         span = Message(" from {0} to {1}", self.first, self.last or Message("now")) if self.first else ""
@@ -149,26 +143,26 @@ class Dates:
         }[self.kind]
         return Message("{0}{1}; {2}", form, span, default)
 
-    def _in_range(self, date: str) -> bool:
+    def _is_available(self, date: str) -> bool:
         try:
             dt.date.fromisoformat(date if self.kind == "day" else f"{date}-01-01")
         except ValueError:
             return False
         return len(date) == len(_FORMS[self.kind]) and self.first <= date <= (self.last or _now())
 
-    def _near(self, date: str) -> str:
+    def _closest(self, date: str, count: int = 6) -> str:
         ordered = sorted(self.values)
         at = bisect.bisect(ordered, date)
-        start = max(0, min(at - _NAMED // 2, len(ordered) - _NAMED))
-        return ", ".join(ordered[start : start + _NAMED])
+        start = max(0, min(at - count // 2, len(ordered) - count))
+        return ", ".join(ordered[start : start + count])
 
 
 def _now() -> str:
-    """Latest day it is anywhere on Earth."""
+    """Latest current date on Earth."""
     return (dt.datetime.now(dt.timezone.utc) + dt.timedelta(hours=14)).date().isoformat()
 
 
-def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
+def time_dimension_dates(values: Iterable[str], default: str) -> Dates | None:
     """Dates of the time dimension of a WMS or WMTS layer.
 
     Parameters
@@ -176,7 +170,7 @@ def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
     values : iterable of str
         Single times, and intervals written ``first/last/step``.
     default : str
-        Empty where the server names none.
+        Empty where the server states none.
     """
     times = [value.strip() for value in values if value.strip()]
     default = default.strip()
@@ -187,7 +181,9 @@ def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
         listed = {time: time for time in (*times, default) if time}
         return Dates("listed", default=default or max(times), values=listed)
     first, last = min(ends[0] for ends in intervals), max(ends[1] for ends in intervals)
-    kinds = {_STEPS.get(ends[2] if len(ends) == 3 else "") for ends in intervals}
+    # Steps of ISO 8601.
+    steps = {"P1D": "day", "P1Y": "year"}
+    kinds = {steps.get(ends[2] if len(ends) == 3 else "") for ends in intervals}
     kind = kinds.pop() if len(kinds) == 1 and len(intervals) == len(times) else None
     pattern = {"day": r"\d{4}-\d\d-\d\d", "year": r"\d{4}"}.get(kind or "", "(?!)")
     if (
@@ -209,13 +205,13 @@ class CatalogueEntry:
     kind : str
         world, xyz or static-map.
     map_types : tuple of str
-        Empty where it has one kind of picture only.
+        Empty where there is a single kind of picture.
     urls : mapping of map type to URL template
-        Empty but for xyz. A map type of "" stands for pictures of one kind, or of {map_type}.
+        Of xyz only. The map type "" stands for a single kind of picture, or for {map_type}.
     hosts : tuple of str
-        Hosts the policy holds for, even in a user's own template; their subdomains as well.
+        Hosts for which the policy holds, with their subdomains, also in a user's template.
     tile_px : tuple of int
-        Sizes of tiles to choose from, the first by default.
+        Available tile sizes, the default first.
     min_zoom, max_zoom, native_zoom : int
     dates : Dates or None
     policy : Policy
@@ -223,17 +219,17 @@ class CatalogueEntry:
     key_env, signing_env : str or None
         Environment variables of the key, where one is needed, and of the signing secret.
     bounds_deg : tuple of float
-        West, south, east, north of the ground it is named as an alternative for.
+        West, south, east, north of the ground for which it is suggested as an alternative.
     levels : tuple of (zoom, name) pairs
         As in `Template`.
     plane : ProjectedPlane or None
-        That the tiles divide, two by two times as many at each zoom; None for the Web-Mercator map.
+        Plane divided into tiles, four times as many at each zoom; None for the Web-Mercator map.
     tile_limits : tuple of (zoom, first column, first row, last column, last row)
-        Tiles there are of a zoom, both ends included; zooms that are not listed have no limits but those of the plane.
+        Available tiles of a zoom, both ends included; other zooms extend over the whole plane.
     user : bool
-        Whether it is a user's own; less has to be known of those.
+        Whether a user has added it; such an entry may state less.
     any_size : bool
-        Whether tiles of another size than the grid's are resized to it. A program's choice, and in no file.
+        Whether tiles of another size than the grid's are resized to it. Set by programs only, never in a file.
     """
 
     name: str
@@ -262,10 +258,10 @@ class CatalogueEntry:
 
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
-        """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
+        """Entry of ``resources/sources.json``; raises InvalidInput for unknown, missing or wrong fields."""
         try:
-            _check_kinds(data)
-            # A null stands for the default.
+            _check_types(data)
+            # Null stands for the default.
             data = {field: value for field, value in data.items() if value is not None}
             terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
             marks = dict(data.pop("placeholder", {}))
@@ -288,7 +284,7 @@ class CatalogueEntry:
                 ),
                 bounds_deg=tuple(data.pop("bounds_deg", WORLD_DEG)),
                 levels=tuple((int(zoom), str(level)) for zoom, level in data.pop("levels", ())),
-                plane=plane_of(plane) if plane else None,
+                plane=read_plane(plane) if plane else None,
                 tile_limits=tuple(
                     (int(zoom), int(left), int(top), int(right), int(bottom))
                     for zoom, left, top, right, bottom in data.pop("tile_limits", ())
@@ -320,7 +316,7 @@ class CatalogueEntry:
                 raise InvalidInput("tile size {0} px: must be {1} or less", size, MAX_TILE_PX)
             self.grid(size)
         for variable in (self.key_env, self.signing_env):
-            if variable is not None and not _VARIABLE.fullmatch(variable):
+            if variable is not None and not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", variable):
                 raise InvalidInput(
                     "environment variable {0!r}: must be letters, digits and underscores, such as {1}",
                     variable,
@@ -342,12 +338,12 @@ class CatalogueEntry:
 
     @property
     def listed(self) -> str:
-        """What lists show of it: title and name."""
+        """Title and name, as lists show them."""
         return listed(self.name, self.title)
 
     @property
     def bulk_allowed(self) -> str:
-        """Whether much may be downloaded: yes, ask or no."""
+        """Whether bulk downloads are allowed: yes, ask or no."""
         return self.policy.bulk_allowed
 
     @property
@@ -356,12 +352,12 @@ class CatalogueEntry:
         return self.policy.licence
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping of what a user may want to know."""
+        """Fields of the entry, ready for JSON."""
         plain = asdict(self)
         return {**plain, **plain.pop("policy")}
 
     def to_data(self) -> dict[str, Any]:
-        """Return what `from_dict` makes the entry of again: what differs from the defaults."""
+        """Fields that differ from the defaults, for `from_dict`."""
         data = {
             one.name: getattr(self, one.name)
             for one in fields(self)
@@ -375,18 +371,19 @@ class CatalogueEntry:
         return data
 
     def grid(self, tile_px: int | None = None) -> PixelGrid:
-        """Pixel grid for a tile size; None for the entry's own."""
+        """Pixel grid for a tile size; None for the default size."""
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
             raise InvalidInput(
                 "tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px))
             )
-        # The shipped entries' bounds are those of a country; a service's are those of its imagery.
+        # Bounds of shipped entries are those of a country; those of services enclose the imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
-        more = _GRIDS.get(self.kind, {})
+        # Static Maps limits the size of its pictures, and the decimals of their centres.
+        more: dict[str, Any] = {"max_size_px": 640, "centre_decimals": 6} if self.kind == "static-map" else {}
         if self.plane is not None:
-            box = None if self.bounds_deg == WORLD_DEG else box_on(self.plane, self.bounds_deg)
+            box = None if self.bounds_deg == WORLD_DEG else project_box(self.plane, self.bounds_deg)
             extent, more = self._extent(box), {"plane": self.plane}
         elif self.tile_limits:
             extent = self._limited(extent)
@@ -395,15 +392,16 @@ class CatalogueEntry:
     def _limited(
         self, extent: tuple[tuple[float, float], ...] | None
     ) -> tuple[tuple[float, float], ...] | None:
-        """Return what of an extent on the map has tiles; as it is where that crosses the antimeridian."""
-        u, v = zip(*(extent or _WHOLE_MAP))
+        """Part of an extent on the map that has tiles; unchanged where it crosses the antimeridian."""
+        whole_map = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+        u, v = zip(*(extent or whole_map))
         if min(u) < 0.0 or max(u) > 1.0:
             return extent
         found = self._extent((min(u), min(v), max(u), max(v)))
-        return extent if found == _WHOLE_MAP else found
+        return extent if found == whole_map else found
 
     def _extent(self, stated: Bounds | None) -> tuple[tuple[float, float], ...] | None:
-        """Corners of what tiles there are within stated edges, all as fractions of the plane; None for all of it."""
+        """Corners of the tiles within stated edges, all as fractions of the plane; None for the whole plane."""
         boxes = [
             (left / (1 << zoom), top / (1 << zoom), (right + 1) / (1 << zoom), (bottom + 1) / (1 << zoom))
             for zoom, left, top, right, bottom in self.tile_limits
@@ -414,13 +412,13 @@ class CatalogueEntry:
             return None
         west, north = (max(edges) for edges in list(zip(*boxes))[:2])
         east, south = (min(edges) for edges in list(zip(*boxes))[2:])
-        # Bounds that say nothing of the tiles are left aside.
+        # Bounds without any tile are ignored.
         if not (west < east and north < south):
             west, north, east, south = boxes[0]
         return ((west, north), (east, north), (east, south), (west, south))
 
     def date(self, wanted: str | None) -> str:
-        """Date of the imagery; empty where there is but one."""
+        """Date of the imagery; empty where there is a single one."""
         if self.dates is None:
             if wanted:
                 raise InvalidInput(
@@ -451,7 +449,7 @@ class CatalogueEntry:
         return self.attribution.replace("{date}", date)
 
     def covers(self, bounds_deg: tuple[float, float, float, float]) -> bool:
-        """Whether all of west, south, east, north is within what it shows."""
+        """Whether the bounds contain a box of west, south, east, north."""
         west, south, east, north = self.bounds_deg
         return (
             bounds_deg[0] >= west
@@ -466,21 +464,22 @@ def _differing(value: Policy | Dates, default: Policy | Dates) -> dict[str, Any]
     return {name: stated for name, stated in asdict(value).items() if stated != getattr(default, name)}
 
 
-def _check_kinds(data: Mapping[str, Any]) -> None:
-    """Refuse what is unknown, missing or of another kind, in the words of who writes the file."""
-    for needed in _NEEDED:
-        if needed not in data:
-            raise InvalidInput("{0} is missing", needed, field=needed)
+def _check_types(data: Mapping[str, Any]) -> None:
+    """Refuse unknown and missing fields, and values of another type, in terms of JSON."""
+    required = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
+    for name in required:
+        if name not in data:
+            raise InvalidInput("{0} is missing", name, field=name)
     for one, value in data.items():
-        if one not in _KINDS_OF:
-            raise InvalidInput("{0!r} is unknown; known are {1}", one, ", ".join(_KINDS_OF))
-        kinds, words = _KINDS_OF[one]
-        # What is true or false counts as a number in Python.
-        right = isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool))
+        if one not in _FIELD_TYPES:
+            raise InvalidInput("{0!r} is unknown; known are {1}", one, ", ".join(_FIELD_TYPES))
+        types, words = _FIELD_TYPES[one]
+        # A bool is an int in Python.
+        right = isinstance(value, types) and (bool in types or not isinstance(value, bool))
         if isinstance(value, str):
             right = right and value.isprintable()
         if value is None:
-            right = one not in _NEEDED
+            right = one not in required
         if not right:
             raise InvalidInput("{0} {1!r}: must be {2}", one, value, words, field=one)
     for one, kind, words in (
@@ -501,48 +500,48 @@ def shipped() -> tuple[CatalogueEntry, ...]:
 
 @lru_cache(maxsize=1)
 def shipped_data() -> Mapping[str, Mapping[str, Any]]:
-    """Return what ``resources/sources.json`` says of each source, by name."""
+    """Content of ``resources/sources.json``: the fields of each source, by name."""
     data: Mapping[str, Mapping[str, Any]] = read_json("sources.json")
     return data
 
 
 @cache
 def shipped_entry(name: str) -> CatalogueEntry:
-    """Return the entry of a name in ``resources/sources.json``."""
+    """Entry of a name in ``resources/sources.json``."""
     return CatalogueEntry.from_dict(name, shipped_data()[name])
 
 
 def serving(host: str) -> CatalogueEntry | None:
-    """Return the shipped entry of the provider a host belongs to."""
+    """Shipped entry of the provider of a host, or None."""
     for name, data in shipped_data().items():
-        if any(host == own or host.endswith("." + own) for own in data.get("hosts", ())):
+        if any(host == domain or host.endswith("." + domain) for domain in data.get("hosts", ())):
             return shipped_entry(name)
     return None
 
 
-def providers_in(text: str) -> tuple[CatalogueEntry, ...]:
-    """Shipped entries of the providers that the addresses in a text lead to, in whatever way it writes them.
+def find_providers(text: str) -> tuple[CatalogueEntry, ...]:
+    """Shipped entries of the providers whose hosts occur in the addresses of a text, in whatever spelling.
 
     Parameters
     ----------
     text : str
-        An address, or what holds some: a data source of QGIS, a name of GDAL's, a description in XML. User names, ports
-        and passwords, percent-encoding of any depth, entities of XML and placeholders in braces make no other host.
+        An address, or text with addresses: a data source of QGIS, a name of GDAL, XML. User names, ports, passwords,
+        percent-encoding, XML entities and placeholders in braces are resolved.
     """
     found: dict[str, None] = {}
     for written in _readings(text):
         found.update(dict.fromkeys(_AUTHORITY.findall(_IN_BRACES.sub("0", written))))
-    hosts = dict.fromkeys(host_of(f"//{authority.rpartition('@')[2]}") for authority in found)
+    hosts = dict.fromkeys(url_host(f"//{authority.rpartition('@')[2]}") for authority in found)
     known = map(serving, hosts)
     return tuple({one.name: one for one in known if one is not None}.values())
 
 
 def _readings(text: str) -> list[str]:
-    """Return a text as it is, and as programs read it that decode it, up to `_MOST_DECODED` times."""
+    """Return a text as it is, and decoded up to three times: a data source may hold another that holds an address."""
     readings = [text]
     for decode in (html.unescape, unquote):
         for written in list(readings):
-            for _ in range(_MOST_DECODED):
+            for _ in range(3):
                 decoded = decode(written)
                 if decoded == written:
                     break
@@ -551,7 +550,7 @@ def _readings(text: str) -> list[str]:
 
 
 def strictest(providers: Iterable[CatalogueEntry]) -> CatalogueEntry | None:
-    """Of several providers, the one that allows least; None of none."""
+    """The provider with the strictest terms; None without providers."""
     return max(
         providers,
         key=lambda one: (BULK.index(one.policy.bulk_allowed), -(one.policy.max_tiles or 0)),
@@ -560,7 +559,7 @@ def strictest(providers: Iterable[CatalogueEntry]) -> CatalogueEntry | None:
 
 
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
-    """Return an entry with its provider's terms: they hold however the tiles are asked for."""
+    """Return an entry with its provider's terms, which hold however the tiles are requested."""
     templates = (Template(url, levels=entry.levels, plane=entry.plane) for url in entry.urls.values())
     hosts = (host for template in templates for host in template.hosts)
     known = strictest(provider for provider in map(serving, hosts) if provider is not None)
@@ -569,6 +568,6 @@ def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
     return replace(
         entry,
         policy=known.policy,
-        placeholder=known.placeholder.with_files(entry.placeholder.sha256),
+        placeholder=known.placeholder.extended(entry.placeholder.sha256),
         attribution=entry.attribution or known.attribution,
     )

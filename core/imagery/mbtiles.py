@@ -1,4 +1,4 @@
-"""A user's own MBTiles file as a source: tiles of PNG, JPEG or WebP in Web Mercator."""
+"""A user's MBTiles file as a source: tiles of PNG, JPEG or WebP in Web Mercator."""
 
 from __future__ import annotations
 
@@ -33,38 +33,15 @@ from .policy import Policy
 from .source import Part, Window, tile_parts
 from .tiles import Tile, tile_address
 
-#: Seconds one wait for a program that writes the file takes, so that a close is seen in between.
-_WAIT_S = 0.25
-#: Seconds all of them may take.
-_LONGEST_WAIT_S = 10.0
-_GZIP = b"\x1f\x8b"
-#: Steps of SQLite between two looks at the time: each may copy a whole tile.
-_STEPS = 100
-#: What views of a file may do: read and compute. Functions that make something large of nothing, and those whose
-#: one call may take for ever (LIKE, GLOB), are none of them, nor is recursion.
+#: Functions that views of a file may call. Others may produce large values from nothing, or take for ever in one call
+#: (LIKE, GLOB).
 _FUNCTIONS = frozenset(
     "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
 )
-#: Tables that are read here.
-_READ = ("metadata", "tiles")
-_DEFINED = "SELECT type, name, substr(sql, 1, ?) FROM sqlite_master WHERE type IN ('table', 'view')"
-#: What is no word of SQL: text and names in quotes, and comments.
+#: Quoted text and names, and comments of SQL.
 _QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`|\[[^\]]*\]|--[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
-#: Tables with columns that are computed, or whose module computes all of them.
+#: Tables with computed columns, and virtual tables.
 _COMPUTED = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
-#: Metadata that are of use here, a tile by its place, and any tile.
-_METADATA = (
-    "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN "
-    "('name', 'attribution', 'date', 'license', 'licence', 'format', 'bounds', 'minzoom', 'maxzoom', 'scheme') "
-    "LIMIT 100"
-)
-_TILE = (
-    "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles "
-    "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
-)
-_SAMPLE = (
-    "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END, zoom_level, tile_row FROM tiles LIMIT 1"
-)
 
 
 class MBTilesFile(FileSource):
@@ -75,7 +52,7 @@ class MBTilesFile(FileSource):
 
 
 class MBTilesSource:
-    """Tiles of an MBTiles file, opened for reading only; `open_mbtiles` makes it.
+    """Tiles of an MBTiles file, opened read-only by `open_mbtiles`.
 
     Parameters
     ----------
@@ -88,9 +65,9 @@ class MBTilesSource:
         Metadata of the file.
     grid : PixelGrid
     alpha : bool
-        Whether the fourth channel is what the tiles have.
+        Return the alpha channel of the tiles.
     from_north : bool
-        Whether its rows count from the north: the standard has them from the south.
+        Whether rows count from the north; in the standard, they count from the south.
     """
 
     map_types: tuple[str, ...] = ()
@@ -132,9 +109,9 @@ class MBTilesSource:
         Raises
         ------
         InvalidInput
-            ``part`` is no tile of the grid.
+            ``part`` is not a tile of the grid.
         PartError
-            The tile is not in the file, or is broken.
+            The tile is missing or damaged.
         Cancelled
         """
         tile = tile_address(part, self.grid, self.title)
@@ -147,7 +124,7 @@ class MBTilesSource:
             raise PartError("{0}: {1}", tile, reason) from reason
 
     def close(self) -> None:
-        """Close the file; what other threads read of it ends at once and raises Cancelled."""
+        """Close the file; reads of other threads end at once and raise Cancelled."""
         self._limit.stop()
         with self._lock:
             if self._connection is not None:
@@ -155,14 +132,14 @@ class MBTilesSource:
                 self._connection = None
 
     def _body(self, tile: Tile) -> bytes | None:
-        until_s = time.monotonic() + _LONGEST_WAIT_S
+        until_s = time.monotonic() + 10.0
         while True:
             try:
                 return self._stored(tile)
-            except FILE_ERRORS as wrong:  # noqa: PERF203  (one that is busy is asked again)
+            except FILE_ERRORS as wrong:  # noqa: PERF203  (a busy file is read again)
                 if self._limit.stopped:
                     raise Cancelled("the source was closed") from None
-                if self._limit.is_over():
+                if self._limit.has_ended():
                     raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
                     raise PartError(
@@ -175,7 +152,8 @@ class MBTilesSource:
                 raise Cancelled("the source was closed")
             self._limit.start()
             row = self._connection.execute(
-                _TILE,
+                "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles "
+                "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1",
                 (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, self._row(tile)),
             ).fetchone()
         return bytes(row[0]) if row and isinstance(row[0], bytes) else None
@@ -187,13 +165,13 @@ class MBTilesSource:
 def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTilesSource:
     """Open an MBTiles file as a source.
 
-    Size of tiles and, where the metadata do not tell them, zooms are read from the tiles. With ``alpha``, translucent
-    tiles are handed out as they are.
+    The tile size, and zooms that the metadata lack, are read from the tiles. With ``alpha``, translucent tiles are
+    returned unchanged.
 
     Raises
     ------
     InvalidInput
-        It is not there, is no MBTiles, or holds no pictures.
+        The file is missing, is not MBTiles, or holds no pictures.
     """
     file = Path(path)
     try:
@@ -214,7 +192,7 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
         failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:
         failure = InvalidInput("MBTiles {0}: is no MBTiles file, or is damaged ({1})", file, wrong)
-        if limit.is_over():
+        if limit.has_ended():
             failure = InvalidInput(_too_slow(Message("MBTiles {0}", file)))
     else:
         return source
@@ -224,22 +202,22 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
 
 
 class _TimeLimit:
-    """Ends what SQLite does for too long: a view may loop for ever. For one thread at a time."""
+    """Time limit of SQLite's work, as a view may loop for ever; for one thread at a time."""
 
     def __init__(self) -> None:
         self._until_s = 0.0
         self.stopped = False
 
     def start(self) -> None:
-        """Begin to count the time of a look-up."""
+        """Start the time of a query."""
         self._until_s = time.monotonic() + MAX_QUERY_S
 
     def stop(self) -> None:
-        """End the look-up that is under way, and all that come."""
+        """End the query under way, and all to come."""
         self.stopped = True
 
-    def is_over(self) -> bool:
-        """Whether the look-up is to end; SQLite asks from time to time."""
+    def has_ended(self) -> bool:
+        """Whether the query must end; called by SQLite from time to time."""
         return self.stopped or time.monotonic() > self._until_s
 
 
@@ -259,8 +237,8 @@ def _opened(file: Path, limit: _TimeLimit) -> sqlite3.Connection:
     try:
         return _readable(file, "mode=ro", limit)
     except sqlite3.OperationalError as wrong:
-        # A file in WAL mode needs companions made beside it, which a folder that is read-only does not take. Without a
-        # log whose content would be missed, nobody is writing and the file may be read as it is.
+        # A file in WAL mode needs further files beside it, which a read-only folder refuses. Without a log, nobody is
+        # writing, and the file can be read as it is.
         log = file.with_name(file.name + "-wal")
         if fault(wrong) != "unwritable" or (log.exists() and log.stat().st_size):
             raise
@@ -268,15 +246,17 @@ def _opened(file: Path, limit: _TimeLimit) -> sqlite3.Connection:
 
 
 def _readable(file: Path, mode: str, limit: _TimeLimit) -> sqlite3.Connection:
-    """Open a file that anybody may have made, and read its first page, as opening alone does not."""
-    connection = connect(file, mode, _WAIT_S)
+    """Open a file that anybody may have made, and read its first page, which opening alone does not."""
+    # A short wait for a program that writes the file, so that `close` is noticed in between.
+    connection = connect(file, mode, 0.25)
     try:
         connection.execute("PRAGMA trusted_schema = OFF")
         if sys.version_info >= (3, 11):
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * MAX_STORED_TILE_BYTES)
         connection.set_authorizer(_allowed)
         limit.start()
-        connection.set_progress_handler(limit.is_over, _STEPS)
+        # Steps between checks: each may copy a whole tile.
+        connection.set_progress_handler(limit.has_ended, 100)
         connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except FILE_ERRORS:
         connection.close()
@@ -285,7 +265,7 @@ def _readable(file: Path, mode: str, limit: _TimeLimit) -> sqlite3.Connection:
 
 
 def _allowed(action: int, _first: str | None, second: str | None, *_others: str | None) -> int:
-    """Whether a statement, or a view that it reads, may do something."""
+    """Allow a statement, or a view that it reads, to select, read and call `_FUNCTIONS`, without recursion."""
     right = action in (sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ) or (
         action == sqlite3.SQLITE_FUNCTION and (second or "").lower() in _FUNCTIONS
     )
@@ -293,14 +273,17 @@ def _allowed(action: int, _first: str | None, second: str | None, *_others: str 
 
 
 def _check_defined(connection: sqlite3.Connection) -> None:
-    """Refuse tables of `_READ` that are computed of what is computed itself.
+    """Refuse computed tables of tiles and metadata that depend on other computed tables.
 
-    SQLite writes what a name stands for in its place, before it looks at any limit: a chain of thirty views, each of
-    which names the one before it twice, takes all memory there is.
+    SQLite expands views before it checks any limit: a chain of thirty views, each of which names its predecessor twice,
+    takes all memory.
     """
     defined = [
         (str(kind), str(name), str(sql or ""))
-        for kind, name, sql in connection.execute(_DEFINED, (MAX_VIEW_CHARACTERS + 1,))
+        for kind, name, sql in connection.execute(
+            "SELECT type, name, substr(sql, 1, ?) FROM sqlite_master WHERE type IN ('table', 'view')",
+            (MAX_VIEW_CHARACTERS + 1,),
+        )
     ]
     computed = {
         name
@@ -308,7 +291,7 @@ def _check_defined(connection: sqlite3.Connection) -> None:
         if kind == "view" or len(sql) > MAX_VIEW_CHARACTERS or _COMPUTED.search(sql)
     }
     for kind, name, sql in defined:
-        if name.lower() not in _READ or name not in computed:
+        if name.lower() not in ("metadata", "tiles") or name not in computed:
             continue
         words = _QUOTED.sub(" ", sql).lower()
         selects, unions = (len(re.findall(rf"\b{word}\b", words)) for word in ("select", "union"))
@@ -327,35 +310,42 @@ def _check_defined(connection: sqlite3.Connection) -> None:
 
 
 def _may_name(sql: str, name: str) -> bool:
-    """Whether a definition may name a table; one with other signs than words have may be written in several ways."""
+    """Whether a definition may name a table; always for a name that can be spelled in several ways."""
     if re.fullmatch(r"\w+", name) is None:
         return True
     return re.search(rf"(?<!\w){name}(?!\w)", sql, re.IGNORECASE) is not None
 
 
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, tuple[Any, Any]]:
-    """Metadata, and a tile with its zoom and row; empty where there is none."""
-    found = connection.execute(_METADATA, (MAX_METADATA_CHARACTERS,))
+    """Metadata, and some tile with its zoom and row; empty without tiles."""
+    found = connection.execute(
+        "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN ('name', 'attribution', 'date', 'license', "
+        "'licence', 'format', 'bounds', 'minzoom', 'maxzoom', 'scheme') LIMIT 100",
+        (MAX_METADATA_CHARACTERS,),
+    )
     rows = {str(name): str(value) for name, value in found}
-    tile = connection.execute(_SAMPLE, (MAX_STORED_TILE_BYTES,)).fetchone()
+    tile = connection.execute(
+        "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END, zoom_level, tile_row FROM tiles LIMIT 1",
+        (MAX_STORED_TILE_BYTES,),
+    ).fetchone()
     body = tile[0] if tile else b""
     return rows, body if isinstance(body, bytes) else b"", tile[1:] if tile else (0, 0)
 
 
 def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
-    """Whether rows count from the north: the metadata's scheme says so, and its bounds do not contradict.
+    """Whether rows count from the north: by the scheme in the metadata, unless their bounds contradict it.
 
     Parameters
     ----------
     zoom, row : object
-        Of some tile, as they are stored.
+        Of some tile, as stored.
     """
     if rows.get("scheme", "").strip().lower() != "xyz":
         return False
     bounds = _bounds(rows.get("bounds", ""))
     if bounds is None or not (isinstance(zoom, int) and 0 <= zoom <= HIGHEST_ZOOM and isinstance(row, int)):
         return True
-    # Some programs take the scheme over from where the tiles came from, and store rows from the south.
+    # Some programs copy the scheme from the origin of the tiles, and store rows from the south.
     _, south, _, north = bounds
 
     def meets(row_from_north: int) -> bool:
@@ -366,13 +356,13 @@ def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
 
 
 def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
-    """Corners of where the metadata say that there are tiles; None where they say nothing sound."""
+    """Corners of the bounds in the metadata; None where they are invalid."""
     edges = _bounds(bounds)
     return None if edges is None else extent_of_box(*edges)
 
 
 def _bounds(bounds: str) -> tuple[float, float, float, float] | None:
-    """Metadata's "west,south,east,north"; None where that is not sound."""
+    """West, south, east and north from the metadata; None where they are invalid."""
     try:
         west, south, east, north = (real_number(part) for part in bounds.split(","))
     except ValueError:
@@ -389,18 +379,19 @@ def _bounds(bounds: str) -> tuple[float, float, float, float] | None:
 def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:
     if not sample:
         raise InvalidInput("holds no tiles")
-    if rows.get("format") == "pbf" or sample.startswith(_GZIP):
+    # Vector tiles are compressed with gzip.
+    if rows.get("format") == "pbf" or sample.startswith(b"\x1f\x8b"):
         raise InvalidInput("holds vector tiles (pbf); must hold images (png, jpg or webp)")
     lowest, highest = _zooms(connection, rows)
     return PixelGrid(_tile_px(sample), lowest, highest, highest, extent=_extent(rows.get("bounds", "")))
 
 
 def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
-    """Lowest and highest zoom, of the metadata where they make sense, else of the tiles."""
+    """Lowest and highest zoom, from the metadata where they are valid, otherwise from the tiles."""
     lowest, highest = (whole_number(rows.get(name, "")) for name in ("minzoom", "maxzoom"))
     if lowest is not None and highest is not None and lowest <= highest <= HIGHEST_ZOOM:
         return lowest, highest
-    # Two questions, as SQLite finds the answer to one of them in an index.
+    # In two subqueries, each of which SQLite answers by an index.
     found: Any = connection.execute(
         "SELECT (SELECT min(zoom_level) FROM tiles), (SELECT max(zoom_level) FROM tiles)"
     ).fetchone()

@@ -1,4 +1,4 @@
-"""From the text that names a source in a mission to one value that tells all of it, and to the source itself."""
+"""From the text that names a source in a mission to a value that describes the source, and opens it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..bands import NO_STRETCH, Bands, bands_of
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from ..storage.files import is_there
-from .entry import NAME, PIXELS, CatalogueEntry, providers_in, strictest
+from .entry import NAME, PIXELS, CatalogueEntry, find_providers, strictest
 from .placeholder import Placeholder
 from .policy import Policy
 from .raster.trust import ADDRESS as RASTER_ADDRESS
@@ -31,17 +31,10 @@ if TYPE_CHECKING:
     from .http.transport import Transport
     from .services.capabilities import Offered
 
-_ADDRESS = re.compile(r"://|\{")
-_SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
-_ARCGIS = re.compile(r"arcgis:.*://", re.IGNORECASE | re.DOTALL)
-_OGC_API = re.compile(r"ogcapi:.*://", re.IGNORECASE | re.DOTALL)
-#: What stands in templates of tiles, and not in paths of dated files.
-_TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
-
 
 @dataclass(frozen=True)
 class SourceOptions:
-    """What is wanted of a source, and how it is to be asked.
+    """Options of a source and of its requests.
 
     Parameters
     ----------
@@ -50,43 +43,40 @@ class SourceOptions:
     key, secret : str or None
         API key and signing secret; None for those of the environment.
     date : str or None
-        Of the imagery, where the source has several; None for its default.
+        Date of the imagery; None for the source's default.
     crs : str
-        Coordinate reference system in which pictures are made, one that the source has pixels in: ``EPSG:code``, and
-        EPSG:3857 for those of the Web-Mercator map. Empty for the source's own, and the map's of a service that has it.
+        Coordinate reference system of the pictures, one in which the source has pixels: ``EPSG:code``, with EPSG:3857
+        for the Web-Mercator map. Empty for the source's CRS, or the map of a service that has it.
     area_deg : tuple of float, or None
-        West, south, east and north of the ground that pictures are made of, where that is known: of several systems of
-        a service the one that suits it best is taken.
+        West, south, east and north of the ground, if known: selects the most suitable CRS of a service.
     tile_px : int or None
-        Size of tiles; None for the source's own, 256 for a template.
+        Tile size; None for the source's, 256 for a template.
     max_zoom : int or None
-        Highest zoom of a template; None for 22. Catalogue entries know theirs.
+        Highest zoom of a template; None for 22. Catalogue entries state theirs.
     connections : int
-        Requests under way at once, where the provider allows so many.
+        Most requests at a time; the provider may allow fewer.
     transport : Transport or None
-        None for one of its own over requests.
+        None for a new one over requests.
     cache : TileCache or None
-        Where tiles are kept for later runs, as far as the provider allows it; None for nowhere.
+        Keeps tiles for later runs, where the provider allows it; None to keep none.
     placeholders : tuple of str
-        Files of the provider that count as missing, beside those it is known for, by their SHA-256 or 16 of its digits.
+        Further files of the provider that count as missing, by their SHA-256 or 16 of its digits.
     bands : tuple of str
-        Of the source's bands, by name or by number from 1, in the order that is wanted; empty for all, or for those of
-        colours.
+        Bands of the source in the wanted order, by name or by number from 1; empty for all, or for those of colours.
     stretch : str
         How values become 8 bits: ``none``, ``percentile``, or two numbers.
     as_stored : bool
-        Pixels are wanted with all their bands and in the source's own type, as GeoTIFF takes them; otherwise they are
-        red, green and blue of 8 bits.
+        Return all bands in the source's data type, for GeoTIFF; otherwise red, green and blue of 8 bits.
     heights : bool
-        Pixels are heights: the first band of a raster file as float32, whose rows may run along degrees.
+        Return heights: the first band of a raster file as float32, on a grid that may be in degrees.
     encoded : bool
-        Colours of tiles are numbers, such as heights: they are handed out as they are, with their own alpha.
+        Return the colours of tiles unchanged, with their alpha, as they encode numbers such as heights.
     named_by_user : bool
-        The user has named the source himself, and no file has: where it is an address with {key}, the environment's
-        key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
+        The user, not a file, has named the source: the host of an address with {key} receives the environment's key.
+        Otherwise only the hosts of TERRAINAV_KEY_HOSTS do.
     sharers : int
-        Runs that ask the provider at the same time and know nothing of each other: each has its share of what the
-        provider allows (`Policy.shared`). 0 for a run that is alone.
+        Independent runs that use the provider at the same time, each with its share of the limits (`Policy.shared`);
+        0 for a single run.
     """
 
     seed: int = 2024
@@ -112,11 +102,11 @@ class SourceOptions:
     def __post_init__(self) -> None:
         if self.connections < 1:
             raise InvalidInput("{0} connections: must be 1 or more", self.connections)
-        object.__setattr__(self, "placeholders", Placeholder().with_files(self.placeholders).sha256)
+        object.__setattr__(self, "placeholders", Placeholder().extended(self.placeholders).sha256)
 
 
 def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSource:
-    """Return the source that a text names; whether there is one, it says where it is asked for more.
+    """Source that a text names; whether it exists is found out when more is asked of it.
 
     Parameters
     ----------
@@ -129,7 +119,8 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     Raises
     ------
     InvalidInput
-        It is a map of QGIS, which the plugin alone knows; or bands or a stretch are wanted of what is no raster file.
+        The text names a map of QGIS, which only the plugin opens; or bands or a stretch are given for a source that is
+        not a raster file.
     """
     kind = source_kind(text)
     if kind is _QGIS:
@@ -145,7 +136,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
 
 
 def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
-    """Refuse bands and a stretch for a source, as a mission names it, that is red, green and blue of 8 bits."""
+    """Refuse bands and a stretch for a source, named as in a mission, of red, green and blue of 8 bits."""
     if bands:
         raise InvalidInput(
             "bands {0}: {1} has red, green and blue alone, as all sources but raster files",
@@ -163,7 +154,7 @@ def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
 
 
 def open_source(name: str, **options: Any) -> Source:
-    """Open the source that a text names, to fetch pixels.
+    """Open the source that a text names.
 
     Parameters
     ----------
@@ -182,19 +173,19 @@ def open_source(name: str, **options: Any) -> Source:
 
 @dataclass(frozen=True)
 class SourceKind:
-    """A kind of source: how a text names one, and the class that it is.
+    """A kind of source: how a text names one, and its class.
 
     Parameters
     ----------
     name : str
     named_by : str
-        What a user gives to name one: `FILE`, `ADDRESS`, `SERVICE`, `NAMED` or `PROJECT`.
+        `FILE`, `ADDRESS`, `SERVICE`, `NAMED` or `PROJECT`.
     module, source : str
-        Module of this package and the class of `NamedSource` in it; imported where there is such a source.
+        Module of this package, imported when needed, and its subclass of `NamedSource`.
     endings : tuple of str
-        By which paths are known for its files, whether or not they are there.
+        Extensions of its files, whether or not they exist.
     recognised_by : callable
-        Whether another text names one as well, as far as no kind before it is named by that.
+        Whether a text without such an ending names one, unless an earlier kind does.
     """
 
     name: str
@@ -205,69 +196,77 @@ class SourceKind:
     recognised_by: Callable[[str], object] = lambda _: None
 
     def recognises(self, text: str) -> bool:
-        """Whether a text names such a source, as far as no kind before it does."""
+        """Whether a text names such a source, unless an earlier kind does."""
         by_ending = Path(text).suffix.lower() in self.endings and _is_path(text)
         return by_ending or bool(self.recognised_by(text))
 
     @property
     def is_file(self) -> bool:
-        """Whether it is named by the path of a file."""
+        """Whether a path names it."""
         return self.named_by == FILE
 
     @property
     def is_address(self) -> bool:
-        """Whether it is named by an address, be it that of tiles or of a service."""
+        """Whether an address of tiles or of a service names it."""
         return self.named_by in (ADDRESS, SERVICE)
 
     @property
     def is_service(self) -> bool:
-        """Whether it is named by the address of a service, which is to be asked for dates and terms."""
+        """Whether the address of a service names it, which has to be asked for dates and terms."""
         return self.named_by == SERVICE
 
 
 def _is_path(text: str) -> bool:
-    """Whether a text may be a path: an address is none, nor is a template whose https:// was forgotten."""
-    if _is_within_file(text):
+    """Whether a text may be a path; not an address, nor a template without https://."""
+    if _is_inside_file(text):
         return True
-    return "://" not in text and (_TILE.search(text) is None or is_there(text))
+    # These placeholders occur in templates of tiles, not in paths of dated files.
+    return "://" not in text and (re.search(r"\{(z|zoom|x|-?y|q)\}", text) is None or is_there(text))
 
 
-def _is_within_file(text: str) -> bool:
+def _is_inside_file(text: str) -> bool:
     return text.startswith("/vsi") or bool(RASTER_ADDRESS.fullmatch(text) or file_of_part(text))
 
 
 def _is_any_file(text: str) -> bool:
-    """Whether a text names what GDAL may open; where a name of the catalogue is one of a file too, ``./name`` is."""
-    return _is_within_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and is_there(text))
+    """Whether GDAL may open what a text names; a name of the catalogue is a file as ``./name`` only."""
+    return _is_inside_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and is_there(text))
 
 
-#: What a user names a source by: a path, an address of tiles or of a service, a name, or a map of a QGIS project.
+#: Ways to name a source: a path, an address of tiles or of a service, a name, a map of a QGIS project.
 FILE, ADDRESS, SERVICE, NAMED, PROJECT = "file", "address", "service", "name", "project"
-_RASTERS = (
-    *(".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"),
-    *(".hgt", ".asc"),
-)
-#: Kinds of sources, asked in this order. A further one is its module and a line.
+
+
+def _has_prefix(prefix: str) -> Callable[[str], object]:
+    """Whether a text is an address after a prefix such as ``wms:``."""
+    return re.compile(rf"{prefix}:.*://", re.IGNORECASE | re.DOTALL).match
+
+
+#: Kinds of sources, tried in this order. To add one, write its module and a line here.
 KINDS = (
     SourceKind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
-    SourceKind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
-    SourceKind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
-    SourceKind("arcgis", SERVICE, ".services.arcgis", "ArcGISService", recognised_by=_ARCGIS.match),
-    SourceKind("ogcapi", SERVICE, ".services.ogcapi", "OGCAPITiles", recognised_by=_OGC_API.match),
-    SourceKind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
+    SourceKind(
+        *("raster", FILE, ".raster.source", "RasterFile"),
+        endings=tuple(".tif .tiff .vrt .jp2 .img .png .jpg .jpeg .ecw .gpkg .cog .hgt .asc".split()),
+        recognised_by=_is_any_file,
+    ),
+    SourceKind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_has_prefix("wm(ts|s)")),
+    SourceKind("arcgis", SERVICE, ".services.arcgis", "ArcGISService", recognised_by=_has_prefix("arcgis")),
+    SourceKind("ogcapi", SERVICE, ".services.ogcapi", "OGCAPITiles", recognised_by=_has_prefix("ogcapi")),
+    SourceKind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=re.compile(r"://|\{").search),
     SourceKind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
 )
-#: Maps of QGIS, which the plugin alone opens.
+#: Maps of QGIS, which only the plugin opens.
 _QGIS = SourceKind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").match)
 
 
 def source_kind(text: str) -> SourceKind:
-    """Kind of source that a text names, whether or not there is such a source."""
+    """Kind of source that a text names, whether or not the source exists."""
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
 def whole_path(text: str) -> str:
-    """Text that names the same source in processes with another current folder: a file's path is whole."""
+    """Text that names the same source from any current folder: with the absolute path of a file."""
     if not source_kind(text).is_file or text.startswith("/vsi") or RASTER_ADDRESS.fullmatch(text):
         return text
     file = file_of_part(text) or text
@@ -276,20 +275,20 @@ def whole_path(text: str) -> str:
 
 def _imported(module: str) -> ModuleType:
     """Module by its name, relative to this package."""
-    # By the built-in import and not importlib's: that is where QGIS keeps book of what it forgets when a plugin goes.
+    # Not importlib: QGIS hooks `__import__` to unload the modules of a plugin.
     return __import__(resolve_name(module, __package__ or ""), fromlist=["*"])
 
 
 class NamedSource(ABC):
-    """A source as a mission names it; each kind of them is a class of its own, in the table of `opening`.
+    """A source as a mission names it; each of `KINDS` has a subclass.
 
-    Making one reads nothing, and neither does asking for what the text itself tells: `is_local`, `needs_key`,
-    `stated_policy`, `environment_key`. For the rest a file may be opened or a service asked for its capabilities, once;
-    it raises InvalidInput and SourceError as `open` does. No key is needed until `open`, but by a service that wants
-    one with the request for its capabilities.
+    Construction reads nothing, nor do `is_local`, `needs_key`, `stated_policy` and `environment_key`, which depend on
+    the text alone. Other members may open the file or request the capabilities of the service, once, and raise
+    InvalidInput and SourceError as `open` does. A key is needed from `open` on, or earlier where a service requires one
+    for its capabilities.
     """
 
-    #: Whether it may have other bands than red, green and blue of 8 bits.
+    #: Whether it may have bands other than red, green and blue of 8 bits.
     has_bands = False
 
     def __init__(self, text: str, options: SourceOptions) -> None:
@@ -299,46 +298,46 @@ class NamedSource(ABC):
         return f"{type(self).__name__}({self.text!r})"
 
     def asked(self, options: SourceOptions) -> NamedSource:
-        """Return the same source, asked in another way: what is known of it already is kept."""
+        """Return the same source with other options; what is already known is kept."""
         other = copy(self)
         other.options = options
         return other
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process needs: no keys, no transport, nothing that is open."""
+        """State for another process: without keys, transport and anything open."""
         options = replace(self.options, key=None, secret=None, transport=None)
         return {**self._described(), "text": self.text, "options": options}
 
     def _described(self) -> dict[str, Any]:
-        """What is known of it that another process need not find out, or could not."""
+        """Known facts that another process need not, or cannot, find out."""
         return {}
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine: no request is made, and no terms hold."""
+        """Whether its pixels are on this machine, so that no request is made and no terms hold."""
         return False
 
     @property
     def needs_key(self) -> bool:
-        """Whether it cannot be had without an API key."""
+        """Whether it needs an API key."""
         return False
 
     @property
     def stated_policy(self) -> Policy | None:
-        """What its provider allows; None where only the service could tell."""
+        """Terms of the provider; None where only the service states them."""
         return self.policy
 
     def environment_key(self) -> str | None:
-        """Return the key that the environment has for it; raises SourceError where that key is for other hosts."""
+        """Return the environment's key for it, or None; raises SourceError where that key is for other hosts."""
         return None
 
     def layers(self) -> list[Offered] | None:
-        """Layers to choose from, where the text names a service and none of them yet; None for every other source."""
+        """Layers to choose from, where the text names a service without a layer; otherwise None."""
         return None
 
     @property
     def entry(self) -> CatalogueEntry:
-        """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
+        """Entry that describes it; raises InvalidInput for a file, which has none."""
         raise InvalidInput(
             "source {0}: a file states no terms", self.text, remedy="name one of the sources that have some"
         )
@@ -346,37 +345,37 @@ class NamedSource(ABC):
     @property
     @abstractmethod
     def _known(self) -> CatalogueEntry | Source:
-        """What tells its title, map types and terms."""
+        """Entry or source with its title, map types and terms."""
 
     @property
     def title(self) -> str:
-        """What people see."""
+        """Title for people."""
         return self._known.title
 
     @property
     def map_types(self) -> tuple[str, ...]:
-        """Map types it can tell apart; empty where it has one kind of picture only."""
+        """Available map types; empty where there is a single kind of picture."""
         return self._known.map_types
 
     @property
     def bands(self) -> Bands:
-        """What its pixels are, as the options ask for them."""
+        """Bands of its pixels, by the options."""
         return bands_of(self._known)
 
     @property
     def policy(self) -> Policy:
-        """What its provider allows, or the licence that a file states."""
+        """Terms of the provider, or the licence that a file states."""
         return self._known.policy
 
     @property
     @abstractmethod
     def grid(self) -> PixelGrid:
-        """Its pixels."""
+        """Pixel grid."""
 
     @property
     @abstractmethod
     def date(self) -> str:
-        """Date of its imagery; empty where that is not known."""
+        """Date of the imagery; empty where unknown."""
 
     @abstractmethod
     def open(self) -> Source:
@@ -387,12 +386,12 @@ class NamedSource(ABC):
         InvalidInput
             The name, date or tile size is unknown, or a template or placeholder is not valid.
         SourceError
-            A key is needed and missing, or for other hosts; or the service or file cannot be read.
+            A key is missing or for other hosts, or the service or file cannot be read.
         """
 
 
 class EntrySource(NamedSource):
-    """A source that an entry describes."""
+    """A source described by an entry."""
 
     @abstractmethod
     def _find(self) -> CatalogueEntry:
@@ -400,7 +399,7 @@ class EntrySource(NamedSource):
 
     @cached_property
     def entry(self) -> CatalogueEntry:
-        """All that is known of it."""
+        """Entry that describes it."""
         return self._find()
 
     def _described(self) -> dict[str, Any]:
@@ -412,7 +411,7 @@ class EntrySource(NamedSource):
 
     @property
     def _pixels(self) -> ModuleType:
-        """Module that makes sources of entries of its kind."""
+        """Module that opens entries of its kind."""
         return _imported(PIXELS[self.entry.kind])
 
     @property
@@ -421,12 +420,12 @@ class EntrySource(NamedSource):
         return self.entry.key_env is not None
 
     def environment_key(self) -> str | None:
-        """Key of the variable that the entry names."""
+        """Key in the variable that the entry names."""
         return os.environ.get(self.entry.key_env) if self.entry.key_env else None
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
-        """Date and grid that the options ask for; both are refused together, as a plan asks for the grid alone."""
+        """Date and grid by the options; both are checked together, as a plan uses the grid only."""
         grid = self.entry.grid(self.options.tile_px)
         if self.options.crs not in ("", grid.plane.crs):
             raise refused_crs(self.options.crs, self.entry.title, [grid.plane.crs])
@@ -434,16 +433,16 @@ class EntrySource(NamedSource):
 
     @property
     def grid(self) -> PixelGrid:
-        """Grid of the tile size asked for."""
+        """Grid for the chosen tile size."""
         return self._wanted[1]
 
     @property
     def date(self) -> str:
-        """Date asked for, or the default; empty where there is but one."""
+        """Chosen date, or the default; empty where there is a single one."""
         return self._wanted[0]
 
     def open(self) -> Source:
-        """Open it with the key that is given, or with the environment's."""
+        """Open it with the given key, or with the environment's."""
         entry, date, options = self.entry, self.date, self.options
         key = options.key or (self.environment_key() if entry.key_env else None)
         if entry.key_env and not key:
@@ -455,7 +454,7 @@ class EntrySource(NamedSource):
 
 
 class DescribedSource(EntrySource):
-    """A source whose entry is given, as that of a connection of QGIS is."""
+    """A source with a given entry, such as a connection of QGIS."""
 
     def __init__(self, entry: CatalogueEntry, options: SourceOptions) -> None:
         super().__init__(entry.name, options)
@@ -469,21 +468,21 @@ class DescribedSource(EntrySource):
 
 
 class FileSource(NamedSource):
-    """A file of pictures; what it says of itself is read once."""
+    """A file of pictures; its description is read once."""
 
-    #: Whether a date may be asked for.
+    #: Whether a date may be chosen.
     takes_date = False
 
     @abstractmethod
     def _open(self, date: str) -> Source:
-        """Open the file, of a date where one is asked for; raises InvalidInput where it cannot be."""
+        """Open the file of a date, empty for any; raises InvalidInput where it cannot be opened."""
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process needs, which may have another current folder."""
+        """State for another process, which may have another current folder."""
         return {**super().__getstate__(), "text": whole_path(self.text)}
 
     def open(self) -> Source:
-        """Open it; raises InvalidInput where that cannot be, and for a date that it does not take."""
+        """Open it; raises InvalidInput where it cannot be opened, and for a date that is not available."""
         date = self.options.date or ""
         if date and not self.takes_date:
             raise InvalidInput("date {0!r}: {1} has no dates to choose from", date, self.text, field="date")
@@ -496,13 +495,13 @@ class FileSource(NamedSource):
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine: not where GDAL is to fetch them."""
+        """Whether its pixels are on this machine, not fetched by GDAL."""
         return FETCHED.search(self.text) is None
 
     @property
     def stated_policy(self) -> Policy:
-        """Terms of the provider that it is fetched from; what the file itself would state is not read."""
-        known = None if self.is_local else strictest(providers_in(self.text))
+        """Terms of the provider that serves it; those in the file are not read."""
+        known = None if self.is_local else strictest(find_providers(self.text))
         return Policy() if known is None else known.policy
 
     @cached_property
@@ -513,10 +512,10 @@ class FileSource(NamedSource):
 
     @property
     def grid(self) -> PixelGrid:
-        """Its pixels, up to its own zoom."""
+        """Pixel grid up to its native zoom."""
         return self._known.grid
 
     @property
     def date(self) -> str:
-        """Date asked for, or that the file states."""
+        """Chosen date, or the one in the file."""
         return self._known.date

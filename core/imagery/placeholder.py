@@ -56,7 +56,7 @@ class Placeholder:
                     field="placeholder",
                 )
 
-    def with_files(self, digests: Iterable[str]) -> Placeholder:
+    def extended(self, digests: Iterable[str]) -> Placeholder:
         """Return a copy with the hashes of further files."""
         known = (digest.strip().lower() for digest in digests)
         return replace(self, sha256=tuple(dict.fromkeys((*self.sha256, *known))))

@@ -124,7 +124,7 @@ def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
     ]
 
 
-def over_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def composite_on_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Colours over white by their alpha, 0 to 255; the shapes broadcast."""
     if bool((alpha == 255).all()):
         return colour

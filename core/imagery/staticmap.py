@@ -1,7 +1,7 @@
-"""Google Static Maps: pictures asked for by their centre.
+"""Google Static Maps: pictures requested by their centre.
 
-The service keeps six decimals of the centre; the grid says so, and the plan's windows stand about centres of
-six decimals. A picture is georeferenced by its window, that is by the centre as it was sent.
+The service keeps six decimals of the centre. The grid states so, and the windows of a plan have centres of six
+decimals. A picture is georeferenced by its window, that is by the centre as it was sent.
 """
 
 from __future__ import annotations
@@ -34,14 +34,9 @@ from .tiles import check_zoom
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 #: Longest side of a picture, before ``scale``.
 MAX_SIZE_PX = 640
-#: Decimals of a degree the service keeps of a centre (0.1 m).
+#: Decimals of a degree that the service keeps of a centre (0.1 m).
 CENTRE_DECIMALS = 6
-_MAX_ZOOM = 21
-#: A window's centre may be off the decimals sent by the noise of float64 pixels, a millionth of the last
-#: decimal; a window that was not placed for this source is off by up to half of it.
-_CENTRE_TOLERANCE_DEG = 1e-9
-_NO_LABELS = "feature:all|element:labels|visibility:off"
-#: By this header the service says that a picture with status 200 is not what was asked for.
+#: Header of a picture of status 200 that is not the requested one.
 PLACEHOLDER = Placeholder(header=(("x-staticmap-api-warning", "*"),))
 
 
@@ -97,8 +92,8 @@ class StaticMapSource:
         self.received: Received | None = None
         self.grid = PixelGrid(
             tile_px=256 * scale,
-            max_zoom=_MAX_ZOOM,
-            native_zoom=_MAX_ZOOM,
+            max_zoom=21,
+            native_zoom=21,
             max_size_px=MAX_SIZE_PX,
             centre_decimals=CENTRE_DECIMALS,
         )
@@ -129,7 +124,7 @@ class StaticMapSource:
         Raises
         ------
         InvalidInput
-            ``part`` does not stand about a centre the service can be told, or is too large.
+            The centre of ``part`` has too many decimals, or it is too large.
         PartError, SourceError, Cancelled
             As for `XYZSource.fetch`.
         """
@@ -145,19 +140,21 @@ class StaticMapSource:
         return pixels
 
     def centre(self, part: Window) -> tuple[str, str]:
-        """Latitude and longitude of a window's centre as they are sent, with six decimals.
+        """Latitude and longitude of a window's centre as sent, with six decimals.
 
         Raises
         ------
         InvalidInput
             The window's centre has more decimals.
         """
+        # Noise of float64 pixels is a thousandth of the last decimal; a window of another plan is off by up to half.
+        tolerance_deg = 1e-9
         windows = Windows(*(np.array([value]) for value in part[1:]))
         texts = []
         for values in window_centres(windows, self.grid, part.zoom):
             degrees = float(values[0])
             text = f"{degrees:.{CENTRE_DECIMALS}f}"
-            if abs(float(text) - degrees) > _CENTRE_TOLERANCE_DEG:
+            if abs(float(text) - degrees) > tolerance_deg:
                 raise InvalidInput(
                     "{0}: its centre {1!r} has more than {2} decimals, which {3} drops",
                     part,
@@ -203,14 +200,14 @@ class StaticMapSource:
             "format": "png32",
         }
         if map_type != SATELLITE:
-            query["style"] = _NO_LABELS
+            query["style"] = "feature:all|element:labels|visibility:off"
         query["key"] = self._key
         url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"
         return sign(url, self._secret) if self._secret else url
 
 
 def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: SourceOptions) -> StaticMapSource:
-    """Source of the pictures that an entry describes, asked for with a key."""
+    """Open the source that an entry describes, with a key."""
     return StaticMapSource(
         key or "",
         options.secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
@@ -219,7 +216,7 @@ def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: Sour
         title=entry.title,
         attribution=entry.attribution,
         policy=entry.policy.shared(options.sharers),
-        placeholder=PLACEHOLDER.with_files(entry.placeholder.with_files(options.placeholders).sha256),
+        placeholder=PLACEHOLDER.extended(entry.placeholder.extended(options.placeholders).sha256),
         url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
         transport=options.transport,
         connections=options.connections,
@@ -252,5 +249,5 @@ def _secret_bytes(secret: str) -> bytes:
         wrong = InvalidInput(
             "URL signing secret: is not URL-safe base64, as the Google Cloud console shows it"
         )
-    # Outside, so that no failure that quotes the secret hangs on to it.
+    # Raised outside `except` so that an error that quotes the secret is not chained.
     raise wrong

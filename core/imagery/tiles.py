@@ -144,11 +144,11 @@ class Template:
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """Hosts of the tiles, as `host_of` spells them: for every subdomain, map type and tile size."""
+        """Hosts of the tiles, as `url_host` spells them: for every subdomain, map type and tile size."""
         values = itertools.product(self.subdomains or ("",), MAP_TYPES, ("", "@2x"))
         asked = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
         # The values of further placeholders depend on the tile.
-        return tuple(dict.fromkeys(host_of(_BRACES.sub("0", url)) for url in asked))
+        return tuple(dict.fromkeys(url_host(_BRACES.sub("0", url)) for url in asked))
 
     def url(
         self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
@@ -182,7 +182,7 @@ class Template:
         shown = self.text.partition("?")[0]
         for name in sorted(names - PLACEHOLDERS.keys()):
             raise InvalidInput(
-                "URL template {0}: {{{1}}} is unknown; known are {2}", shown, name, _in_braces(PLACEHOLDERS)
+                "URL template {0}: {{{1}}} is unknown; known are {2}", shown, name, _braced(PLACEHOLDERS)
             )
         if re.search(r"[{}]", _BRACES.sub("", self.text)):
             raise InvalidInput("URL template {0}: an unmatched brace", shown)
@@ -193,7 +193,7 @@ class Template:
             raise InvalidInput(
                 "URL template {0}: {1} in its host; a key goes to a host that is written out",
                 shown,
-                _in_braces(sorted(in_host)),
+                _braced(sorted(in_host)),
             )
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
@@ -213,12 +213,12 @@ class Template:
                 "URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or "
                 "{{{2}}} alone)",
                 shown,
-                _in_braces(missing),
+                _braced(missing),
                 BBOX,
             )
 
 
-def host_of(url: str) -> str:
+def url_host(url: str) -> str:
     """Host of a URL as DNS has it, in whatever spelling; empty without a host.
 
     Upper case, percent-encoding, IDNA forms of letters and dots, and the root's dot are normalised. A host that
@@ -254,7 +254,7 @@ def check_address(text: str, what: str) -> None:
     try:
         parts = urlsplit(filled)
         _ = parts.port
-        sound = bool(host_of(filled)) or not parts.hostname
+        sound = bool(url_host(filled)) or not parts.hostname
     except ValueError:
         sound = False
     if not sound:
@@ -277,7 +277,7 @@ def check_address(text: str, what: str) -> None:
         )
 
 
-def _in_braces(names: Iterable[str]) -> str:
+def _braced(names: Iterable[str]) -> str:
     return " ".join(f"{{{name}}}" for name in names)
 
 

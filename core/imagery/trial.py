@@ -1,4 +1,4 @@
-"""One tile of a source, to see whether it answers and what its imagery looks like."""
+"""Fetch one tile of a source, to try whether it answers and to show its imagery."""
 
 from __future__ import annotations
 
@@ -16,24 +16,20 @@ from .placeholder import Provided
 from .source import Window
 from .tiles import Tile
 
-#: Finest zoom at which a tile is asked for where no other is: streets and houses can be told apart.
-_USUAL_ZOOM = 16
-_FORMATS = ((b"\x89PNG", "PNG"), (b"\xff\xd8\xff", "JPEG"), (b"RIFF", "WebP"), (b"GIF8", "GIF"))
-
 
 @dataclass(frozen=True)
 class Trial:
-    """A tile as it came.
+    """A fetched tile.
 
     Parameters
     ----------
     tile : Tile
     pixels : array (tile_px, tile_px, 3)
     format : str
-        Of its file, such as PNG; empty where it is none that is known.
+        Of its file, such as PNG; empty where unknown.
     file_bytes : int
     seconds : float
-        From the request to its pixels.
+        From the request to the pixels.
     min_zoom, native_zoom : int
     attribution : str
     """
@@ -51,15 +47,15 @@ class Trial:
 def try_tile(
     named: NamedSource, lat_deg: float | None = None, lon_deg: float | None = None, zoom: int | None = None
 ) -> Trial:
-    """Fetch one tile of a source: at a place where the source has it, else in the middle of its imagery.
+    """Fetch one tile of a source: at a place if it has imagery there, otherwise in the middle of its imagery.
 
     Parameters
     ----------
     named : NamedSource
-        One of tiles; it is opened and closed.
+        A source of tiles; it is opened and closed.
     lat_deg, lon_deg : float or None
     zoom : int or None
-        None for one that shows houses; the source's own zooms are kept to.
+        Limited to those of the source; None for 16, which shows houses.
 
     Raises
     ------
@@ -67,8 +63,8 @@ def try_tile(
     """
     with closing(named.open()) as source:
         grid = source.grid
-        finest = _USUAL_ZOOM if zoom is None else zoom
-        tile = _tile_at(grid, lat_deg, lon_deg, min(max(finest, grid.min_zoom), grid.native_zoom))
+        finest = 16 if zoom is None else zoom
+        tile = _trial_tile(grid, lat_deg, lon_deg, min(max(finest, grid.min_zoom), grid.native_zoom))
         size = grid.tile_px
         window = Window(tile.zoom, tile.x * size, tile.y * size, size, size)
         files: list[bytes] = []
@@ -79,10 +75,11 @@ def try_tile(
         pixels = source.fetch(map_type, source.parts(window)[0].window)
         seconds = time.perf_counter() - begun_s
         file = files[0] if files else b""
+        formats = ((b"\x89PNG", "PNG"), (b"\xff\xd8\xff", "JPEG"), (b"RIFF", "WebP"), (b"GIF8", "GIF"))
         return Trial(
             tile,
             pixels,
-            next((name for magic, name in _FORMATS if file.startswith(magic)), ""),
+            next((name for magic, name in formats if file.startswith(magic)), ""),
             len(file),
             seconds,
             grid.min_zoom,
@@ -91,8 +88,8 @@ def try_tile(
         )
 
 
-def _tile_at(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, zoom: int) -> Tile:
-    """Tile at a place, where the source has imagery there; else in the middle of its imagery."""
+def _trial_tile(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, zoom: int) -> Tile:
+    """Tile at a place if the source has imagery there, otherwise in the middle of its imagery."""
     corners = np.array(grid.extent if grid.extent is not None else ((0.0, 0.0), (1.0, 1.0)))
     west, north = corners.min(axis=0)
     east, south = corners.max(axis=0)
@@ -100,7 +97,7 @@ def _tile_at(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, zoom
     if lat_deg is not None and lon_deg is not None:
         at_u, at_v = (float(one) for one in grid.plane.forward(np.array(lat_deg), np.array(lon_deg)))
         inside = np.isfinite(at_u) and np.isfinite(at_v) and north <= at_v <= south
-        # On the map, an extent across the antimeridian goes on beyond 1.
+        # On the map, an extent across the antimeridian continues beyond 1.
         turns = (0.0,) if grid.own else (0.0, 1.0, -1.0)
         there = next((at_u + turn for turn in turns if west <= at_u + turn <= east), None)
         if inside and there is not None:

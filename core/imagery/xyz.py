@@ -24,7 +24,7 @@ from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
 from .source import Part, Window, tile_parts
-from .tiles import Template, Tile, host_of, tile_address
+from .tiles import Template, Tile, tile_address, url_host
 
 
 class XYZSource:
@@ -38,27 +38,27 @@ class XYZSource:
     grid : PixelGrid
         Tile size and zooms.
     key : str or None
-        What {key} stands for.
+        Value of {key}.
     date : str
-        What {date} stands for.
+        Value of {date}.
     placeholder : Placeholder
     policy : Policy
     client : Client or None
-        None for one over ``transport``.
+        None for a new one over ``transport``.
     transport : Transport or None
-        None for requests.
+        None for `RequestsTransport`.
     connections : int
         Requests under way at once, where the policy allows them.
     cache : TileCache or None
-        Where tiles are kept for later runs, if the policy allows it; None for nowhere.
+        Keeps tiles for later runs, if the policy allows it; None to keep none.
     limits : tuple
-        Tiles there are, as `CatalogueEntry.tile_limits`.
+        Available tiles, as `CatalogueEntry.tile_limits`.
     alpha : bool
-        Whether the fourth channel is what the tiles have, for who lays them over something else.
+        Return the alpha channel of the tiles, to be laid over something else.
     encoded : bool
-        Whether colours are numbers, such as heights: as ``alpha``, and named in ways of their own.
+        Colours encode numbers, such as heights: as ``alpha``, and never resized.
     any_size : bool
-        As `CatalogueEntry.any_size`; numbers are never resized.
+        As `CatalogueEntry.any_size`.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class XYZSource:
         Raises
         ------
         InvalidInput
-            ``part`` is no tile of the grid, or the map type is unknown.
+            ``part`` is not a tile of the grid, or the map type is unknown.
         PartError, SourceError
             As for every source.
         Cancelled
@@ -167,7 +167,7 @@ class XYZSource:
         return pixels
 
     def close(self) -> None:
-        """End what is under way (it raises `Cancelled`) and free the connections."""
+        """End requests under way, which raise `Cancelled`, and close connections and stores."""
         self._client.close()
         with self._lock:
             self._cache = None
@@ -282,7 +282,7 @@ class XYZSource:
         url : str
             As it is sent.
         """
-        title, policy = self._host_terms(host_of(url))
+        title, policy = self._host_terms(url_host(url))
         if policy.bulk_allowed != "no" or title in counted:
             return
         counted.add(title)
@@ -307,7 +307,7 @@ class XYZSource:
 
 
 def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: SourceOptions) -> XYZSource:
-    """Source of the tiles that an entry describes, of a date, asked for with a key."""
+    """Open the source that an entry describes, for a date and with a key."""
     return XYZSource(
         entry.templates(date),
         name=entry.name,
@@ -316,7 +316,7 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         grid=entry.grid(options.tile_px),
         key=key,
         date=date,
-        placeholder=entry.placeholder.with_files(options.placeholders),
+        placeholder=entry.placeholder.extended(options.placeholders),
         policy=entry.policy.shared(options.sharers),
         transport=options.transport,
         cache=options.cache,

@@ -235,7 +235,7 @@ def placeholders_problem(text: str) -> str:
     from ...core.imagery.placeholder import Placeholder
 
     try:
-        Placeholder().with_files(text.split())
+        Placeholder().extended(text.split())
     except InvalidInput as wrong:
         return translate(wrong)
     return ""

@@ -289,7 +289,7 @@ class AddSourceDialog(QDialog):
         if self._entry is not None:
             from ...core.imagery.placeholder import Placeholder
 
-            known = list(Placeholder().with_files(files).sha256)
+            known = list(Placeholder().extended(files).sha256)
             own = {name: text for name, text in typed.items() if text}
             marks = {"placeholder": {"sha256": known}} if known else {}
             return {**self._entry.to_data(), **own, **paced, **marks}

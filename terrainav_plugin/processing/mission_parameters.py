@@ -93,7 +93,7 @@ def read_mission(run: AlgorithmRun) -> Mission:
 
     A mission file says all of it: parameters beside it are left aside.
     """
-    from ...core.imagery.catalogue import name_of
+    from ...core.imagery.catalogue import source_name
     from ...core.mission.mission import Mission
 
     path = run.algorithm.parameterAsFile(run.parameters, _FILE, run.context)
@@ -116,7 +116,7 @@ def read_mission(run: AlgorithmRun) -> Mission:
         wind=_wind(run, entries["seed"]),
         no_fly=no_fly_of_layer(run),
         map_types=run.chosen("MAP_TYPES"),
-        source=name_of(other) if other else run.choice("SOURCE"),
+        source=source_name(other) if other else run.choice("SOURCE"),
         img_size=_size(size) if size else None,
         takeoff=_takeoff(run),
         **entries,

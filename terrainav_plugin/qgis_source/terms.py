@@ -18,7 +18,7 @@ from urllib.parse import parse_qsl
 from osgeo import gdal
 from qgis.core import QgsMapLayer, QgsProviderRegistry, QgsRasterLayer
 
-from ...core.imagery.entry import providers_in
+from ...core.imagery.entry import find_providers
 from ...core.imagery.policy import BULK, Policy
 from ...core.imagery.raster.trust import FETCHED
 from ...core.limits import MAX_VRT_BYTES
@@ -58,7 +58,7 @@ def providers_of(layer: QgsMapLayer) -> list[CatalogueEntry]:
     """Known providers that a layer asks, each once; on the main thread."""
     inner = getattr(layer, "childLayers", list)()
     found = {one.name: one for child in inner for one in providers_of(child)}
-    found.update((one.name, one) for text in _texts(layer) for one in providers_in(text))
+    found.update((one.name, one) for text in _texts(layer) for one in find_providers(text))
     names = _names(layer)
     stamps = tuple((one.mtime, one.size) if one else None for one in map(_regular, names))
     found.update((one.name, one) for one in _described(names, stamps))
@@ -69,7 +69,7 @@ def providers_of(layer: QgsMapLayer) -> list[CatalogueEntry]:
 def _described(names: tuple[str, ...], _stamps: tuple[object, ...]) -> tuple[CatalogueEntry, ...]:
     """Providers that descriptions lead to; kept while the files are what they were, as a VRT may name thousands."""
     texts = _Descriptions().texts(names)
-    return tuple({one.name: one for text in texts for one in providers_in(text)}.values())
+    return tuple({one.name: one for text in texts for one in find_providers(text)}.values())
 
 
 def _share(policy: Policy, count: int) -> Policy:

@@ -17,7 +17,7 @@ from urllib.parse import unquote
 from ...core.errors import InvalidInput
 from ...core.imagery.catalogue import shelf
 from ...core.imagery.entry import serving
-from ...core.imagery.tiles import host_of
+from ...core.imagery.tiles import url_host
 from ...core.limits import MAX_AGREED_PLACES, MAX_DECODINGS, MAX_PLACE_CHARACTERS
 from ...core.text.safe_json import parse_json
 from ..settings import Settings
@@ -104,7 +104,7 @@ def _own() -> Iterator[str]:
 
 def _is_shipped(place: str) -> bool:
     """Whether a place is a server of the shipped catalogue."""
-    return place.startswith("https://") and "{" not in place and serving(host_of(place)) is not None
+    return place.startswith("https://") and "{" not in place and serving(url_host(place)) is not None
 
 
 def _places(text: str) -> Iterator[str]:

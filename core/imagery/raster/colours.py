@@ -15,7 +15,7 @@ from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, shown_of, unn
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text.plain import printable
-from ..source import over_white
+from ..source import composite_on_white
 from .reading import Band, Facts, OpenRaster, PixelBox, Values
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
@@ -71,7 +71,7 @@ class Colours:
     mask: int | None = None
     table: Bytes | None = field(default=None, compare=False)
     white: int | None = None
-    over_white: bool = False
+    composite_on_white: bool = False
     stored_type: str = ""
 
     def read(self, file: OpenRaster, box: PixelBox) -> Values:
@@ -98,7 +98,7 @@ class Colours:
         colours = np.empty((box.height, box.width, count + 1), own.dtype)
         for channel in range(count):
             band = own[channel % len(own)]
-            colours[..., channel] = band if over is None else over_white(band, over)
+            colours[..., channel] = band if over is None else composite_on_white(band, over)
         if alpha is not None:
             there &= alpha != 0
         colours[..., count] = there

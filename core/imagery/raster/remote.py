@@ -19,7 +19,7 @@ from urllib.parse import unquote
 
 from ...errors import InvalidInput, PartError, SourceError
 from ...text.secrets import Secrets
-from ..entry import providers_in, strictest
+from ..entry import find_providers, strictest
 from ..http.client import FIRST_WAIT_S, TRIES, Client, NotThere
 from ..http.transport import Response, Timeouts, Transport, too_long, user_agent
 from ..policy import Policy
@@ -103,7 +103,7 @@ class Remote:
         }
         self._path_with_key = with_key(path, key)
         self.path, self._url = _address(self._path_with_key)
-        self._providers = list(providers_in(path))
+        self._providers = list(find_providers(path))
         self._client: Client | None = None
         self._asking = threading.Lock()
         if not self._url or any(f"GDAL_HTTP_{name}" in os.environ for name in _CREDENTIALS):
@@ -191,7 +191,7 @@ class Remote:
                 self._url,
                 self._title,
                 {"Range": "bytes=0-0"},
-                lambda asked: self._providers.extend(providers_in(asked)),
+                lambda asked: self._providers.extend(find_providers(asked)),
             )
         except PartError as wrong:
             if too_long(_MOST_BYTES).message.template in map(_template, _values(wrong.message)):

@@ -41,7 +41,7 @@ from ...limits import (
 )
 from ...storage.files import is_there, open_foreign
 from ...text.plain import one_line
-from ..tiles import check_address, host_of
+from ..tiles import check_address, url_host
 from .sizes import check_directories, tag_texts
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
@@ -157,7 +157,7 @@ def name_for_gdal(name: str) -> str:
 def host_of_virtual(name: str) -> str:
     """Host that GDAL fetches a file of its virtual file systems from; empty where the name has no address."""
     found = re.search(r"https?://[^#]+", unquote(name).replace("{key}", "0"), re.IGNORECASE)
-    return host_of(found[0]) if found else ""
+    return url_host(found[0]) if found else ""
 
 
 def with_key(name: str, key: str) -> str:

@@ -28,7 +28,7 @@ from ...text.plain import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry
 from ..policy import Policy
-from ..systems import MAP, WORLD_DEG, Bounds, code_of, is_usable, refused, unit_m
+from ..systems import MAP, WORLD_DEG, Bounds, epsg_code, is_usable, refused, unit_m
 from ..tiles import BBOX, OWN_BBOX
 from .capabilities import Document, Offered, chosen_one
 from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
@@ -307,7 +307,7 @@ def _code(reference: object) -> str:
         return ""
     for name in ("latestWkid", "wkid"):
         if isinstance(reference.get(name), int):
-            return code_of(f"EPSG:{reference[name]}")
+            return epsg_code(f"EPSG:{reference[name]}")
     return ""
 
 

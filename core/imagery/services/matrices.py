@@ -22,11 +22,11 @@ from ..systems import (
     MAP,
     WORLD_DEG,
     Bounds,
-    best_of,
-    box_on,
-    code_of,
+    best_system,
+    epsg_code,
     is_usable,
     northing_first,
+    project_box,
     refused,
     unit_m,
 )
@@ -101,7 +101,7 @@ def chosen_tiles(
     wanted, first = choices.get("tilematrixset"), choices.get("tilematrix")
     sets: dict[str, Any] = {name: service.tilematrixsets[name] for name in layer.tilematrixsetlinks}
     found: dict[str, LayerTiles] = {}
-    asked_first = sorted(sets, key=lambda name: (name != wanted, code_of(sets[name].crs) != (crs or MAP)))
+    asked_first = sorted(sets, key=lambda name: (name != wanted, epsg_code(sets[name].crs) != (crs or MAP)))
     for name in asked_first[:_MOST_SETS]:
         tiles = _tiles_of(sets[name], name, layer, first)
         if tiles is not None:
@@ -121,7 +121,7 @@ def chosen_tiles(
         chosen = found[chosen_one(document, "tilematrixset", wanted, {name: name for name in found})]
     else:
         boxes = filter(None, (area_deg, bounds_of([layer])))
-        system = crs or (MAP if MAP in there else best_of(there, *boxes))
+        system = crs or (MAP if MAP in there else best_system(there, *boxes))
         chosen = max(
             (tiles for tiles in found.values() if tiles.crs == system),
             key=lambda tiles: (tiles.finest, -tiles.tile_px),
@@ -140,7 +140,7 @@ def _tiles_of(matrix_set: Any, name: str, layer: Any, first: str | None) -> Laye
     offered = [one for one in matrix_set.tilematrix.values() if not limits or one.identifier in limits]
     scale = next((one.scaledenominator for one in offered if one.identifier == first), 0.0)
     matrices = [one for one in offered if one.scaledenominator >= scale]
-    crs = code_of(matrix_set.crs)
+    crs = epsg_code(matrix_set.crs)
     if crs == MAP:
         return _quad(name, matrices, limits)
     if not is_usable(crs):
@@ -281,5 +281,5 @@ def _meets(
     """Whether ground within bounds lies on a matrix that reaches so far of a plane; bounds of the world say nothing."""
     if bounds_deg == WORLD_DEG:
         return True
-    box = box_on(plane, bounds_deg)
+    box = project_box(plane, bounds_deg)
     return box is not None and box[0] < right and box[2] > 0.0 and box[1] < bottom and box[3] > 0.0

@@ -30,8 +30,8 @@ from ...numbers import real_number
 from ...text.plain import one_line
 from ...text.safe_xml import written
 from ..catalogue import DEFAULT_MAX_ZOOM
-from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
-from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, code_of, is_usable, northing_first, refused
+from ..entry import CatalogueEntry, Dates, time_dimension_dates, under_provider
+from ..systems import MAP, MERCATOR_CODES, Bounds, best_system, epsg_code, is_usable, northing_first, refused
 from ..tiles import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX
 from .capabilities import (
     NAMED,
@@ -125,7 +125,7 @@ def _with_query(base: str, query: dict[str, str]) -> str:
 def _wmts_layers(document: Document) -> list[Offered]:
     """Layers a WMTS offers."""
     service = _wmts(document)
-    systems = {name: code_of(one.crs) for name, one in service.tilematrixsets.items()}
+    systems = {name: epsg_code(one.crs) for name, one in service.tilematrixsets.items()}
     offered = []
     for name, layer in service.contents.items():
         sets = [one for one in layer.tilematrixsetlinks if one in systems][:_MOST_OFFERED]
@@ -218,7 +218,7 @@ def _dimensions_of(layer: Any) -> dict[str, Dates | str]:
         name = (dimension.findtext(f"{_OWS}Identifier") or "").strip()
         default = (dimension.findtext(f"{_WMTS}Default") or "").strip()
         values = [value.text or "" for value in dimension.findall(f"{_WMTS}Value")]
-        dates = dates_of_dimension(values, default) if name.lower() == "time" else None
+        dates = time_dimension_dates(values, default) if name.lower() == "time" else None
         found[name] = dates or default or (values[0].strip() if values else "")
     return found
 
@@ -279,7 +279,7 @@ def _wms_layers(document: Document) -> list[Offered]:
 
 def _systems_of(named: Sequence[str]) -> tuple[str, ...]:
     """Usable ones of the systems that a layer names, Web Mercator first; of very many the first."""
-    codes = {code_of(one.upper()) for one in named}
+    codes = {epsg_code(one.upper()) for one in named}
     own = sorted((one for one in codes if one != MAP and _EPSG.fullmatch(one)), key=lambda one: int(one[5:]))
     usable = itertools.islice(filter(is_usable, own[:_MOST_SYSTEMS]), _MOST_OFFERED)
     return (*((MAP,) if MAP in codes else ()), *usable)
@@ -361,7 +361,7 @@ def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bound
         )
     usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
     if usable:
-        return best_of(usable, *filter(None, (area_deg, bounds_of(layers))))
+        return best_system(usable, *filter(None, (area_deg, bounds_of(layers))))
     names = ", ".join(sorted(offered)[:NAMED]) or Message("none")
     raise InvalidInput(
         "layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG",
@@ -399,7 +399,7 @@ def _dates(layers: Sequence[Any]) -> Dates | None:
     """Dates of the first layer that has a time."""
     for layer in layers:
         default = getattr(layer, "defaulttimeposition", None) or ""
-        dates = dates_of_dimension(layer.timepositions or [], default)
+        dates = time_dimension_dates(layer.timepositions or [], default)
         if dates is not None:
             return dates
     return None

@@ -21,7 +21,7 @@ from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry
 from ..opening import SourceOptions
 from ..policy import Policy
-from ..systems import MAP, WORLD_DEG, Bounds, code_of
+from ..systems import MAP, WORLD_DEG, Bounds, epsg_code
 from ..tiles import check_address
 from .capabilities import Document, Offered, chosen_format, chosen_one, filled_template
 from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
@@ -128,7 +128,7 @@ class OGCAPITiles(JSONService):
         if not offered:
             raise document.wrong(Message("offers tiles of data, and none of images"))
         if wanted is None:
-            suited = [name for name, one in offered.items() if code_of(_crs_of(one)) == (crs or MAP)]
+            suited = [name for name, one in offered.items() if epsg_code(_crs_of(one)) == (crs or MAP)]
             suited.sort(key=lambda name: name != _QUAD)
             wanted = (suited or list(offered))[0]
         chosen = offered[chosen_one(document, "tilematrixset", wanted, dict.fromkeys(offered, ""))]

@@ -6,7 +6,7 @@ import datetime as dt
 
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.entry import Dates, dates_of_dimension
+from terrainav.core.imagery.entry import Dates, time_dimension_dates
 
 RELEASES = {"2014-02-20": "10", "2018-06-27": "13161", "2020-10-14": "119"}
 
@@ -95,7 +95,7 @@ def test_dates_that_make_no_sense(options):
     ],
 )  # fmt: skip
 def test_time_dimensions(values, default, expected):
-    dates = dates_of_dimension(values, default)
+    dates = time_dimension_dates(values, default)
     assert expected == (dates and (dates.kind, dates.first, dates.default, dates.last))
 
 

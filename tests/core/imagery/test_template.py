@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.tiles import Template, bbox, check_address, host_of, quadkey
+from terrainav.core.imagery.tiles import Template, bbox, check_address, quadkey, url_host
 
 
 def test_each_placeholder_gets_its_value():
@@ -119,7 +119,7 @@ def test_a_key_in_a_template_is_refused_without_being_told(name):
     ],
 )
 def test_a_host_is_the_same_however_it_is_written(url, host):
-    assert host_of(url) == host
+    assert url_host(url) == host
 
 
 @pytest.mark.parametrize("host", ["tile.example\\.other.example", "tile.example%2F.other", "a..b", "a" * 300])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from terrainav.core.imagery import entry
 from terrainav.core.imagery.catalogue import shared_requests
-from terrainav.core.imagery.entry import providers_in, shipped_entry
+from terrainav.core.imagery.entry import find_providers, shipped_entry
 from terrainav.core.imagery.http.transport import Response
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.policy import TermsError
@@ -59,7 +59,7 @@ def encoded(text, times):
     ],
 )
 def test_an_address_is_of_its_provider_in_every_spelling(text):
-    assert [one.name for one in providers_in(text)] == ["osm"]
+    assert [one.name for one in find_providers(text)] == ["osm"]
 
 
 @pytest.mark.parametrize(
@@ -77,19 +77,19 @@ def test_an_address_is_of_its_provider_in_every_spelling(text):
     ],
 )
 def test_other_addresses_are_not(text):
-    assert providers_in(text) == ()
+    assert find_providers(text) == ()
 
 
 def test_all_providers_of_a_text_are_found_each_once():
     text = f"{OSM} https://services.arcgisonline.com/x {OSM}"
-    assert [one.name for one in providers_in(text)] == ["osm", "esri-world-imagery"]
+    assert [one.name for one in find_providers(text)] == ["osm", "esri-world-imagery"]
 
 
 @pytest.mark.parametrize(
     "piece", ["a", "https://a", "{a", "[a", ":/", "%", "%25", "&amp;", "&#", "https://h/ "]
 )
 def test_reading_a_text_takes_time_in_proportion_to_it(piece):
-    assert growth(lambda size: providers_in(piece * size), 10_000) < PROPORTIONAL
+    assert growth(lambda size: find_providers(piece * size), 10_000) < PROPORTIONAL
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.catalogue import add
 from terrainav.core.imagery.opening import DescribedSource, SourceOptions, named_source, open_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.systems import code_of
+from terrainav.core.imagery.systems import epsg_code
 from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -229,7 +229,7 @@ def test_web_mercator_is_taken_where_there_is_one_and_any_other_by_name(server):
     ],
 )
 def test_names_of_systems_in_documents(name, code):
-    assert code_of(name) == code
+    assert epsg_code(name) == code
 
 
 def test_without_web_mercator_the_system_that_suits_the_layer_is_taken(server):
