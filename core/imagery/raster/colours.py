@@ -71,7 +71,7 @@ class Colours:
     mask: int | None = None
     table: Bytes | None = field(default=None, compare=False)
     white: int | None = None
-    composite_on_white: bool = False
+    over_white: bool = False
     stored_type: str = ""
 
     def read(self, file: OpenRaster, box: PixelBox) -> Values:

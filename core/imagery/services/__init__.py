@@ -1,11 +1,11 @@
-"""Layers of services, as their own descriptions tell of them.
+"""Layers of services, described by the documents of the services.
 
-detecting     which kind of service is at an address
-service       a layer as a mission names it, whatever kind of service that is
-ogc           a layer of a WMTS or WMS as a mission names it, and its entry of tiles
+detecting     the kind of service at an address
+service       the base of all kinds: a layer as a mission names it
+ogc           a layer of a WMTS or WMS
 arcgis        a map or image service of ArcGIS Server
 ogcapi        tiles of an OGC API
-matrices      the tiles of a layer: one of its tile matrix sets, and what of it makes a grid
-capabilities  the document: how it is fetched, and what all kinds of service have in common
+matrices      from a tile matrix set to a pixel grid
+capabilities  fetching documents, and choices, formats and terms in them
 json_service  documents in JSON
 """

@@ -1,13 +1,13 @@
-"""Map and image services of ArcGIS Server, by their own REST interface.
+"""Map and image services of ArcGIS Server, by its REST interface.
 
-``arcgis:URL`` names a service by its address, ``…/rest/services/NAME/MapServer`` or ``…/ImageServer``; after ``#``
-stand ``layers=0,2``, those of a map service by their numbers, and ``format``. One of a server's services is named by
-``arcgis:…/rest/services#service=NAME/MapServer``. A key in the address is written ``?token={key}``.
+``arcgis:URL`` names a service by its address, ``…/rest/services/NAME/MapServer`` or ``…/ImageServer``; the choices
+after ``#`` are ``layers=0,2``, the layers of a map service by their numbers, and ``format``. A service of a server may
+also be named by ``arcgis:…/rest/services#service=NAME/MapServer``. A key in the address is written ``?token={key}``.
 
-A service that has its tiles made (``singleFusedMapCache``) is asked for those, ``tile/{level}/{row}/{column}``, where
-they make a grid (`matrices`) in the system that is asked for, and no layers are chosen. Every other one is asked to
-draw, by ``export`` or ``exportImage``, tiles of the Web-Mercator grid or of a plane as `ogc` has it for a WMS: it draws
-in any system. Documents: ArcGIS REST API, "Map Service" and "Image Service".
+Cached tiles of a service (``singleFusedMapCache``), ``tile/{level}/{row}/{column}``, are used where they form a grid
+(`matrices`) in the wanted system and no layers are chosen. Otherwise the service draws tiles, by ``export`` or
+``exportImage``, of the Web-Mercator grid or of a plane as for a WMS (`ogc`), in any system. Documents: ArcGIS REST API,
+"Map Service" and "Image Service".
 """
 
 from __future__ import annotations
@@ -31,40 +31,28 @@ from ..policy import Policy
 from ..systems import MAP, WORLD_DEG, Bounds, epsg_code, is_usable, refused, unit_m
 from ..tiles import BBOX, OWN_BBOX
 from .capabilities import Document, Offered, chosen_one
-from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
+from .json_service import JSONService, read_number, read_objects, read_text, set_query, sound_bounds
 from .matrices import SCALE_PX_M, chosen_tiles
 from .ogc import finest_zoom, own_plane
 
-_SERVERS = ("MapServer", "ImageServer")
 _ADDRESS = re.compile(r"(?P<base>.*/(?P<kind>MapServer|ImageServer))(?:/(?P<layer>\d+))?/?$", re.IGNORECASE)
-#: Operation that draws, and the capability that a service states for it.
-_DRAWN = {"mapserver": ("export", "Map"), "imageserver": ("exportImage", "Image")}
-#: Formats that a service draws in, the first that it offers is taken: with transparency where it has that.
-_FORMATS = ("png32", "png24", "png", "png8", "jpgpng", "jpg")
-#: Levels of a cache that are looked at; the server's own schemes have up to 24.
-_MOST_LEVELS = 100
-#: Scales are stated in whole numbers, or rounded to six digits.
+#: Relative tolerance of scales, which are whole numbers or rounded to six digits.
 _SCALE_SLACK = 1e-3
-#: Metres of a degree of the equator of EPSG:3857.
-_DEGREE_M = HALF_WORLD_M / 180.0
-#: Points along each side of an extent at which it is looked at in degrees.
-_ALONG = 9
-_STEEPEST_DEG = 85.0
 
 
 class ArcGISService(JSONService):
     """A map or image service of ArcGIS Server as a mission names it."""
 
     def _first(self) -> Document:
-        return self._json(self._filled(with_query(self._base, {"f": "json"})), Message("description"))
+        return self._json(self._filled(set_query(self._base, {"f": "json"})), Message("description"))
 
     @property
     def _base(self) -> str:
-        """Address of the service, or of the list of them where none is named, with its query."""
+        """Address of the service, or of the list of services where none is named, with its query."""
         parts = urlsplit(self.service.address)
         path, service = parts.path.rstrip("/"), self.service.choices.get("service")
         if service:
-            # Names hold their folder, whichever list they stand in.
+            # A name contains its folder, also in the list of a folder.
             root = re.match(r".*/rest/services(?=/|$)", path, re.IGNORECASE)
             path = f"{root.group() if root else path}/{quote(service, safe='/')}"
         found = _ADDRESS.fullmatch(path)
@@ -93,15 +81,18 @@ class ArcGISService(JSONService):
         if not self._kind:
             services = {name: one.title for name, one in _services(document).items()}
             chosen = chosen_one(document, "service", self.service.choices.get("service"), services)
-            # The only one there is.
+            # Possibly the only one, not named in the text.
             named = type(self)(f"{self.service.kind}:{self.service.address}#service={chosen}", self.options)
             return named._find()  # noqa: SLF001
         info: Mapping[str, Any] = document.root
         cached = self._cached(document) if self._is_cached(info) else None
         if cached is not None:
             return cached
-        operation, capability = _DRAWN[self._kind]
-        stated = text_of(info.get("capabilities"))
+        # The operation that draws, and the capability that a service states for it.
+        operation, capability = {"mapserver": ("export", "Map"), "imageserver": ("exportImage", "Image")}[
+            self._kind
+        ]
+        stated = read_text(info.get("capabilities"))
         if stated and capability not in stated.split(","):
             raise document.wrong(
                 Message(
@@ -111,25 +102,25 @@ class ArcGISService(JSONService):
         return self._drawn(document, operation)
 
     def _is_cached(self, info: Mapping[str, Any]) -> bool:
-        """Whether a service has tiles, and those can show what is asked for."""
+        """Whether a service has cached tiles that show the wanted layers in the wanted format."""
         tiles = info.get("tileInfo")
         return (
             info.get("singleFusedMapCache") is True
             and isinstance(tiles, Mapping)
-            # Heights, which are no imagery.
-            and not text_of(tiles.get("format")).upper().startswith("LERC")
+            # LERC has heights, not imagery.
+            and not read_text(tiles.get("format")).upper().startswith("LERC")
             and not self._chosen_layers
             and "format" not in self.service.choices
         )
 
     def _cached(self, document: Document) -> CatalogueEntry | None:
-        """Entry of the service's tiles; None where they make no grid in the system that is asked for."""
+        """Entry of the cached tiles; None where they form no grid in the wanted system."""
         info = document.root
         tiles = info["tileInfo"]
-        bounds = _bounds_of(info)
+        bounds = _full_bounds(info)
         crs = _code(tiles.get("spatialReference") or info.get("spatialReference"))
         matrices = _levels(info, crs)
-        name = text_of(info.get("mapName")) or "tiles"
+        name = read_text(info.get("mapName")) or "tiles"
         link = SimpleNamespace(tilematrixlimits={})
         layer = SimpleNamespace(id=name, tilematrixsetlinks={name: link}, boundingBoxWGS84=bounds)
         by_id = {one.identifier: one for one in matrices}
@@ -154,7 +145,7 @@ class ArcGISService(JSONService):
         )
 
     def _drawn(self, document: Document, operation: str) -> CatalogueEntry:
-        """Entry of tiles that the service draws."""
+        """Entry of tiles drawn by the service."""
         info, crs, tile_px = document.root, self.options.crs or MAP, self.options.tile_px or 256
         if crs != MAP and not is_usable(crs):
             raise refused(crs, self._title(info), [MAP, Message("every projected system of EPSG")])
@@ -170,20 +161,18 @@ class ArcGISService(JSONService):
             "size": f"{tile_px},{tile_px}",
             "format": self._format(document),
             **({"layers": f"show:{layers}"} if layers else {}),
-            # Symbols as large as on the map of a screen.
+            # Symbols of the size for screens.
             **({"transparent": "true", "dpi": "96"} if operation == "export" else {}),
             "f": "image",
         }
-        bounds = _bounds_of(info)
+        bounds = _full_bounds(info)
         highest = DEFAULT_MAX_ZOOM if plane is None else finest_zoom(plane, tile_px)
         width_m = 2.0 * HALF_WORLD_M if plane is None else plane.width * plane.unit_m
         ground_m = _pixel_m(info)
         if ground_m is not None:
-            south, north = bounds[1], bounds[3]
-            shrink = math.cos(math.radians(min(abs(south + north) / 2.0, _STEEPEST_DEG)))
-            own_m = ground_m / (shrink if plane is None else 1.0)
-            highest = min(highest, max(math.ceil(math.log2(width_m / (own_m * tile_px)) - 0.01), 0))
-        least = number_of(info.get("maxScale")) or 0.0
+            pixel_m = ground_m / (_parallel_share(bounds) if plane is None else 1.0)
+            highest = min(highest, max(math.ceil(math.log2(width_m / (pixel_m * tile_px)) - 0.01), 0))
+        least = read_number(info.get("maxScale")) or 0.0
         if least > 0.0 and ground_m is None:
             zoom = math.log2(width_m / (least * SCALE_PX_M * tile_px))
             highest = min(highest, max(math.floor(zoom + _SCALE_SLACK), 0))
@@ -200,70 +189,74 @@ class ArcGISService(JSONService):
     def _stated(self, document: Document, url: str, bounds: Bounds, **tiles: Any) -> CatalogueEntry:
         info = document.root
         about = info.get("documentInfo")
-        author = text_of(about.get("Author")) if isinstance(about, Mapping) else ""
-        credit = text_of(info.get("copyrightText")) or author
+        author = read_text(about.get("Author")) if isinstance(about, Mapping) else ""
+        credit = read_text(info.get("copyrightText")) or author
         return self._made(self._title(info), credit, url, Policy(), bounds_deg=bounds, **tiles)
 
     def _title(self, info: Mapping[str, Any]) -> str:
         about = info.get("documentInfo")
-        title = text_of(about.get("Title")) if isinstance(about, Mapping) else ""
-        own = urlsplit(self._base).path.rpartition("/rest/services/")[2].rpartition("/")[0]
-        name = title or text_of(info.get("name")) or own or text_of(info.get("mapName"))
+        title = read_text(about.get("Title")) if isinstance(about, Mapping) else ""
+        path = urlsplit(self._base).path.rpartition("/rest/services/")[2].rpartition("/")[0]
+        name = title or read_text(info.get("name")) or path or read_text(info.get("mapName"))
         chosen = self._chosen_layers.split(",") if self._chosen_layers else []
-        names = {str(one.get("id")): text_of(one.get("name")) for one in items_of(info.get("layers"))}
+        names = {str(one.get("id")): read_text(one.get("name")) for one in read_objects(info.get("layers"))}
         layers = ", ".join(names[one] for one in chosen if names.get(one))
         return f"{name}: {layers}" if layers else name
 
     def _format(self, document: Document) -> str:
         wanted = self.service.choices.get("format")
-        stated = text_of(document.root.get("supportedImageFormatTypes")).lower().replace(" ", "").split(",")
-        # Image services do not say which they have: all of them have these.
-        offered = [one for one in _FORMATS if one in stated] or list(_FORMATS)
+        stated = read_text(document.root.get("supportedImageFormatTypes")).lower().replace(" ", "").split(",")
+        # The preferred first, with transparency. Image services state no formats and have all of these.
+        formats = ["png32", "png24", "png", "png8", "jpgpng", "jpg"]
+        offered = [one for one in formats if one in stated] or formats
         return chosen_one(document, "format", (wanted or offered[0]).lower(), dict.fromkeys(offered, ""))
 
     def _template(self, document: Document, path: str, query: Mapping[str, str]) -> str:
         parts = urlsplit(self._base)
         address = urlunsplit(parts._replace(path=f"{parts.path}/{path}"))
-        return document.without_key(with_query(address, query) if query else address)
+        return document.without_key(set_query(address, query) if query else address)
 
 
 def _refuse_error(document: Document) -> None:
-    """Refuse what the server answers, with status 200, where it will not."""
+    """Raise the error that the server states in an answer of status 200."""
     error = document.root.get("error")
     if isinstance(error, Mapping):
-        code, words = error.get("code"), text_of(error.get("message"))
-        told = f"{code} {words}" if isinstance(code, int) else words
-        raise document.wrong(Message("refused ({0})", told or Message("no reason given")))
+        code, words = error.get("code"), read_text(error.get("message"))
+        reason = f"{code} {words}" if isinstance(code, int) else words
+        raise document.wrong(Message("refused ({0})", reason or Message("no reason given")))
 
 
 def _services(document: Document) -> dict[str, Offered]:
-    """Services of a server or of a folder that have images, by their names."""
+    """Map and image services of a server or a folder, by their names."""
     root = document.root
     if not isinstance(root.get("services"), list):
         raise document.wrong(Message("neither a map service nor an image service, nor a list of them"))
     names = [
         f"{one_line(one['name'])}/{one['type']}"
-        for one in items_of(root["services"])
-        if isinstance(one.get("name"), str) and one.get("type") in _SERVERS
+        for one in read_objects(root["services"])
+        if isinstance(one.get("name"), str) and one.get("type") in ("MapServer", "ImageServer")
     ]
     return {name: Offered(name, name.rpartition("/")[0]) for name in names}
 
 
 def _check_layers(document: Document, layers: str) -> None:
-    names = {str(one.get("id")): text_of(one.get("name")) for one in items_of(document.root.get("layers"))}
+    names = {
+        str(one.get("id")): read_text(one.get("name")) for one in read_objects(document.root.get("layers"))
+    }
     for one in layers.split(","):
         chosen_one(document, "layers", one.strip(), names)
 
 
 def _levels(info: Mapping[str, Any], crs: str) -> list[SimpleNamespace]:
-    """Tile matrices of a service's tiles, as OWSLib would have them; those that its scales leave out are not made."""
+    """Tile matrices of the cached tiles in the form of OWSLib, within the scales of the service."""
     tiles = info["tileInfo"]
-    least, most = (number_of(info.get(name)) or 0.0 for name in ("maxScale", "minScale"))
-    x, y = (number_of(tiles["origin"].get(axis)) for axis in "xy")
+    least, most = (read_number(info.get(name)) or 0.0 for name in ("maxScale", "minScale"))
+    x, y = (read_number(tiles["origin"].get(axis)) for axis in "xy")
     unit = unit_m(crs) if crs != MAP and is_usable(crs) else 1.0
     made = []
-    for lod in items_of(tiles.get("lods"))[:_MOST_LEVELS]:
-        size, scale = number_of(lod.get("resolution")), number_of(lod.get("scale")) or 0.0
+    # The server's own schemes have up to 24 levels.
+    for lod in read_objects(tiles.get("lods"))[:100]:
+        size, scale = read_number(lod.get("resolution")), read_number(lod.get("scale")) or 0.0
         if size is None or size <= 0.0 or x is None or y is None or not isinstance(lod.get("level"), int):
             continue
         if (least > 0.0 and scale < least * (1.0 - _SCALE_SLACK)) or (
@@ -286,7 +279,7 @@ def _levels(info: Mapping[str, Any], crs: str) -> list[SimpleNamespace]:
 
 
 def _columns(extent: object, x: float, y: float, width: float, height: float) -> tuple[int, int]:
-    """Columns and rows of tiles, of a size in the system's unit, from a corner to the end of an extent."""
+    """Columns and rows of tiles, with sizes in the system's unit, from a corner to the end of an extent."""
     edges = _edges(extent)
     if edges is None:
         return 1, 1
@@ -296,13 +289,13 @@ def _columns(extent: object, x: float, y: float, width: float, height: float) ->
 def _edges(extent: object) -> tuple[float, float, float, float] | None:
     if not isinstance(extent, Mapping):
         return None
-    edges = [number_of(extent.get(name)) for name in ("xmin", "ymin", "xmax", "ymax")]
+    edges = [read_number(extent.get(name)) for name in ("xmin", "ymin", "xmax", "ymax")]
     west, south, east, north = (math.nan if edge is None else edge for edge in edges)
     return (west, south, east, north) if west < east and south < north else None
 
 
 def _code(reference: object) -> str:
-    """``EPSG:code`` of a spatial reference; empty where it names none."""
+    """``EPSG:code`` of a spatial reference; empty without one."""
     if not isinstance(reference, Mapping):
         return ""
     for name in ("latestWkid", "wkid"):
@@ -311,8 +304,8 @@ def _code(reference: object) -> str:
     return ""
 
 
-def _bounds_of(info: Mapping[str, Any]) -> Bounds:
-    """West, south, east and north in degrees of a service's full extent; the world where it is not known."""
+def _full_bounds(info: Mapping[str, Any]) -> Bounds:
+    """West, south, east and north in degrees of a service's full extent; the world where unknown."""
     extent = info.get("fullExtent") or info.get("extent")
     edges = _edges(extent)
     code = _code(extent.get("spatialReference")) if isinstance(extent, Mapping) else ""
@@ -323,7 +316,7 @@ def _bounds_of(info: Mapping[str, Any]) -> Bounds:
 
     try:
         to_degrees = Transformer.from_crs(code, "EPSG:4326", always_xy=True)
-        x, y = np.meshgrid(np.linspace(edges[0], edges[2], _ALONG), np.linspace(edges[1], edges[3], _ALONG))
+        x, y = np.meshgrid(np.linspace(edges[0], edges[2], 9), np.linspace(edges[1], edges[3], 9))
         lon, lat = through_proj(to_degrees.transform, x, y)
     except ProjError:
         return WORLD_DEG
@@ -333,13 +326,18 @@ def _bounds_of(info: Mapping[str, Any]) -> Bounds:
     return sound_bounds(float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max()))
 
 
+def _parallel_share(bounds: Bounds) -> float:
+    """Length of the parallel in the middle of bounds relative to the equator's, up to 85 degrees."""
+    return math.cos(math.radians(min(abs(bounds[1] + bounds[3]) / 2.0, 85.0)))
+
+
 def _pixel_m(info: Mapping[str, Any]) -> float | None:
-    """Metres of ground of an image service's own pixels, about; None where it does not say it."""
-    size, extent = number_of(info.get("pixelSizeX")), info.get("extent") or info.get("fullExtent")
+    """Approximate ground size of an image service's pixels in metres; None where unknown."""
+    size, extent = read_number(info.get("pixelSizeX")), info.get("extent") or info.get("fullExtent")
     code = _code(extent.get("spatialReference")) if isinstance(extent, Mapping) else ""
     if size is None or size <= 0.0 or not code:
         return None
     if code == MAP:
-        _, south, _, north = _bounds_of(info)
-        return size * math.cos(math.radians(min(abs(south + north) / 2.0, _STEEPEST_DEG)))
-    return size * unit_m(code) if is_usable(code) else size * _DEGREE_M
+        return size * _parallel_share(_full_bounds(info))
+    # Other systems are in degrees.
+    return size * unit_m(code) if is_usable(code) else size * HALF_WORLD_M / 180.0

@@ -1,4 +1,4 @@
-"""Capabilities of a WMTS or WMS: which are wanted, how they are fetched, and what both kinds have in common."""
+"""Documents of services: fetched, with their keys masked; choices, formats and terms in them."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ CHOICES = {
     "arcgis": ("service", "layers", "format"),
     "ogcapi": ("collection", "tilematrixset", "tilematrix", "format"),
 }
-#: What people call each kind.
+#: Titles for people.
 TITLES = {"wmts": "WMTS", "wms": "WMS", "arcgis": "ArcGIS REST", "ogcapi": "OGC API"}
-#: How the documents of each kind begin.
+#: Root elements of the documents.
 ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
-#: Formats of tiles that can be decoded, the first that is offered is taken.
+#: Formats of tiles that can be decoded, the preferred first.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
 #: PNG where pixels are missing, and JPEG elsewhere.
 _EITHER = "image/vnd.jpeg-png"
-#: Other names that servers give them, the best first: of 8 bits a PNG has 256 colours.
+#: Other names of these formats, the best first: a PNG of 8 bits has 256 colours.
 _OTHER_NAMES = {
     "image/png32": "image/png",
     "image/png24": "image/png",
@@ -48,23 +48,20 @@ _OTHER_NAMES = {
     "image/png8": "image/png",
     "image/vnd.jpeg-png8": _EITHER,
 }
-#: Attempts at a document: a person waits for it, and may try again.
-_TRIES = 2
-#: Layers and tile matrix sets that an error names.
+#: Layers and tile matrix sets listed in an error.
 NAMED = 8
-_NOTHING = frozenset({"", "none", "no", "null", "no constraints", "no conditions apply", "-"})
 
 
 @dataclass(frozen=True)
 class Service:
-    """A service and what is wanted of it, as its name says.
+    """A service and the choices in its name.
 
     Parameters
     ----------
     kind : str
         One of `CHOICES`.
     address : str
-        With {key} where the key stands.
+        With {key} in place of the key.
     choices : mapping
         Of `CHOICES`.
     """
@@ -80,7 +77,7 @@ class Service:
         Raises
         ------
         InvalidInput
-            An unknown choice, or an address that is none or holds credentials.
+            An unknown choice, or an invalid address or one with credentials.
         """
         kind, _, rest = name.partition(":")
         kind = kind.lower()
@@ -100,16 +97,16 @@ class Service:
 
     @property
     def host(self) -> str:
-        """Host asked."""
+        """Host of the service."""
         return urlsplit(self.address).hostname or ""
 
-    def address_with(self, key: str) -> str:
-        """Address with a key in its place."""
+    def keyed_address(self, key: str) -> str:
+        """Address with the key."""
         return self.address.replace("{key}", quote(key, safe=""))
 
     def document_url(self, key: str) -> str:
         """Address of the capabilities document."""
-        parts = urlsplit(self.address_with(key))
+        parts = urlsplit(self.keyed_address(key))
         given = {name.lower() for name, _ in parse_qsl(parts.query, keep_blank_values=True)}
         if parts.path.lower().endswith(".xml") or "request" in given:
             return urlunsplit(parts)
@@ -121,17 +118,17 @@ class Service:
 
 @dataclass(frozen=True)
 class Offered:
-    """A layer as its service offers it.
+    """A layer offered by a service.
 
     Parameters
     ----------
     name, title : str
     systems : tuple of str
-        Codes of the coordinate reference systems that it can be had in, as far as the list of layers tells them.
+        Codes of its coordinate reference systems, as far as the list of layers states them.
     sets : tuple of str
         Names of its tile matrix sets.
     dates : Dates or None
-        Dates that it can be had of.
+        Available dates.
     """
 
     name: str
@@ -149,9 +146,9 @@ class Document:
     ----------
     service : Service
     root : element of lxml, or value of a JSON text
-        With {key} where the server repeats the key, and nowhere else.
+        With {key} exactly where the server repeats the key.
     url : str
-        Where it came from; may hold the key.
+        Address of the document; may contain the key.
     secrets : Secrets
         The key, where there is one.
     """
@@ -162,24 +159,24 @@ class Document:
     secrets: Secrets
 
     def wrong(self, reason: str) -> SourceError:
-        """Error about this document, in one line and without the key."""
+        """Error about this document, in one line, with the key masked."""
         text = Message("{0} of {1}: {2}", TITLES[self.service.kind], self.service.host, reason)
         return SourceError(text.with_texts(lambda one: self.secrets.masked(one).replace("{key}", MASK)))
 
     def without_key(self, text: str) -> str:
-        """Put {key} where the key stands."""
+        """Replace the key by {key}."""
         return self.secrets.replaced(text, "{key}")
 
 
-def fetched(service: Service, key: str, transport: Transport | None) -> Document:
-    """Capabilities of a service, asked for with the key where its address has {key}.
+def fetch_capabilities(service: Service, key: str, transport: Transport | None) -> Document:
+    """Fetch the capabilities of a service, with the key where its address has {key}.
 
     Raises
     ------
     SourceError
-        They cannot be had, are too large, or something else is at the address.
+        They are not available or too large, or the address has another document.
     """
-    document, body, message = asked(
+    document, body, message = fetch_document(
         service, service.document_url(key), key, transport, Message("capabilities")
     )
     if len(body) > MAX_CAPABILITIES_BYTES:
@@ -201,7 +198,7 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     return replace(document, root=root)
 
 
-def asked(
+def fetch_document(
     service: Service,
     url: str,
     key: str,
@@ -209,41 +206,41 @@ def asked(
     what: str,
     headers: Mapping[str, str] | None = None,
 ) -> tuple[Document, bytes, str]:
-    """Ask for a document: all of it but its root, its body, and the first words of that for people.
+    """Fetch a document; return it without its root, its body, and the first words of the body for people.
 
     Raises
     ------
     SourceError
-        It cannot be had.
+        It is not available.
     """
     used = _transport() if transport is None else transport
     secrets = (key,) if key else ()
-    client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
+    client = Client(used, service.host, connections=1, secrets=secrets, tries=2)
     try:
         response = client.get(url, what, headers)
     except PartError as failure:
         raise SourceError("{0}: {1}", service.host, failure) from None
     finally:
-        # A transport that was given goes on to fetch the tiles.
+        # A given transport also fetches the tiles.
         if transport is None:
             used.close()
     return Document(service, None, url, Secrets(secrets)), response.body, client.message(response)
 
 
 def filled_template(document: Document, template: str, filled: Mapping[str, str]) -> str:
-    """URL template of tiles, made of a service's own.
+    """URL template of tiles from the template of a service.
 
     Parameters
     ----------
     document : Document
-        That names the template.
+        Contains the template.
     template : str
         With the service's placeholders in braces.
     filled : mapping
-        What stands for each of them, whose name is in lower case.
+        Values of the placeholders, by their names in lower case.
     """
     text = urljoin(document.url, template)
-    # What is no placeholder is text, braces included, and so is what stands for one: nothing is filled twice.
+    # Other text is literal, braces included, and so are the values: nothing is filled twice.
     pieces = re.split(r"\{([^{}]*)\}", text)
     pieces[::2] = [piece.replace("{", "%7B").replace("}", "%7D") for piece in pieces[::2]]
     pieces[1::2] = [quote(filled.get(name.lower(), f"{{{name}}}"), safe="{}:") for name in pieces[1::2]]
@@ -257,21 +254,21 @@ def _transport() -> Transport:
 
 
 def _mark_keys(root: Any, document: Document) -> None:
-    """Put {key} where a document repeats the key, and nowhere else: one of its own is text, and is never filled."""
+    """Replace the key in a document by {key}; a literal {key} is escaped, so that it is never filled."""
 
-    def with_key_marked(text: str) -> str:
+    def marked(text: str) -> str:
         return document.without_key(text.replace("{key}", "%7Bkey%7D"))
 
     for element in root.iter():
         if element.text:
-            element.text = with_key_marked(element.text)
+            element.text = marked(element.text)
         for name, value in element.items():
-            element.set(name, with_key_marked(value))
+            element.set(name, marked(value))
 
 
 @contextmanager
 def reading(document: Document) -> Iterator[None]:
-    """Turn what a reader of capabilities trips over into one line."""
+    """Turn errors of a reader of capabilities into one line."""
     try:
         yield
     except TerrAInavError:
@@ -291,7 +288,7 @@ def reading(document: Document) -> Iterator[None]:
 
 
 def chosen_one(document: Document, what: str, wanted: str | None, offered: Mapping[str, str]) -> str:
-    """Return the choice asked for, or the only one.
+    """Return the wanted choice, or the only one.
 
     Parameters
     ----------
@@ -299,12 +296,12 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
         Name of the choice.
     wanted : str or None
     offered : mapping
-        Names there are, to their titles.
+        Available names, to their titles.
 
     Raises
     ------
     InvalidInput
-        It is not offered, or nothing is asked for and there are several.
+        The choice is not available, or several are and none is wanted.
     """
     if wanted is not None and wanted in offered:
         return wanted
@@ -326,7 +323,7 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
 
 
 def chosen_format(document: Document, offered: list[str]) -> str:
-    """Return the format asked for, or the best of those offered that can be decoded, as the service writes it."""
+    """Return the wanted format, or the best that can be decoded, as the service spells it."""
     wanted = document.service.choices.get("format")
     known = [kind for kind in offered if media_type(kind)]
     if wanted is not None:
@@ -335,21 +332,21 @@ def chosen_format(document: Document, offered: list[str]) -> str:
         alike += [kind for kind in known if media_type(kind) == media_type(full)]
         return alike[0] if alike else chosen_one(document, "format", full, dict.fromkeys(known, ""))
     if known:
-        return min(known, key=_by_quality)
+        return min(known, key=_format_rank)
     raise document.wrong(
         Message("offers {0}, and none of {1}", ", ".join(offered) or Message("no format"), ", ".join(FORMATS))
     )
 
 
 def media_type(kind: str) -> str:
-    """Media type that a service's name of a format stands for, without parameters; empty where none can be decoded."""
+    """Media type of a service's name of a format, without parameters; empty if it cannot be decoded."""
     plain = kind.partition(";")[0].strip().lower()
     plain = _OTHER_NAMES.get(plain, plain)
     return plain if plain in FORMATS or plain == _EITHER else ""
 
 
-def _by_quality(kind: str) -> tuple[int, int]:
-    """Place of a format: those of the registered names, as it was before others were known; then the others."""
+def _format_rank(kind: str) -> tuple[int, int]:
+    """Rank of a format for `min`: registered names first, as entries of earlier releases have them."""
     plain = kind.strip().lower()
     if plain in FORMATS:
         return 0, FORMATS.index(plain)
@@ -358,23 +355,24 @@ def _by_quality(kind: str) -> tuple[int, int]:
     return 2, list(_OTHER_NAMES).index(plain)
 
 
-def policy_of(identification: Any) -> Policy:
-    """Terms as the capabilities state them: fees and access constraints."""
+def read_policy(identification: Any) -> Policy:
+    """Terms in the capabilities: fees and access constraints."""
+    empty = ("", "none", "no", "null", "no constraints", "no conditions apply", "-")
     stated = []
     for label, name in (("fees", "fees"), ("access constraints", "accessconstraints")):
         text = one_line(getattr(identification, name, None))
-        if text.lower() not in _NOTHING:
+        if text.lower() not in empty:
             stated.append(f"{label}: {text}")
     return Policy(terms="; ".join(stated))
 
 
-def credit_of(title: str | None, provider: Any) -> str:
-    """Attribution: as the layer states it, else the provider's name."""
+def read_credit(title: str | None, provider: Any) -> str:
+    """Attribution of the layer, otherwise the provider's name."""
     return one_line(title) or one_line(getattr(provider, "name", None))
 
 
-def bounds_of(layers: Iterable[Any]) -> tuple[float, float, float, float]:
-    """West, south, east, north in degrees of all that layers say to show; the world where one does not say it."""
+def read_bounds(layers: Iterable[Any]) -> tuple[float, float, float, float]:
+    """West, south, east, north in degrees of all layers; the world where a layer states no bounds."""
     boxes = []
     for layer in layers:
         box = getattr(layer, "boundingBoxWGS84", None)

@@ -1,4 +1,4 @@
-"""Which kind of service is at an address: told by the address where it says so, and by what the server answers."""
+"""The kind of service at an address, by the address itself or by the server's answer."""
 
 from __future__ import annotations
 
@@ -9,24 +9,18 @@ from typing import Any
 from ...errors import InvalidInput, Message, SourceError
 from ...text.safe_json import parse_json
 from ..opening import NamedSource, SourceOptions, named_source, source_kind
-from .capabilities import ROOTS, Offered, asked
+from .capabilities import ROOTS, Offered, fetch_document
 from .ogcapi import OGCAPITiles
 
-#: What addresses say, by the kind that they say it of; the first is tried first. A WMS or WMTS of ArcGIS Server ends
-#: with its own name.
+#: Patterns of addresses, and the kinds to try for each. The address of a WMS or WMTS of ArcGIS Server ends with that
+#: name.
 _HINTS = (
     (re.compile(r"/(Map|Image)Server(/\d+)?/?(\?|$)|/rest/services(/[^/?]*)?/?(\?|$)"), ("arcgis",)),
     (re.compile(r"wmts", re.IGNORECASE), ("wmts", "wms")),
     (re.compile(r"wms", re.IGNORECASE), ("wms", "wmts")),
     (re.compile(r"/collections(/|$|\?)|tilematrixset", re.IGNORECASE), ("ogcapi",)),
 )
-#: Names that stand in a document of each kind that describes itself in JSON.
-_JSON = {
-    "arcgis": {"currentVersion", "mapName", "singleFusedMapCache", "services"},
-    "ogcapi": {"collections", "tilesets", "links", "conformsTo"},
-}
-_ACCEPT = {"Accept": "application/json, application/xml;q=0.9, text/xml;q=0.9, */*;q=0.1"}
-#: How the choice of a layer is called, by kind.
+#: Name of the choice of a layer, by kind.
 LAYER_CHOICES = {"wmts": "layer", "wms": "layers", "arcgis": "service", "ogcapi": "collection"}
 
 
@@ -37,9 +31,9 @@ class FoundService:
     Parameters
     ----------
     source : NamedSource
-        Named in full, as a mission has it, but for a layer where one is to be chosen.
+        Named as in a mission, except for a layer that has yet to be chosen.
     layers : tuple of Offered, or None
-        Layers to choose from; None where none is to be chosen.
+        Layers to choose from; None where there is no choice.
     """
 
     source: NamedSource
@@ -52,14 +46,14 @@ class FoundService:
 
 
 def is_service_address(text: str) -> bool:
-    """Whether a text may be the address of a service: one in full, or an address of the web without placeholders."""
+    """Whether a text may name a service: with its kind, or by a web address without placeholders."""
     if source_kind(text).is_service:
         return True
     return re.match(r"https?://", text, re.IGNORECASE) is not None and not re.search(r"\{(?!key\})", text)
 
 
 def found_service(text: str, options: SourceOptions) -> FoundService:
-    """Service at an address, which is asked what it is.
+    """Service at an address, found by requests to it.
 
     Parameters
     ----------
@@ -70,9 +64,9 @@ def found_service(text: str, options: SourceOptions) -> FoundService:
     Raises
     ------
     InvalidInput
-        The address is not right.
+        The address is invalid.
     SourceError
-        No such service answers there.
+        No known service answers.
     """
     if source_kind(text).is_service:
         return _found(text, options)
@@ -86,7 +80,7 @@ def found_service(text: str, options: SourceOptions) -> FoundService:
             problem = problem or wrong
     if problem is not None:
         raise problem
-    return _found(f"{_told_kind(address, options)}:{text}", options)
+    return _found(f"{_answered_kind(address, options)}:{text}", options)
 
 
 def _found(text: str, options: SourceOptions) -> FoundService:
@@ -95,21 +89,25 @@ def _found(text: str, options: SourceOptions) -> FoundService:
     return FoundService(source, None if layers is None else tuple(layers))
 
 
-def _told_kind(address: str, options: SourceOptions) -> str:
-    """Kind of the service by its answer."""
+def _answered_kind(address: str, options: SourceOptions) -> str:
+    """Kind of a service by its answer."""
+    accept = {"Accept": "application/json, application/xml;q=0.9, text/xml;q=0.9, */*;q=0.1"}
     source = OGCAPITiles(f"ogcapi:{address}", options)
     service, key = source.service, source.key
-    url = service.address_with(key)
-    document, body, words = asked(service, url, key, options.transport, Message("address"), _ACCEPT)
+    url = service.keyed_address(key)
+    document, body, words = fetch_document(service, url, key, options.transport, Message("address"), accept)
     plain = body.replace(b"\0", b"")
     for kind, root in ROOTS.items():
         if re.search(root, plain):
             return kind
     names = _names(body)
-    for kind, known in _JSON.items():
+    for kind, known in (
+        ("arcgis", {"currentVersion", "mapName", "singleFusedMapCache", "services"}),
+        ("ogcapi", {"collections", "tilesets", "links", "conformsTo"}),
+    ):
         if names & known:
             return kind
-    # Most services of maps answer a bare address with a page for people; a WMS is what is behind most of those.
+    # Many services answer a bare address with a page for people; most of these are WMS.
     try:
         _found(f"wms:{address}", options)
     except SourceError:
@@ -123,7 +121,7 @@ def _told_kind(address: str, options: SourceOptions) -> str:
 
 
 def _names(body: bytes) -> set[str]:
-    """Names in a JSON object; none of anything else."""
+    """Names in a JSON object; empty for other documents."""
     try:
         value: Any = parse_json(body)
     except InvalidInput:

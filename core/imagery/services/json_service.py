@@ -1,4 +1,4 @@
-"""Services that describe themselves in JSON: how a document is fetched, and what both kinds have in common."""
+"""Services that describe themselves in JSON: fetching a document, and reading values from it."""
 
 from __future__ import annotations
 
@@ -17,19 +17,15 @@ from ..entry import CatalogueEntry, under_provider
 from ..policy import Policy
 from ..systems import WORLD_DEG, Bounds
 from ..tiles import KEY_ENV
-from .capabilities import Document, Offered, asked, reading
+from .capabilities import Document, Offered, fetch_document, reading
 from .service import ServiceSource
-
-_ACCEPT = {"Accept": "application/json"}
-#: Items of a list that are looked at.
-_MOST_ITEMS = 10_000
 
 
 class JSONService(ServiceSource):
     """A layer of a service that describes itself in JSON, as a mission names it."""
 
     def layers(self) -> list[Offered] | None:
-        """Layers to choose from, where one is to be named and none is."""
+        """Layers to choose from, where a layer is needed and none is named."""
         document = self._first()
         with reading(document):
             return self._layers(document)
@@ -40,9 +36,9 @@ class JSONService(ServiceSource):
         Raises
         ------
         InvalidInput
-            The text, or a choice in it, is not right; says which are.
+            The text or a choice in it is invalid; the error lists the valid choices.
         SourceError
-            The documents cannot be had or read, or offer no tiles that can be used.
+            The documents cannot be fetched or read, or offer no usable tiles.
         """
         document = self._first()
         with reading(document):
@@ -54,30 +50,32 @@ class JSONService(ServiceSource):
 
     @abstractmethod
     def _layers(self, document: Document) -> list[Offered] | None:
-        """Layers that a document offers; None where no layer needs to be named."""
+        """Layers in a document; None where no layer has to be named."""
 
     @abstractmethod
     def _entry(self, document: Document) -> CatalogueEntry:
-        """Entry of what is wanted."""
+        """Entry of the wanted layer."""
 
     def _filled(self, url: str) -> str:
-        """Address with the key in its place."""
+        """Address with the key."""
         return url.replace("{key}", quote(self.key, safe="")) if self.key else url
 
     def _json(self, url: str, what: Message) -> Document:
-        """JSON document at an address, which is asked for in the ways that servers know.
+        """Fetch a JSON document, requested by header and, if that fails, by query.
 
         Raises
         ------
         SourceError
-            It cannot be had, is too large, is none, or says that the service refuses.
+            It is not available, too large, or not a JSON object.
         """
-        key = self.key
-        document, body, words = asked(self.service, url, key, self.options.transport, what, _ACCEPT)
+        key, accept = self.key, {"Accept": "application/json"}
+        document, body, words = fetch_document(self.service, url, key, self.options.transport, what, accept)
         if not _begins_as_json(body) and "f=" not in urlsplit(url).query:
-            # Some servers go by the query alone.
-            url = with_query(url, {"f": "json"})
-            document, body, words = asked(self.service, url, key, self.options.transport, what, _ACCEPT)
+            # Some servers ignore the header.
+            url = set_query(url, {"f": "json"})
+            document, body, words = fetch_document(
+                self.service, url, key, self.options.transport, what, accept
+            )
         if len(body) > MAX_SERVICE_JSON_BYTES:
             raise document.wrong(Message("a description of more than {0} MB", MAX_SERVICE_JSON_BYTES >> 20))
         if not _begins_as_json(body):
@@ -90,10 +88,10 @@ class JSONService(ServiceSource):
             raise document.wrong(Message("JSON that cannot be read: {0}", wrong)) from None
         if not isinstance(root, Mapping):
             raise document.wrong(Message("JSON that is no description of a service"))
-        return replace(document, root=_with_keys_marked(root, document))
+        return replace(document, root=_mark_keys(root, document))
 
     def _made(self, title: str, credit: str, url: str, policy: Policy, **tiles: Any) -> CatalogueEntry:
-        """Entry of tiles, with what both kinds of service state of them."""
+        """Entry of tiles by URL template."""
         return CatalogueEntry(
             name=self.text,
             title=title or self.service.host,
@@ -107,35 +105,35 @@ class JSONService(ServiceSource):
         )
 
 
-def with_query(url: str, query: Mapping[str, str]) -> str:
-    """Address with parameters in its query; placeholders stay as they are."""
+def set_query(url: str, query: Mapping[str, str]) -> str:
+    """Address with parameters set in its query; placeholders are kept."""
     parts = urlsplit(url)
     given = [(name, value) for name, value in parse_qsl(parts.query, keep_blank_values=True)]
     kept = [(name, value) for name, value in given if name.lower() not in query]
     return urlunsplit(parts._replace(query=urlencode([*kept, *query.items()], safe="{}:/,-")))
 
 
-def items_of(value: object) -> list[Mapping[str, Any]]:
-    """Objects of a list, as far as it is one."""
+def read_objects(value: object) -> list[Mapping[str, Any]]:
+    """Objects of a list, up to 10,000; empty for other values."""
     if not isinstance(value, Sequence) or isinstance(value, str):
         return []
-    return [one for one in value[:_MOST_ITEMS] if isinstance(one, Mapping)]
+    return [one for one in value[:10_000] if isinstance(one, Mapping)]
 
 
-def text_of(value: object) -> str:
-    """Text in one line; empty for anything else."""
+def read_text(value: object) -> str:
+    """Text in one line; empty for other values."""
     return one_line(value) if isinstance(value, str) else ""
 
 
-def number_of(value: object) -> float | None:
-    """Finite number; None for anything else."""
+def read_number(value: object) -> float | None:
+    """Finite number; None for other values."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if math.isfinite(value) else None
 
 
 def sound_bounds(west: float, south: float, east: float, north: float) -> Bounds:
-    """Bounds in degrees within the Earth's; the world where they make no box."""
+    """Bounds in degrees, clipped to the Earth; the world where they are invalid."""
     box = max(west, -180.0), max(south, -90.0), min(east, 180.0), min(north, 90.0)
     return box if box[0] < box[2] and box[1] < box[3] else WORLD_DEG
 
@@ -144,12 +142,12 @@ def _begins_as_json(body: bytes) -> bool:
     return body.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[")
 
 
-def _with_keys_marked(value: Any, document: Document) -> Any:
-    """Value with {key} where a document repeats the key, and nowhere else: one of its own is text."""
+def _mark_keys(value: Any, document: Document) -> Any:
+    """Value with its key replaced by {key}; a literal {key} is escaped."""
     if isinstance(value, str):
         return document.without_key(value.replace("{key}", "%7Bkey%7D"))
     if isinstance(value, list):
-        return [_with_keys_marked(one, document) for one in value]
+        return [_mark_keys(one, document) for one in value]
     if isinstance(value, Mapping):
-        return {name: _with_keys_marked(one, document) for name, one in value.items()}
+        return {name: _mark_keys(one, document) for name, one in value.items()}
     return value

@@ -1,9 +1,8 @@
-"""The tiles of a layer of a WMTS: which of its tile matrix sets is taken, and what of that makes a pixel grid.
+"""The tiles of a layer of a WMTS: the choice of a tile matrix set, and its pixel grid.
 
-Levels of a grid halve their pixels from one to the next, with one corner and one size of tiles. In Web Mercator a set
-is one of the quad, whatever its levels are called. Sets of other projected systems have levels of their own: from the
-finest of them (or from the one that is asked for as ``tilematrix``) those are taken whose scale denominators double;
-levels between are not used.
+From one level of a grid to the next, pixels halve; corner and tile size stay. In Web Mercator a set must match the
+quad, whatever its levels are named. In other projected systems, the levels used begin with the finest (or with the one
+chosen as ``tilematrix``), and their scale denominators double; levels between are ignored.
 """
 
 from __future__ import annotations
@@ -30,21 +29,10 @@ from ..systems import (
     refused,
     unit_m,
 )
-from .capabilities import NAMED, Document, bounds_of, chosen_one
+from .capabilities import NAMED, Document, chosen_one, read_bounds
 
-#: Metres of a pixel at scale 1:1, by which both kinds of service state scales (OGC 07-057r7, 6.1; OGC 06-042,
-#: 7.2.4.6.9).
+#: Standardized pixel size, metres, which defines scales of WMTS and WMS (OGC 07-057r7, 6.1; OGC 06-042, 7.2.4.6.9).
 SCALE_PX_M = 0.28e-3
-#: Documents round scales to eight digits and more; sets of another grid differ by percents.
-_SCALE_TOLERANCE = 1e-6
-#: Documents round corners to whole metres at worst; other grids start kilometres away.
-_CORNER_TOLERANCE_M = 1.0
-#: What levels of one grid may be apart by, pixels of the finer one: over all of its matrix, and at their corners.
-_APART_PX = 0.1
-#: Sets of a layer that are looked at where none is asked for.
-_MOST_SETS = 50
-#: Scales and positions from which on a document makes no sense.
-_LARGEST = 1e12
 
 
 @dataclass(frozen=True)
@@ -74,7 +62,7 @@ class LayerTiles:
 
     @property
     def finest(self) -> float:
-        """What is greater the finer the highest zoom is; for comparison within one system."""
+        """Relative fineness of the highest zoom, to compare sets of one system."""
         highest = max(self.levels)
         return float(highest) if self.plane is None else self.tile_px * 2.0**highest / self.plane.width
 
@@ -82,28 +70,28 @@ class LayerTiles:
 def chosen_tiles(
     document: Document, service: Any, layer: Any, crs: str, area_deg: Bounds | None = None
 ) -> LayerTiles:
-    """Tiles to ask for.
+    """Choose the tiles of a layer.
 
     Parameters
     ----------
     document : Document
     service, layer
-        As OWSLib has them.
+        Of OWSLib.
     crs : str
-        As `SourceOptions` has it.
+        As in `SourceOptions`.
 
     Raises
     ------
     InvalidInput
-        None can be used, or not the set or the system that is asked for; names those that are.
+        No set is usable, or not the wanted set or system; the error lists the usable ones.
     """
     choices = document.service.choices
     wanted, first = choices.get("tilematrixset"), choices.get("tilematrix")
     sets: dict[str, Any] = {name: service.tilematrixsets[name] for name in layer.tilematrixsetlinks}
     found: dict[str, LayerTiles] = {}
     asked_first = sorted(sets, key=lambda name: (name != wanted, epsg_code(sets[name].crs) != (crs or MAP)))
-    for name in asked_first[:_MOST_SETS]:
-        tiles = _tiles_of(sets[name], name, layer, first)
+    for name in asked_first[:50]:
+        tiles = _matrix_tiles(sets[name], name, layer, first)
         if tiles is not None:
             found[name] = tiles
     if not found:
@@ -120,7 +108,7 @@ def chosen_tiles(
     if wanted is not None:
         chosen = found[chosen_one(document, "tilematrixset", wanted, {name: name for name in found})]
     else:
-        boxes = filter(None, (area_deg, bounds_of([layer])))
+        boxes = filter(None, (area_deg, read_bounds([layer])))
         system = crs or (MAP if MAP in there else best_system(there, *boxes))
         chosen = max(
             (tiles for tiles in found.values() if tiles.crs == system),
@@ -134,8 +122,8 @@ def chosen_tiles(
     return chosen
 
 
-def _tiles_of(matrix_set: Any, name: str, layer: Any, first: str | None) -> LayerTiles | None:
-    """Tiles of a set, from the matrix ``first`` on where it has that; None where they are of no grid."""
+def _matrix_tiles(matrix_set: Any, name: str, layer: Any, first: str | None) -> LayerTiles | None:
+    """Tiles of a set, from the matrix ``first`` on if it exists; None where they form no grid."""
     limits = layer.tilematrixsetlinks[name].tilematrixlimits
     offered = [one for one in matrix_set.tilematrix.values() if not limits or one.identifier in limits]
     scale = next((one.scaledenominator for one in offered if one.identifier == first), 0.0)
@@ -146,36 +134,39 @@ def _tiles_of(matrix_set: Any, name: str, layer: Any, first: str | None) -> Laye
     if not is_usable(crs):
         return None
     by_axes = not matrix_set.crs.strip().upper().startswith("EPSG:")
-    return _own(name, crs, matrices, limits, by_axes, bounds_of([layer]))
+    return _own(name, crs, matrices, limits, by_axes, read_bounds([layer]))
 
 
 def _tile_px(matrices: Sequence[Any]) -> int | None:
-    """Width of the tiles of all these matrices, px; None where they differ or make no grid."""
+    """Width of the tiles of all matrices, px; None where they differ or form no grid."""
     sizes = {size for matrix in matrices for size in (matrix.tilewidth, matrix.tileheight)}
     size = sizes.pop() if len(sizes) == 1 else 0
     return size if size >= 256 and size % 256 == 0 else None
 
 
 def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTiles | None:
-    """Tiles of the Web-Mercator quad; None where the matrices are of another grid."""
+    """Tiles of the Web-Mercator quad; None where the matrices belong to another grid."""
+    # Documents round scales to eight digits or more, and corners to whole metres at worst; other grids differ by
+    # percents, and by kilometres.
+    scale_tolerance, corner_tolerance_m = 1e-6, 1.0
     width = _tile_px(matrices)
     if width is None:
         return None
     levels = {}
     for matrix in matrices:
-        # The corner is west and north of all, also where a document writes it in the other order.
+        # In either axis order, as west is negative and north positive.
         x_m, y_m = sorted(matrix.topleftcorner)
         zoom = math.log2(2.0 * HALF_WORLD_M / (matrix.scaledenominator * SCALE_PX_M * width))
         if (
-            abs(x_m + HALF_WORLD_M) <= _CORNER_TOLERANCE_M
-            and abs(y_m - HALF_WORLD_M) <= _CORNER_TOLERANCE_M
-            and abs(2.0 ** (zoom - round(zoom)) - 1.0) <= _SCALE_TOLERANCE
+            abs(x_m + HALF_WORLD_M) <= corner_tolerance_m
+            and abs(y_m - HALF_WORLD_M) <= corner_tolerance_m
+            and abs(2.0 ** (zoom - round(zoom)) - 1.0) <= scale_tolerance
             and 0 <= round(zoom) <= HIGHEST_ZOOM
         ):
             levels[round(zoom)] = matrix
     if not levels:
         return None
-    # Zooms have to follow each other; what lies below a gap is of no use for captures.
+    # Zooms must be contiguous: captures cannot use those below a gap.
     highest = max(levels)
     lowest = next(zoom for zoom in range(highest, -2, -1) if zoom not in levels) + 1
     taken = {zoom: levels[zoom] for zoom in range(lowest, highest + 1)}
@@ -196,12 +187,12 @@ def _own(
     by_axes: bool,
     bounds_deg: tuple[float, float, float, float],
 ) -> LayerTiles | None:
-    """Tiles of a system of its own, from the finest matrix on; None where none makes a grid.
+    """Tiles in the plane of another projected system, from the finest matrix on; None where they form no grid.
 
     Parameters
     ----------
     by_axes : bool
-        Whether the document names the system in the way by which its own order of coordinates holds.
+        Whether the document names the system in a form for which its axis order holds.
     """
     unit = unit_m(crs)
     chain = _halving([matrix for matrix in matrices if _is_sound(matrix)], unit)
@@ -221,7 +212,7 @@ def _own(
     plane = ProjectedPlane(crs, west, north, side, side)
     turned = ProjectedPlane(crs, north, west, side, side)
     ends = finest.matrixwidth / 2.0**highest, finest.matrixheight / 2.0**highest
-    # Documents that write corners in the other order give themselves away by the ground of their layer.
+    # The ground of the layer reveals documents that state corners in the other axis order.
     if not _meets(plane, bounds_deg, *ends) and _meets(turned, bounds_deg, *ends):
         plane = turned
     zooms = [highest - at for at in range(len(chain))]
@@ -236,10 +227,11 @@ def _own(
 
 
 def _is_sound(matrix: Any) -> bool:
-    """Whether a matrix has tiles that can be asked for."""
+    """Whether a matrix has usable tiles."""
+    largest = 1e12
     return (
-        0.0 < matrix.scaledenominator < _LARGEST
-        and all(abs(edge) < _LARGEST for edge in matrix.topleftcorner)
+        0.0 < matrix.scaledenominator < largest
+        and all(abs(edge) < largest for edge in matrix.topleftcorner)
         and 0 < matrix.matrixwidth <= 1 << HIGHEST_ZOOM
         and 0 < matrix.matrixheight <= 1 << HIGHEST_ZOOM
         and matrix.tilewidth <= MAX_TILE_PX
@@ -249,6 +241,8 @@ def _is_sound(matrix: Any) -> bool:
 
 def _halving(matrices: list[Any], unit: float) -> list[Any]:
     """Return the finest matrix, and those whose pixels are 2, 4, 8 … times as large."""
+    # Pixels of the finest matrix by which others may deviate, over its whole extent and at their corners.
+    tolerance_px = 0.1
     ordered = sorted(matrices, key=lambda one: one.scaledenominator)
     chain = ordered[:1]
     for matrix in ordered[1:]:
@@ -257,13 +251,13 @@ def _halving(matrices: list[Any], unit: float) -> list[Any]:
         across = max(finest.matrixwidth, finest.matrixheight) * finest.tilewidth
         stretched = abs(matrix.scaledenominator / finest.scaledenominator / times - 1.0) * across
         moved = max(abs(a - b) for a, b in zip(matrix.topleftcorner, finest.topleftcorner)) / px
-        if matrix.tilewidth == finest.tilewidth and stretched <= _APART_PX and moved <= _APART_PX:
+        if matrix.tilewidth == finest.tilewidth and stretched <= tolerance_px and moved <= tolerance_px:
             chain.append(matrix)
     return chain
 
 
 def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int]:
-    """First column and row, last column and row of the tiles there are of a matrix."""
+    """First column and row, last column and row of the available tiles of a matrix."""
     last_column, last_row = matrix.matrixwidth - 1, matrix.matrixheight - 1
     limit = limits.get(matrix.identifier)
     stated = limit and (limit.mintilecol, limit.mintilerow, limit.maxtilecol, limit.maxtilerow)
@@ -271,14 +265,14 @@ def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int
         return 0, 0, last_column, last_row
     left, top, right, bottom = max(stated[0], 0), max(stated[1], 0), stated[2], stated[3]
     right, bottom = min(right, last_column), min(bottom, last_row)
-    # Limits that leave nothing are a fault of the document's.
+    # Limits without any tile are an error of the document.
     return (left, top, right, bottom) if left <= right and top <= bottom else (0, 0, last_column, last_row)
 
 
 def _meets(
     plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float], right: float, bottom: float
 ) -> bool:
-    """Whether ground within bounds lies on a matrix that reaches so far of a plane; bounds of the world say nothing."""
+    """Whether a matrix from the corner of a plane to ``right, bottom`` shows ground within bounds; true for the world."""
     if bounds_deg == WORLD_DEG:
         return True
     box = project_box(plane, bounds_deg)

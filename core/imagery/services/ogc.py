@@ -1,15 +1,14 @@
-"""WMTS and WMS by their capabilities: a layer of such a service becomes a source of tiles like any other.
+"""WMTS and WMS by their capabilities: a layer becomes a source of tiles.
 
 A layer is named ``wmts:URL#layer=NAME`` or ``wms:URL#layers=NAME``: the address of the service or of its
 capabilities, and after ``#`` the choices, joined by ``&``: ``style, tilematrixset, format`` of a WMTS, ``styles,
-format, version`` of a WMS. What is left out is the server's default, and PNG where it is offered, because PNG
-tells ground without imagery from black or white ground. A key in the address is written ``{key}``.
+format, version`` of a WMS. Defaults are those of the server, and PNG where available, as PNG distinguishes ground
+without imagery from black or white ground. A key in the address is written ``{key}``.
 
-A layer is taken in the coordinate reference system that is asked for; else in Web Mercator where the service has that,
-whatever its levels are called; else in the projected system whose area of use suits the layer best. Of a WMTS that is
-one of its tile matrix sets (`matrices`). A WMS is asked for tiles of the Web-Mercator grid, or of a plane of the system
-that begins 2**26 units west and north of its origin, with pixels of 1, 2, 4 … and 1/2, 1/4, 1/8 … units. OWSLib reads
-the documents; it is needed here only.
+The coordinate reference system is the wanted one; otherwise Web Mercator where available, whatever its levels are
+named; otherwise the projected system whose area of use suits the layer best. For a WMTS it is that of a tile matrix set
+(`matrices`). A WMS draws tiles of the Web-Mercator grid, or of a plane of the system that begins 2**26 units west and
+north of its origin, with pixels of 1, 2, 4 … and 1/2, 1/4, 1/8 … units. OWSLib, needed here only, reads the documents.
 """
 
 from __future__ import annotations
@@ -37,31 +36,25 @@ from .capabilities import (
     NAMED,
     Document,
     Offered,
-    bounds_of,
     chosen_format,
     chosen_one,
-    credit_of,
-    fetched,
+    fetch_capabilities,
     filled_template,
     media_type,
-    policy_of,
+    read_bounds,
+    read_credit,
+    read_policy,
     reading,
 )
 from .matrices import SCALE_PX_M, chosen_tiles
 from .service import ServiceSource
 
-_VERSIONS = ("1.3.0", "1.1.1")
-#: Codes of EPSG as a WMS writes them.
+#: EPSG codes in a WMS.
 _EPSG = re.compile(r"EPSG:[1-9][0-9]{0,6}")
-#: Systems of a layer that are looked at where none is asked for: services list thousands.
+#: Most systems of a layer to consider: services list thousands.
 _MOST_SYSTEMS = 500
-#: Systems and tile matrix sets that a list of layers names of each.
+#: Most systems and tile matrix sets of each layer in a list of layers.
 _MOST_OFFERED = 50
-#: The plane that a WMS is asked for pixels of reaches so far from the origin to the west and the north, in the system's
-#: unit: farther than eastings that begin with a zone's number.
-_FARTHEST = 2.0**26
-#: Finest pixel asked of a WMS that states no scale, in the system's unit: about that of `DEFAULT_MAX_ZOOM`.
-_FINEST_PX = 2.0**-5
 _WMTS = "{http://www.opengis.net/wmts/1.0}"
 _OWS = "{http://www.opengis.net/ows/1.1}"
 
@@ -70,7 +63,7 @@ class ServiceLayer(ServiceSource):
     """A layer of a WMTS or WMS as a mission names it."""
 
     def layers(self) -> list[Offered] | None:
-        """Layers that the service offers, where none is named yet."""
+        """Layers of the service, where none is named yet."""
         if "layer" in self.service.choices or "layers" in self.service.choices:
             return None
         document = self._document()
@@ -96,34 +89,34 @@ class ServiceLayer(ServiceSource):
         return under_provider(entry)
 
     def _document(self) -> Document:
-        return fetched(self.service, self.key, self.options.transport)
+        return fetch_capabilities(self.service, self.key, self.options.transport)
 
 
 def _entry(name: str, service: Any, layers: Sequence[Any], url: str, **tiles: Any) -> CatalogueEntry:
-    """Entry of layers above each other, with what both kinds of services state of them."""
+    """Entry of one layer, or of several drawn over each other."""
     credit = getattr(layers[0], "attribution", None) or {}
     return CatalogueEntry(
         name=name,
         title=", ".join(one_line(layer.title) or one_line(layer.id) for layer in layers),
         kind="xyz",
-        attribution=credit_of(credit.get("title"), getattr(service, "provider", None)),
+        attribution=read_credit(credit.get("title"), getattr(service, "provider", None)),
         urls={"": url},
-        policy=policy_of(getattr(service, "identification", None)),
+        policy=read_policy(getattr(service, "identification", None)),
         key_env=KEY_ENV if "{key}" in url else None,
-        bounds_deg=bounds_of(layers),
+        bounds_deg=read_bounds(layers),
         user=True,
         **tiles,
     )
 
 
-def _with_query(base: str, query: dict[str, str]) -> str:
-    """Address with a query after what it may already have; placeholders stay as they are."""
+def _append_query(base: str, query: dict[str, str]) -> str:
+    """Address with parameters added to its query; placeholders are kept."""
     joint = "" if base.endswith(("?", "&")) else "&" if "?" in base else "?"
     return f"{base}{joint}{urlencode(query, safe='{}:/,', quote_via=quote)}"
 
 
 def _wmts_layers(document: Document) -> list[Offered]:
-    """Layers a WMTS offers."""
+    """Layers of a WMTS."""
     service = _wmts(document)
     systems = {name: epsg_code(one.crs) for name, one in service.tilematrixsets.items()}
     offered = []
@@ -137,10 +130,10 @@ def _wmts_layers(document: Document) -> list[Offered]:
 
 
 def _dates_of_layers(document: Document) -> dict[str, Dates]:
-    """Dates that layers of a WMTS can be had of, by their names."""
+    """Dates of the layers of a WMTS, by their names."""
     found = {}
     for element in document.root.iter(f"{_WMTS}Layer"):
-        times = [about for about in _dimensions_of(element).values() if isinstance(about, Dates)]
+        times = [about for about in _read_dimensions(element).values() if isinstance(about, Dates)]
         if times:
             found[(element.findtext(f"{_OWS}Identifier") or "").strip()] = times[0]
     return found
@@ -154,7 +147,7 @@ def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None
     layer = service.contents[chosen_one(document, "layer", choices.get("layer"), contents)]
     chosen = chosen_tiles(document, service, layer, crs, area_deg)
     kind = chosen_format(document, _formats(layer))
-    # OWSLib has None for an identifier that is empty, as GeoWebCache writes that of a style without a name.
+    # OWSLib has None for an empty identifier, which GeoWebCache writes for a style without a name.
     styles = {(known or "").strip(): about["isDefault"] for known, about in layer.styles.items()}
     style = choices.get("style")
     if style is None:
@@ -203,15 +196,15 @@ def _formats(layer: Any) -> list[str]:
 
 
 def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
-    """Dimensions of a layer, which OWSLib leaves out: dates of the time, the default value of any other."""
+    """Dimensions of a layer, which OWSLib ignores: dates of the time, the default of every other."""
     found: dict[str, Dates | str] = {}
     for element in document.root.iter(f"{_WMTS}Layer"):
         if (element.findtext(f"{_OWS}Identifier") or "").strip() == layer:
-            found.update(_dimensions_of(element))
+            found.update(_read_dimensions(element))
     return found
 
 
-def _dimensions_of(layer: Any) -> dict[str, Dates | str]:
+def _read_dimensions(layer: Any) -> dict[str, Dates | str]:
     """Dimensions of a layer's element."""
     found: dict[str, Dates | str] = {}
     for dimension in layer.findall(f"{_WMTS}Dimension"):
@@ -224,9 +217,9 @@ def _dimensions_of(layer: Any) -> dict[str, Dates | str]:
 
 
 def _rest_url(document: Document, layer: Any, kind: str, filled: dict[str, str]) -> str:
-    """Template of the tiles as resources; empty where the service has none of this format."""
+    """Template of the tiles as resources; empty where the service has none in this format."""
     tiles = [one for one in layer.resourceURLs if one["resourceType"] == "tile"]
-    # Some servers spell a format in the list of formats otherwise than at the resource.
+    # Some servers spell a format differently in the list of formats and at the resource.
     same = [one for one in tiles if one["format"] == kind]
     same += [one for one in tiles if media_type(one["format"]) == media_type(kind)]
     return filled_template(document, same[0]["template"], filled) if same else ""
@@ -240,7 +233,7 @@ def _kvp_url(
     filled: dict[str, str],
     dimensions: dict[str, Dates | str],
 ) -> str:
-    """Template of the tiles by GetTile with its parameters in the query."""
+    """Template of the tiles by GetTile, with parameters in the query."""
     base = document.url.partition("?")[0]
     for operation in service.operations:
         if operation.name == "GetTile":
@@ -260,25 +253,25 @@ def _kvp_url(
         "FORMAT": kind,
         **{name: filled[name.lower()] for name in dimensions},
     }
-    return document.without_key(_with_query(base, query))
+    return document.without_key(_append_query(base, query))
 
 
 def _wms_layers(document: Document) -> list[Offered]:
-    """Layers a WMS offers."""
+    """Layers of a WMS."""
     _, service = _wms(document)
-    # Layers share their systems: each is looked at once.
+    # Layers share lists of systems: each list is examined once.
     known: dict[tuple[str, ...], tuple[str, ...]] = {}
     offered = []
     for name, layer in service.contents.items():
         named = tuple(layer.crsOptions)
         if named not in known:
-            known[named] = _systems_of(named)
+            known[named] = _usable_systems(named)
         offered.append(Offered(name, one_line(layer.title), known[named], dates=_dates([layer])))
     return offered
 
 
-def _systems_of(named: Sequence[str]) -> tuple[str, ...]:
-    """Usable ones of the systems that a layer names, Web Mercator first; of very many the first."""
+def _usable_systems(named: Sequence[str]) -> tuple[str, ...]:
+    """Usable systems of a layer, Web Mercator first, up to `_MOST_OFFERED`."""
     codes = {epsg_code(one.upper()) for one in named}
     own = sorted((one for one in codes if one != MAP and _EPSG.fullmatch(one)), key=lambda one: int(one[5:]))
     usable = itertools.islice(filter(is_usable, own[:_MOST_SYSTEMS]), _MOST_OFFERED)
@@ -288,7 +281,7 @@ def _systems_of(named: Sequence[str]) -> tuple[str, ...]:
 def _wms_entry(
     name: str, document: Document, tile_px: int, wanted_crs: str, area_deg: Bounds | None
 ) -> CatalogueEntry:
-    """Entry of one layer or several above each other; raises as `ogc.ServiceLayer` does."""
+    """Entry of one layer, or of several drawn over each other; raises as `ogc.ServiceLayer` does."""
     version, service = _wms(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
@@ -321,7 +314,7 @@ def _wms_entry(
         **({"TIME": "{date}"} if dates else {}),
     }
     address = next(method["url"] for method in get_map.methods if method["type"] == "Get")
-    url = document.without_key(_with_query(urljoin(document.url, address), query))
+    url = document.without_key(_append_query(urljoin(document.url, address), query))
     highest = _highest_zoom(layers, tile_px, plane)
     return _entry(
         name,
@@ -337,16 +330,17 @@ def _wms_entry(
 
 
 def _wms(document: Document) -> tuple[str, Any]:
-    """Version the server answered in, and its capabilities."""
+    """Version of the server's answer, and its capabilities."""
     read = importlib.import_module("owslib.wms").WebMapService
-    version = document.root.get("version") or _VERSIONS[0]
-    if version not in _VERSIONS:
-        raise document.wrong(Message("speaks version {0}; must be {1}", version, " or ".join(_VERSIONS)))
+    versions = ("1.3.0", "1.1.1")
+    version = document.root.get("version") or versions[0]
+    if version not in versions:
+        raise document.wrong(Message("speaks version {0}; must be {1}", version, " or ".join(versions)))
     return version, read(document.service.address, version=version, xml=written(document.root))
 
 
 def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bounds | None) -> str:
-    """Coordinate reference system to ask for, as the service names it: by name, Web Mercator, or the best suited."""
+    """Coordinate reference system to request, as the service names it: the wanted, Web Mercator, or the best suited."""
     offered = set.intersection(*({crs.upper() for crs in layer.crsOptions} for layer in layers))
     mercator = next((crs for crs in MERCATOR_CODES if crs in offered), None)
     if wanted in ("", MAP) and mercator is not None:
@@ -361,7 +355,7 @@ def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bound
         )
     usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
     if usable:
-        return best_system(usable, *filter(None, (area_deg, bounds_of(layers))))
+        return best_system(usable, *filter(None, (area_deg, read_bounds(layers))))
     names = ", ".join(sorted(offered)[:NAMED]) or Message("none")
     raise InvalidInput(
         "layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG",
@@ -377,14 +371,15 @@ def _named(document: Document, layer: Any) -> str:
 
 
 def own_plane(crs: str, tile_px: int) -> ProjectedPlane:
-    """Plane of the pixels that a WMS is asked for: their sizes are powers of two of the unit, and so are its edges.
+    """Plane for the pixels of a WMS: pixel sizes and edges are powers of two of the system's unit.
 
-    It is the same whatever the service says of its layer, so that missions and tiles kept of it stay what they are.
+    It does not depend on the layer, so that missions and cached tiles stay valid. Its corner lies farther west than
+    eastings that begin with a zone's number extend.
     """
-    side = float(tile_px)
-    while side < 2.0 * _FARTHEST:
+    farthest, side = 2.0**26, float(tile_px)
+    while side < 2.0 * farthest:
         side *= 2.0
-    return ProjectedPlane(crs, -_FARTHEST, _FARTHEST, side, side)
+    return ProjectedPlane(crs, -farthest, farthest, side, side)
 
 
 def _check_styles(document: Document, layers: Sequence[Any], styles: Sequence[str]) -> None:
@@ -406,7 +401,7 @@ def _dates(layers: Sequence[Any]) -> Dates | None:
 
 
 def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | None) -> int:
-    """Highest zoom at which every layer is drawn, as far as the service says so."""
+    """Highest zoom at which every layer is drawn, as far as the service states it."""
     width_m = 2.0 * HALF_WORLD_M if plane is None else plane.width * plane.unit_m
     highest = DEFAULT_MAX_ZOOM if plane is None else finest_zoom(plane, tile_px)
     for layer in layers:
@@ -419,5 +414,5 @@ def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | N
 
 
 def finest_zoom(plane: ProjectedPlane, tile_px: int) -> int:
-    """Highest zoom of a plane at which a service that states no scale is asked to draw."""
-    return math.floor(math.log2(plane.width / (_FINEST_PX * tile_px)) + 1e-9)
+    """Highest zoom of a plane for a service that states no scale: pixels of 1/32 unit, about `DEFAULT_MAX_ZOOM`."""
+    return math.floor(math.log2(plane.width / (2.0**-5 * tile_px)) + 1e-9)

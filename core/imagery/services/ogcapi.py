@@ -1,8 +1,8 @@
-"""Tiles of an OGC API (OGC 20-057, "OGC API - Tiles - Part 1"): found by following links from any of its documents.
+"""Tiles of an OGC API (OGC 20-057, "OGC API - Tiles - Part 1"), found by the links in its documents.
 
-``ogcapi:URL`` names a landing page, a list of collections, a collection, a list of tilesets or a tileset; after ``#``
-stand ``collection``, ``tilematrixset``, ``tilematrix`` and ``format``. A tile matrix set is chosen as that of a WMTS
-is, and made a grid of by the same rules (`matrices`): WebMercatorQuad is known, others are asked for (OGC 17-083r4).
+``ogcapi:URL`` names a landing page, a list of collections, a collection, a list of tilesets or a tileset; the choices
+after ``#`` are ``collection``, ``tilematrixset``, ``tilematrix`` and ``format``. Choice and grid of a tile matrix set
+follow the rules for WMTS (`matrices`); WebMercatorQuad is built in, others are fetched (OGC 17-083r4).
 """
 
 from __future__ import annotations
@@ -24,18 +24,15 @@ from ..policy import Policy
 from ..systems import MAP, WORLD_DEG, Bounds, epsg_code
 from ..tiles import check_address
 from .capabilities import Document, Offered, chosen_format, chosen_one, filled_template
-from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
+from .json_service import JSONService, read_number, read_objects, read_text, set_query, sound_bounds
 from .matrices import SCALE_PX_M, LayerTiles, chosen_tiles
 
-#: How links to what is wanted are called: in full, in short, and by earlier drafts.
+#: Relations of links: in full, in short, and in earlier drafts.
 _TILESETS = re.compile(r"(?:^|[/:])(?:tilesets-(?:map|coverage)|tiles)\]?$")
 _COLLECTIONS = re.compile(r"(?:^|[/:])(?:data|collections)\]?$")
-_SCHEME = re.compile(r"(?:^|[/:])tiling-scheme\]?$")
 _QUAD = "WebMercatorQuad"
 _QUAD_URI = re.compile(r"/tilematrixset/OGC/1\.0/WebMercatorQuad$")
-#: Documents between a landing page and a tileset, and more.
-_MOST_STEPS = 6
-#: Matrices of a set that are looked at.
+#: Most matrices of a set to consider.
 _MOST_MATRICES = 100
 
 
@@ -44,11 +41,11 @@ class OGCAPITiles(JSONService):
 
     def __init__(self, text: str, options: SourceOptions) -> None:
         super().__init__(text, options)
-        #: What documents on the way state of title, credit, licence and ground.
-        self._told: dict[str, Any] = {}
+        #: Title, credit, licence and ground in the documents.
+        self._stated: dict[str, Any] = {}
 
     def _first(self) -> Document:
-        return self._json(self._with_key(self.service.address), Message("description"))
+        return self._json(self._keyed(self.service.address), Message("description"))
 
     def _layers(self, document: Document) -> list[Offered] | None:
         if "collection" in self.service.choices:
@@ -57,8 +54,8 @@ class OGCAPITiles(JSONService):
         if "collections" not in found.root:
             return None
         return [
-            Offered(one["id"], text_of(one.get("title")) or one_line(one["id"]))
-            for one in items_of(found.root["collections"])
+            Offered(one["id"], read_text(one.get("title")) or one_line(one["id"]))
+            for one in read_objects(found.root["collections"])
             if isinstance(one.get("id"), str) and _link(one, _TILESETS)
         ]
 
@@ -66,15 +63,15 @@ class OGCAPITiles(JSONService):
         found = self._followed(document, to_list=False)
         tileset = found if _items(found.root) else self._chosen_tileset(found)
         self._note(tileset.root)
-        tiles, item = self._tiles_of(tileset)
+        tiles, item = self._tileset_tiles(tileset)
         filled = {"tilematrix": "{z}", "tilerow": "{y}", "tilecol": "{x}", "tilematrixsetid": tiles.name}
-        url = filled_template(tileset, self._with_key(item, tileset.url), filled)
-        zooms, told = sorted(tiles.levels), self._told
+        url = filled_template(tileset, self._keyed(item, tileset.url), filled)
+        zooms, stated = sorted(tiles.levels), self._stated
         return self._made(
-            told.get("title", ""),
-            told.get("attribution", ""),
+            stated.get("title", ""),
+            stated.get("attribution", ""),
             url,
-            Policy(licence=told.get("licence", ""), terms_url=told.get("terms_url", "")),
+            Policy(licence=stated.get("licence", ""), terms_url=stated.get("terms_url", "")),
             tile_px=(tiles.tile_px,),
             min_zoom=zooms[0],
             max_zoom=zooms[-1],
@@ -82,13 +79,15 @@ class OGCAPITiles(JSONService):
             levels=tuple((zoom, tiles.levels[zoom]) for zoom in zooms if tiles.levels[zoom] != str(zoom)),
             plane=tiles.plane,
             tile_limits=tiles.limits,
-            bounds_deg=told.get("bounds", WORLD_DEG),
+            bounds_deg=stated.get("bounds", WORLD_DEG),
         )
 
     def _followed(self, document: Document, *, to_list: bool) -> Document:
-        """Document of tilesets, or one of them; with ``to_list``, the list of collections where one is to be chosen."""
+        """Document of tilesets, or a tileset; with ``to_list``, the list of collections where one has to be chosen."""
+        # More than there are between a landing page and a tileset.
+        most_steps = 6
         wanted = self.service.choices.get("collection")
-        for _ in range(_MOST_STEPS):
+        for _ in range(most_steps):
             root = document.root
             self._note(root)
             if _items(root) or isinstance(root.get("tilesets"), list):
@@ -100,43 +99,43 @@ class OGCAPITiles(JSONService):
                 self._note(collection)
                 link = _link(collection, _TILESETS)
             elif root.get("id") == wanted or wanted is None:
-                # A collection; or a landing page, which may have tiles of all of its collections together.
+                # A collection, or a landing page, which may have tiles of all its collections.
                 link = _link(root, _TILESETS) or _link(root, _COLLECTIONS)
             else:
                 link = _link(root, _COLLECTIONS)
             if not link:
                 raise document.wrong(Message("offers no tiles of images: nothing links to tilesets-map"))
-            document = self._json(self._with_key(link, document.url), Message("description"))
-        raise document.wrong(Message("links to descriptions and no tiles, {0} deep", _MOST_STEPS))
+            document = self._json(self._keyed(link, document.url), Message("description"))
+        raise document.wrong(Message("links to descriptions and no tiles, {0} deep", most_steps))
 
     def _chosen_collection(self, document: Document, wanted: str | None) -> Mapping[str, Any]:
         offered = {
             one["id"]: one
-            for one in items_of(document.root["collections"])
+            for one in read_objects(document.root["collections"])
             if isinstance(one.get("id"), str) and (_link(one, _TILESETS) or one["id"] == wanted)
         }
-        names = {name: text_of(one.get("title")) for name, one in offered.items()}
+        names = {name: read_text(one.get("title")) for name, one in offered.items()}
         return offered[chosen_one(document, "collection", wanted, names)]
 
     def _chosen_tileset(self, document: Document) -> Document:
-        """Tileset of the matrix set or the system that is asked for; else of Web Mercator, or the first."""
+        """Tileset of the wanted matrix set or system, otherwise of Web Mercator, or the first."""
         offered: dict[str, Mapping[str, Any]] = {}
-        for one in items_of(document.root["tilesets"]):
-            if text_of(one.get("dataType")) in ("", "map", "coverage") and _self(one):
-                offered.setdefault(_name_of(one), one)
+        for one in read_objects(document.root["tilesets"]):
+            if read_text(one.get("dataType")) in ("", "map", "coverage") and _self(one):
+                offered.setdefault(_matrix_set_name(one), one)
         wanted, crs = self.service.choices.get("tilematrixset"), self.options.crs
         if not offered:
             raise document.wrong(Message("offers tiles of data, and none of images"))
         if wanted is None:
-            suited = [name for name, one in offered.items() if epsg_code(_crs_of(one)) == (crs or MAP)]
+            suited = [name for name, one in offered.items() if epsg_code(_crs_name(one)) == (crs or MAP)]
             suited.sort(key=lambda name: name != _QUAD)
             wanted = (suited or list(offered))[0]
         chosen = offered[chosen_one(document, "tilematrixset", wanted, dict.fromkeys(offered, ""))]
-        link = self._with_key(_self(chosen), document.url)
+        link = self._keyed(_self(chosen), document.url)
         return self._json(link, Message("description of tiles"))
 
-    def _tiles_of(self, tileset: Document) -> tuple[LayerTiles, str]:
-        """Grid of a tileset, and its own template of the format that is chosen."""
+    def _tileset_tiles(self, tileset: Document) -> tuple[LayerTiles, str]:
+        """Grid of a tileset, and its template for the chosen format."""
         root = tileset.root
         items = _items(root)
         if not items:
@@ -144,78 +143,76 @@ class OGCAPITiles(JSONService):
         kind = chosen_format(tileset, list(items))
         name, matrices, crs = self._matrices(tileset)
         limits = {}
-        for one in items_of(root.get("tileMatrixSetLimits"))[:_MOST_MATRICES]:
-            ends = [_whole(one.get(f"{end}Tile{axis}")) for end, axis in _ENDS]
+        for one in read_objects(root.get("tileMatrixSetLimits"))[:_MOST_MATRICES]:
+            names = ("minTileCol", "minTileRow", "maxTileCol", "maxTileRow")
+            ends = [_whole(one.get(end)) for end in names]
             limits[str(one.get("tileMatrix"))] = SimpleNamespace(
                 **dict(zip(("mintilecol", "mintilerow", "maxtilecol", "maxtilerow"), ends))
             )
         link = SimpleNamespace(tilematrixlimits=limits)
-        bounds = self._told.get("bounds", WORLD_DEG)
+        bounds = self._stated.get("bounds", WORLD_DEG)
         layer = SimpleNamespace(
-            id=self._told.get("title") or name, tilematrixsetlinks={name: link}, boundingBoxWGS84=bounds
+            id=self._stated.get("title") or name, tilematrixsetlinks={name: link}, boundingBoxWGS84=bounds
         )
         by_id = {one.identifier: one for one in matrices}
         sets = {name: SimpleNamespace(crs=crs, tilematrix=by_id)}
         service = SimpleNamespace(tilematrixsets=sets)
-        # The set has been chosen by its name, which a link may spell otherwise.
+        # The set is already chosen by its name, which a link may spell differently.
         choices = {one: text for one, text in tileset.service.choices.items() if one != "tilematrixset"}
-        document = _with_choices(tileset, choices)
+        document = _replace_choices(tileset, choices)
         return chosen_tiles(document, service, layer, self.options.crs, self.options.area_deg), items[kind]
 
     def _matrices(self, tileset: Document) -> tuple[str, list[SimpleNamespace], str]:
-        """Name of a tileset's matrix set, its matrices as OWSLib would have them, and its system."""
+        """Name of a tileset's matrix set, its matrices in the form of OWSLib, and its system."""
         root = tileset.root
-        name = _name_of(root)
-        if _QUAD_URI.search(text_of(root.get("tileMatrixSetURI"))) or name == _QUAD:
+        name = _matrix_set_name(root)
+        if _QUAD_URI.search(read_text(root.get("tileMatrixSetURI"))) or name == _QUAD:
             return name or _QUAD, _quad_matrices(), MAP
-        link = _link(root, _SCHEME)
+        link = _link(root, re.compile(r"(?:^|[/:])tiling-scheme\]?$"))
         if not link:
             raise tileset.wrong(Message("tiles of {0}, which it does not describe", name or "a matrix set"))
-        scheme = self._json(self._with_key(link, tileset.url), Message("tile matrix set"))
-        crs = _crs_of(scheme.root) or _crs_of(root)
-        return name or text_of(scheme.root.get("id")), _matrices_of(scheme), crs
+        scheme = self._json(self._keyed(link, tileset.url), Message("tile matrix set"))
+        crs = _crs_name(scheme.root) or _crs_name(root)
+        return name or read_text(scheme.root.get("id")), _read_matrices(scheme), crs
 
     def _note(self, root: Mapping[str, Any]) -> None:
-        """Keep what a document states of title, credit, licence and ground; later ones are about less."""
-        told = self._told
+        """Keep title, credit, licence and ground of a document; later documents are more specific."""
+        stated = self._stated
         for name in ("title", "attribution"):
-            if text_of(root.get(name)):
-                told[name] = text_of(root[name])
-        for link in items_of(root.get("links")):
+            if read_text(root.get(name)):
+                stated[name] = read_text(root[name])
+        for link in read_objects(root.get("links")):
             if link.get("rel") == "license" and isinstance(link.get("href"), str):
-                told["licence"] = text_of(link.get("title")) or told.get("licence", "")
+                stated["licence"] = read_text(link.get("title")) or stated.get("licence", "")
                 if link["href"].startswith("https://") and link["href"].isprintable():
-                    told["terms_url"] = link["href"]
+                    stated["terms_url"] = link["href"]
         if isinstance(root.get("license"), str):
-            told["licence"] = text_of(root["license"])
-        bounds = _bounds_of(root)
+            stated["licence"] = read_text(root["license"])
+        bounds = _stated_bounds(root)
         if bounds is not None:
-            told["bounds"] = bounds
+            stated["bounds"] = bounds
 
-    def _with_key(self, link: str, base: str = "") -> str:
-        """Address that a link leads to; with the address's own key parameters, where it leads to the same server."""
+    def _keyed(self, link: str, base: str = "") -> str:
+        """Target of a link, with the key parameters of the service's address on the same server."""
         url = urljoin(base or self.service.address, link)
         if base:
             check_address(url, Message("address in a description of {0}", self.service.host))
-        own = urlsplit(self.service.address)
-        query = [pair for pair in parse_qsl(own.query) if "{key}" in pair[1]]
-        if query and (urlsplit(url).scheme, urlsplit(url).netloc) == (own.scheme, own.netloc):
-            url = with_query(url, dict(query))
+        address = urlsplit(self.service.address)
+        query = [pair for pair in parse_qsl(address.query) if "{key}" in pair[1]]
+        if query and urlsplit(url)[:2] == address[:2]:
+            url = set_query(url, dict(query))
         return self._filled(url)
 
 
-_ENDS = (("min", "Col"), ("min", "Row"), ("max", "Col"), ("max", "Row"))
-
-
-def _with_choices(document: Document, choices: Mapping[str, str]) -> Document:
+def _replace_choices(document: Document, choices: Mapping[str, str]) -> Document:
     return replace(document, service=replace(document.service, choices=choices))
 
 
 def _link(root: Mapping[str, Any], rel: re.Pattern[str]) -> str:
-    """Address of the first link of a kind, one to JSON before others; empty where there is none."""
+    """Address of the first link of a relation, those to JSON before others; empty without one."""
     links = [
         link
-        for link in items_of(root.get("links"))
+        for link in read_objects(root.get("links"))
         if isinstance(link.get("rel"), str)
         and rel.search(link["rel"])
         and isinstance(link.get("href"), str)
@@ -233,42 +230,42 @@ def _items(root: Mapping[str, Any]) -> dict[str, str]:
     """Templates of a tileset's tiles, by media type."""
     return {
         str(link.get("type") or "image/png"): link["href"]
-        for link in items_of(root.get("links"))
+        for link in read_objects(root.get("links"))
         if link.get("rel") == "item"
         and isinstance(link.get("href"), str)
         and "{tilematrix}" in link["href"].lower()
     }
 
 
-def _name_of(tileset: Mapping[str, Any]) -> str:
+def _matrix_set_name(tileset: Mapping[str, Any]) -> str:
     """Name of a tileset's matrix set."""
     for name in ("tileMatrixSetId", "tileMatrixSetURI", "tileMatrixSet"):
-        if text_of(tileset.get(name)):
-            return text_of(tileset[name]).rstrip("/").rpartition("/")[2]
+        if read_text(tileset.get(name)):
+            return read_text(tileset[name]).rstrip("/").rpartition("/")[2]
     return urlsplit(_self(tileset)).path.rstrip("/").rpartition("/")[2]
 
 
-def _crs_of(root: Mapping[str, Any]) -> str:
-    """Name of a document's system, which may stand in an object of its own."""
+def _crs_name(root: Mapping[str, Any]) -> str:
+    """Name of a document's system, which may be a string or an object."""
     crs = root.get("crs") or root.get("supportedCRS")
     if isinstance(crs, Mapping):
         crs = crs.get("uri")
-    if not crs and _QUAD_URI.search(text_of(root.get("tileMatrixSetURI"))):
+    if not crs and _QUAD_URI.search(read_text(root.get("tileMatrixSetURI"))):
         return MAP
-    return text_of(crs)
+    return read_text(crs)
 
 
-def _matrices_of(scheme: Document) -> list[SimpleNamespace]:
-    """Matrices of a tile matrix set: of the current standard, or of the one before it."""
+def _read_matrices(scheme: Document) -> list[SimpleNamespace]:
+    """Matrices of a tile matrix set, by the current or the previous standard."""
     root = scheme.root
     stated = root.get("tileMatrices") or root.get("tileMatrix")
     made = []
-    for one in items_of(stated)[:_MOST_MATRICES]:
+    for one in read_objects(stated)[:_MOST_MATRICES]:
         corner = one.get("pointOfOrigin") or one.get("topLeftCorner")
-        scale = number_of(one.get("scaleDenominator"))
+        scale = read_number(one.get("scaleDenominator"))
         if scale is None or not isinstance(corner, list) or one.get("cornerOfOrigin", "topLeft") != "topLeft":
             continue
-        across, down = (number_of(edge) for edge in corner)
+        across, down = (read_number(edge) for edge in corner)
         sizes = [_whole(one.get(name)) for name in ("tileWidth", "tileHeight", "matrixWidth", "matrixHeight")]
         if across is None or down is None or None in sizes or one.get("variableMatrixWidths"):
             continue
@@ -286,7 +283,7 @@ def _matrices_of(scheme: Document) -> list[SimpleNamespace]:
 
 
 def _quad_matrices() -> list[SimpleNamespace]:
-    """Matrices of WebMercatorQuad, as OGC 17-083r4 (annex D) has it, up to what a template is taken to have."""
+    """Matrices of WebMercatorQuad (OGC 17-083r4, annex D), up to the highest zoom of a template."""
     return [
         SimpleNamespace(
             identifier=str(zoom),
@@ -301,17 +298,17 @@ def _quad_matrices() -> list[SimpleNamespace]:
     ]
 
 
-def _bounds_of(root: Mapping[str, Any]) -> Bounds | None:
-    """West, south, east and north in degrees that a collection states; None where it does not."""
+def _stated_bounds(root: Mapping[str, Any]) -> Bounds | None:
+    """West, south, east and north in degrees of a collection; None where they are not stated."""
     extent = root.get("extent")
     spatial = extent.get("spatial") if isinstance(extent, Mapping) else None
     boxes = spatial.get("bbox") if isinstance(spatial, Mapping) else None
     if not isinstance(boxes, list) or not boxes or not isinstance(boxes[0], list):
         return None
-    if spatial is None or "CRS84" not in text_of(spatial.get("crs") or "CRS84"):
+    if spatial is None or "CRS84" not in read_text(spatial.get("crs") or "CRS84"):
         return None
-    numbers = [number_of(edge) for edge in boxes[0]]
-    # Of a box with heights, those are left out.
+    numbers = [read_number(edge) for edge in boxes[0]]
+    # Without the heights of a box in three dimensions.
     edges = numbers if len(numbers) == 4 else [*numbers[:2], *numbers[3:5]]
     if len(edges) != 4:
         return None

@@ -1,4 +1,4 @@
-"""A layer of a service as a mission names it, whatever kind of service that is."""
+"""The base of all kinds of services: a layer as a mission names it."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from .capabilities import Service
 
 
 class ServiceSource(EntrySource):
-    """A layer of a service as a mission names it, whatever kind of service that is."""
+    """A layer of a service of any kind, as a mission names it."""
 
     @cached_property
     def service(self) -> Service:
-        """The service and what is wanted of it; raises InvalidInput where the text is not right."""
+        """Service and choices; raises InvalidInput for an invalid text."""
         return Service.named(self.text)
 
     @property
     def needs_key(self) -> bool:
-        """Whether a key stands in its address."""
+        """Whether its address contains {key}."""
         return "{key}" in self.text
 
     @property
     def stated_policy(self) -> Policy | None:
-        """None: the service states its terms with what it tells of itself."""
+        """None: the documents of the service state its terms."""
         return None
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if that is for its host."""
+        """Return the environment's key, if it is for its host."""
         return environment_key([self.service.host], named_by_user=self.options.named_by_user)
 
     @property
     def key(self) -> str:
-        """Key that the address needs; empty where it needs none. Raises SourceError where it is not there."""
+        """Key for the address; empty where it needs none. Raises SourceError where it is missing."""
         if not self.needs_key:
             return ""
         key = self.options.key or self.environment_key()
