@@ -21,6 +21,7 @@ from terrainav.terrainav_plugin.area.xml import xml_elements
 from terrainav.terrainav_plugin.form.area import entered_area
 
 from tests.support.logs import FLIGHT, copter, dataflash, flight, ulog
+from tests.support.thinning import sampled
 
 GPX = (
     '<?xml version="1.0"?><gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><metadata><time>1999-01-01T00:'
@@ -69,7 +70,7 @@ LOCAL = {"origin_lat": 35.16, "origin_lon": -89.9, "origin_height": 20.0}
 
 @pytest.mark.parametrize(
     ("name", "entered", "options"),
-    [
+    sampled([
         ("way.gpx", {}, ("--agl", "120")),
         ("way.gpx", {"by_file": True, "ground": 80.0, "interval_in": "every_s", "interval": 15.0},
          ("--ground-height", "80", "--every-s", "15")),
@@ -85,7 +86,7 @@ LOCAL = {"origin_lat": 35.16, "origin_lon": -89.9, "origin_height": 20.0}
         ("euroc.csv", {**LOCAL, "body": "flu"}, ("--format", "euroc", "--body", "flu", *ORIGIN)),
         ("euroc.csv", {**LOCAL, "by_value": True, "agl": 300.0, "unit": "ft"},
          ("--format", "euroc", "--body", "urf", *ORIGIN, "--agl", "91.44")),
-    ],
+    ], 2),
 )  # fmt: skip
 def test_poses_are_flown_as_the_command_reads_them(
     desk, tmp_path, monkeypatch, screenshot, name, entered, options

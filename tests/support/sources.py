@@ -31,7 +31,7 @@ class PatternSource:
         self.wait_s = wait_s
         self.fetched = Counter()
         self.most_at_once = 0
-        self._at_once = 0
+        self.at_once = 0
         self._lock = threading.Lock()
 
     def parts(self, window):
@@ -40,15 +40,15 @@ class PatternSource:
     def fetch(self, map_type, part):
         with self._lock:
             self.fetched[map_type, part] += 1
-            self._at_once += 1
-            self.most_at_once = max(self.most_at_once, self._at_once)
+            self.at_once += 1
+            self.most_at_once = max(self.most_at_once, self.at_once)
         try:
             if self.wait_s:
                 time.sleep(self.wait_s)
             return self.paint(map_type, part)
         finally:
             with self._lock:
-                self._at_once -= 1
+                self.at_once -= 1
 
     def paint(self, map_type, part):
         return encode_position(

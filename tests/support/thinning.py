@@ -29,3 +29,18 @@ def thinned(cases, quick):
 def named(cases):
     """Cases that are their own names, for `thinned`."""
     return {str(case): case for case in cases}
+
+
+def sampled(cases, step):
+    """Cases for ``parametrize``: the first and each ``step``-th one after it as they are, all others as thorough ones.
+
+    For sweeps, in which no case stands out.
+    """
+    return [case if number % step == 0 else _thorough(case) for number, case in enumerate(cases)]
+
+
+def _thorough(case):
+    """A case with its mark."""
+    if isinstance(case, type(pytest.param())):
+        return pytest.param(*case.values, id=case.id, marks=(*case.marks, pytest.mark.thorough))
+    return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.thorough)

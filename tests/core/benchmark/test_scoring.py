@@ -20,6 +20,8 @@ from terrainav.core.benchmark.page import write_scores
 from terrainav.core.benchmark.scoring import score
 from terrainav.core.errors import InvalidInput
 
+from tests.support.thinning import sampled
+
 WGS84 = Geod(ellps="WGS84")
 
 
@@ -254,7 +256,7 @@ def test_tiles_of_another_part_are_no_answer(benchmark):
         score(cut, predictions, "test")
 
 
-@pytest.mark.parametrize("imageries", [1, 2])
+@pytest.mark.parametrize("imageries", sampled([1, 2], 2))
 def test_the_page_shows_the_figures_and_leaves_the_numbers(benchmark, tmp_path, imageries):
     whole = truth(benchmark, north_m=12.0)
     rows = np.arange(24) if imageries == 2 else np.arange(12)

@@ -33,6 +33,7 @@ from tests.support.faults import FAULTS, flat_placeholder
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.thinning import named, thinned
 from tests.support.tileserver import TileServer
+from tests.support.waiting import PATIENCE_S, wait_until
 
 MISSION = Mission(Box(35.16, -89.90, 35.1568, -89.8963), 120.0, overlap_along=0.1, zoom=18)
 PLAN = plan(MISSION, PixelGrid())
@@ -306,6 +307,11 @@ def test_a_server_that_dies_amid_a_capture(tmp_path, whole):
     assert files(tmp_path / "out") == whole
 
 
+def fetching():
+    """Threads of captures."""
+    return {t for t in threading.enumerate() if t.name.startswith(("terrainav-fetch", "terrainav-work"))}
+
+
 @pytest.mark.parametrize(
     "kind", ["stall", "stall-mid-body", "trickle", "429-seconds", "503", "unfinished-connection"]
 )
@@ -313,7 +319,7 @@ def test_every_wait_of_a_capture_ends_when_it_is_cancelled(server, deaf_template
     template = deaf_template if kind == "unfinished-connection" else None
     if template is None:
         server.fail(kind)
-    stop, before = threading.Event(), set(threading.enumerate())
+    stop, before = threading.Event(), fetching()
     ended = {}
 
     def work():
@@ -324,22 +330,19 @@ def test_every_wait_of_a_capture_ends_when_it_is_cancelled(server, deaf_template
 
     running = threading.Thread(target=work)
     running.start()
-    time.sleep(0.4)
+    # Until it waits: for the server, for its turn to try again, or for a connection.
+    requests = {"429-seconds": 2, "503": 2, "unfinished-connection": 0}.get(kind, 1)
+    wait_until(lambda: fetching() - before and sum(server.requests.values()) >= requests)
+    time.sleep(0.1)
     assert running.is_alive()
     asked = time.monotonic()
     stop.set()
-    running.join(30.0)
+    running.join(PATIENCE_S)
     assert not running.is_alive()
     assert ended["cancelled"]
     assert ended["source"] - asked < CANCEL_S + BUSY_S
     # No thread stays behind in a request.
-    deadline = time.monotonic() + 10.0
-    while time.monotonic() < deadline and any(
-        thread.name.startswith(("terrainav-fetch", "terrainav-work"))
-        for thread in set(threading.enumerate()) - before
-    ):
-        time.sleep(0.01)
-    assert time.monotonic() < deadline
+    wait_until(lambda: fetching() <= before)
     if template is None:
         server.heal()
         resumed = run(server, tmp_path / "out", resume=True)

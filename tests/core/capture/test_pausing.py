@@ -22,9 +22,10 @@ from tests.core.capture.test_faulty_capture import BAD, CONCERNED, MISSION, PLAN
 from tests.support.command import command
 from tests.support.sources import PatternSource
 from tests.support.tileserver import TileServer
+from tests.support.waiting import wait_until
 
-#: Long enough for what was under way when a run was held to come to its end.
-SETTLED_S = 0.5
+#: Reports of a held run, which come at intervals, that say the same when nothing is under way any more.
+SETTLED_REPORTS = 5
 #: Long enough to hang in, were there anything to hang in.
 HANG_S = 30.0
 
@@ -165,7 +166,24 @@ class Held:
     def settle(self):
         """Wait until it is held and nothing is under way any more."""
         assert self.pausing.wait(HANG_S)
-        time.sleep(SETTLED_S)
+        states = []
+
+        def is_settled():
+            latest = self.reports[-1] if self.reports else None
+            if latest is not None and not (states and states[-1][0] is latest):
+                images = sum(1 for _ in self._folder.glob("satellite/*.tif"))
+                at_rest = latest.paused and self._source.at_once == 0
+                states.append((latest, at_rest and (sum(self._source.fetched.values()), images)))
+            same = {state for _, state in states[-SETTLED_REPORTS:]}
+            return len(states) >= SETTLED_REPORTS and len(same) == 1 and False not in same
+
+        wait_until(is_settled)
+
+    def hear(self, count=SETTLED_REPORTS):
+        """Wait for so many more reports; returns them."""
+        before = len(self.reports)
+        wait_until(lambda: len(self.reports) >= before + count)
+        return self.reports[before:]
 
     def end(self):
         self._thread.join(HANG_S)
@@ -178,14 +196,11 @@ def test_a_held_run_asks_for_nothing_begins_nothing_and_goes_on_to_the_same_byte
     held = Held(source, tmp_path / "out")
     held.settle()
     fetched, written = dict(source.fetched), len(list((tmp_path / "out" / "satellite").glob("*.tif")))
-    told = len(held.reports)
-    time.sleep(SETTLED_S)
+    later = held.hear()
     assert dict(source.fetched) == fetched
     assert len(list((tmp_path / "out" / "satellite").glob("*.tif"))) == written
     assert sum(fetched.values()) < len(TILES)
     # It still tells, that it is held, and its clock stands.
-    later = held.reports[told:]
-    assert later
     assert all(report.paused for report in later)
     assert len({report.active_s for report in later}) == 1
     held.pausing.clear()
@@ -203,15 +218,15 @@ def test_pauses_count_for_no_rate(tmp_path):
     held = Held(PatternSource(wait_s=0.01), tmp_path / "out")
     held.settle()
     started = time.monotonic()
-    time.sleep(2.0 * SETTLED_S)
-    slept_s = time.monotonic() - started
+    held.hear()
+    paused_s = time.monotonic() - started
     # What the run has worked cannot be more than the time around it without the pause.
     began = held.reports[-1].active_s
-    held.pausing.clear()
     resumed = time.monotonic()
+    held.pausing.clear()
     result = held.end()
     assert result.seconds <= began + (time.monotonic() - resumed) + 0.1
-    assert slept_s >= 2.0 * SETTLED_S
+    assert paused_s > 0.4
     times = [report.active_s for report in held.reports]
     assert times == sorted(times)
 
@@ -229,10 +244,7 @@ def test_a_held_run_is_cancelled_at_once_and_can_be_resumed(tmp_path):
     # Half a second is promised; the rest is for a busy machine.
     assert time.monotonic() - asked < HANG_S / 3
     assert dict(source.fetched) == fetched
-    deadline = time.monotonic() + HANG_S
-    while time.monotonic() < deadline and set(threading.enumerate()) - before:
-        time.sleep(0.01)
-    assert set(threading.enumerate()) - before == set()
+    wait_until(lambda: before.issuperset(threading.enumerate()))
     again = capture(plan(MISSION, source.grid), source, tmp_path / "out", resume=True)
     assert again.written + again.skipped == len(PLAN)
 

@@ -39,6 +39,7 @@ from terrainav.core.picture.heights import heights_of
 from terrainav.core.storage.stores import get, store_path
 
 from tests.support.sources import NamedPattern, PatternSource
+from tests.support.thinning import sampled
 
 BOX = Box(35.16, -89.90, 35.1565, -89.894)
 MISSION = Mission(BOX, 120.0, map_types=("satellite", "roadmap"), zoom=18)
@@ -308,7 +309,9 @@ IN_SHARDS = [beyond_the_shard, over_each_other, before_the_shard]
 
 @pytest.mark.parametrize(
     ("layout", "change"),
-    [("folders", one) for one in EVERYWHERE] + [("webdataset", one) for one in EVERYWHERE + IN_SHARDS],
+    sampled(
+        [("folders", one) for one in EVERYWHERE] + [("webdataset", one) for one in EVERYWHERE + IN_SHARDS], 4
+    ),
 )
 def test_a_record_that_is_not_of_its_block_is_not_believed(whole, sharded, tmp_path, layout, change):
     """A block whose record says less, or other than it made, is made again: no row is lost."""
