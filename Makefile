@@ -31,10 +31,10 @@ test: setup translations  ## every test: core headless, beside it plugin inside 
 	@echo "core and plugin are tested side by side, in two parts each, which report when they end"
 	@$(MAKE) --no-print-directory --jobs=4 --output-sync=target $(PARTS:%=test-core-%) $(PARTS:%=test-plugin-%)
 
-test-all: test test-thorough  ## these, and many more cases of what they prove of a few
+test-all: test test-thorough  ## these, and many more cases and examples of what they prove of a few
 
 test-thorough: setup translations
-	$(PYTHON) -m pytest $(CORE_TESTS) -m thorough
+	TERRAINAV_EXAMPLES=all $(PYTHON) -m pytest $(CORE_TESTS) -m "thorough or hypothesis"
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin -m thorough
 
 test-core: setup  ## only the tests that run without Qt and QGIS

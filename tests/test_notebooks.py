@@ -164,6 +164,7 @@ def bytes_of(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.thorough
 def test_datacleaner_comes_to_what_clean_does_and_changes_nothing(execute, captured):
     before = bytes_of(captured)
     values = (

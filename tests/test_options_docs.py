@@ -14,6 +14,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 
 from tests.support.missions import TRIANGLE, missions
+from tests.support.thinning import examples
 
 ROOT = Path(__file__).resolve().parents[1]
 PLAIN = json.loads(Mission(Box(35.16, -89.90, 35.115, -89.823), 120.0).to_json())
@@ -40,7 +41,7 @@ def test_files_are_what_the_tool_writes(tool):
     assert tool.PAGE.read_text(encoding="utf-8") == tool.page(), advice
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 @given(missions)
 def test_what_is_written_is_of_the_schema(schema, mission):
     schema.validate(json.loads(mission.to_json()))

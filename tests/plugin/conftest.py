@@ -119,8 +119,14 @@ def nothing_unfinished() -> None:
         note.unlink()
 
 
+@pytest.fixture(scope="session")
+def first_project(iface: QgisInterface) -> None:
+    """A new project for the first test; each test leaves one to the next."""
+    iface.newProject(False)
+
+
 @pytest.fixture(autouse=True)
-def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
+def clean_project(iface: QgisInterface, first_project: None) -> Iterator[QgsProject]:
     """A new, empty project, and nothing in the message bar; what the test leaves in either goes away with it.
 
     So do panels of QGIS's own that it opened, such as Processing's results: they would take the next one's room.
@@ -135,7 +141,6 @@ def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
         )
         return {panel for panel in panels if panel.isVisible() and not panel.objectName().startswith(PLUGIN)}
 
-    iface.newProject(False)
     iface.messageBar().clearWidgets()
     before = open_panels()
     yield QgsProject.instance()

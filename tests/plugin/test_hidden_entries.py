@@ -58,12 +58,14 @@ def test_capture_of_an_undated_source_follows_a_wrong_date(desk):
     desk.wait(lambda: any("images captured" in text for text in desk.messages()))
 
 
+# Each value of each choice, or each with each.
+@pytest.mark.parametrize("step", [5, pytest.param(1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("source", [DATED, UNDATED])
-def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source):
+def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source, step):
     """Every entry that is hidden may be wrong, and the mission is sound, or says at an entry in sight why not."""
     desk.enter_small_mission()
     sound = replace(desk.session.state(), zoom=16, gsd_m_per_px=2.0)
-    choices = itertools.product(FOV_MODES, ("auto", "zoom", "gsd"), (True, False))
+    choices = [*itertools.product(FOV_MODES, ("auto", "zoom", "gsd"), (True, False))][::step]
     seen = set()
     for mode, resolution, resize in choices:
         state = replace(sound, source=source, fov_mode=mode, resolution=resolution, resize=resize)

@@ -26,8 +26,6 @@ from tests.support.datasets import write_dataset
 PLUGIN = "terrainav"
 #: What is left behind by one round is left by each of them.
 ROUNDS = 10
-#: Of all that takes long to use.
-USES = 3
 
 
 def settle():
@@ -253,14 +251,15 @@ def _target(link):
         return None  # closed meanwhile: the one that lists
 
 
-def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_path, monkeypatch):
+@pytest.mark.parametrize("uses", [2, pytest.param(3, marks=pytest.mark.thorough)])
+def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_path, monkeypatch, uses):
     """Loaded, used in full and unloaded while it works, again and again."""
     monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     # No homepage is opened where the guide is not there.
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda _url: True)
     before = None
-    for number in range(USES):
+    for number in range(uses):
         load()
         use_everything(iface, qtbot, tmp_path / f"mission-{number}")
         assert qgis.utils.unloadPlugin(PLUGIN)

@@ -367,14 +367,15 @@ def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp
     assert "Failed images" not in desk.layer_names()
 
 
-def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, qtbot, tmp_path):
+@pytest.mark.parametrize("rounds", [3, pytest.param(4, marks=pytest.mark.thorough)])
+def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, qtbot, tmp_path, rounds):
     """Dock, tools, preview, a background, messages, and a run under way."""
     from qgis.utils import plugins
 
     from tests.plugin.steps import Desk
 
     before = None
-    for round_number in range(4):
+    for round_number in range(rounds):
         if round_number == 1:
             # What QGIS makes once, when it is first asked for a message or a layer, is there by now.
             before = census(iface)

@@ -371,6 +371,9 @@ def test_a_terminal_is_spanish_too(tmp_path):
         "LC_ALL": "es_MX.UTF-8",
     }
     environment.pop("PYQGIS_STARTUP", None)
+    # It starts several times, and compiles the plugin once.
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    environment["PYTHONPYCACHEPREFIX"] = str(tmp_path / "bytecode")
 
     def run(*arguments):
         return subprocess.run(

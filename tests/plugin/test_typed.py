@@ -377,7 +377,7 @@ def test_no_text_brings_an_unexpected_error_to_a_user(desk, monkeypatch):
     desk.enter_small_mission()
     lines = lines_of(desk)
     assert len(lines) > 50
-    texts = random_texts(4 * len(lines))
+    texts = random_texts(2 * len(lines))
     for number, line in enumerate(lines):
         assert drive(desk, line, texts[number :: len(lines)]) == []
     assert not [text for text in desk.messages() if "nexpected" in text]

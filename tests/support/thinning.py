@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
+
+#: Set to "all" where properties are tried with as many examples as the thorough tests take.
+EXAMPLES = "TERRAINAV_EXAMPLES"
+
+
+def examples(most):
+    """Examples that hypothesis tries of a property: a third of those of the thorough tests."""
+    return most if os.environ.get(EXAMPLES) == "all" else max(most // 3, 2)
 
 
 def thinned(cases, quick):

@@ -14,6 +14,8 @@ from terrainav.core.errors import PartError, SourceError
 from terrainav.core.geodesy.frames import Windows
 from terrainav.core.imagery.source import Part, Window
 
+from tests.support.thinning import examples
+
 # Far longer than anything here takes: a wait that lasts so long has failed.
 NEVER_S = 30.0
 
@@ -49,7 +51,7 @@ def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3,
     return results, pipeline, complete
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.lists(st.lists(st.integers(0, 30), min_size=1, max_size=6), max_size=60),
     st.integers(1, 5),
@@ -431,7 +433,7 @@ def test_what_is_kept_in_memory_does_not_grow_with_the_width_of_a_mission(column
     assert most <= 2 * ahead
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(
     st.lists(st.lists(st.integers(0, 30), min_size=1, max_size=6), max_size=60),
     st.integers(0, 40),

@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.capture.pipeline import Spool
 
+from tests.support.thinning import examples
+
 SHAPES = ((4, 4, 3), (4, 4, 4), (1, 1, 3), (8, 2, 3))
 
 
@@ -20,7 +22,7 @@ def array(number):
     return rng.integers(0, 256, (height, width, channels), np.uint8)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.integers(0, 300), st.lists(st.integers(-5, 5), max_size=60))
 def test_what_is_taken_is_what_was_put(memory_bytes, steps):
     """Steps put (from 0) or take the array put so many before the last."""

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from terrainav.core.dataset.cells import CutCells, Rows
 from terrainav.core.errors import InvalidInput
 
+from tests.support.thinning import examples
+
 #: What a table may hold and what is in its way.
 PIECES = st.sampled_from(
     [
@@ -90,7 +92,7 @@ def rows_of_csv(text: str) -> tuple[list[str], list[list[str]]] | str:
     return headers, found
 
 
-@settings(max_examples=400)
+@settings(max_examples=examples(400))
 @given(st.lists(PIECES, max_size=40).map("".join))
 @example('a,b\n"x,y",1\n"z",2\n')
 @example('a,b\n1,"x\ny"\n3,4')
@@ -105,7 +107,7 @@ def test_rows_are_those_of_the_csv_module(text):
     assert all_rows(lines) == expected
 
 
-@settings(max_examples=400)
+@settings(max_examples=examples(400))
 @given(st.lists(CELLS, min_size=1, max_size=12))
 def test_numbers_are_those_that_python_reads(cells):
     expected = [number(cell) for cell in cells]

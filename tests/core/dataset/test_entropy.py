@@ -16,6 +16,8 @@ from terrainav.core.dataset.dataset import Images, open_image
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.errors import InvalidInput
 
+from tests.support.thinning import examples
+
 # Sums of 256 terms in another order.
 ROUNDING = 1e-12
 
@@ -27,7 +29,7 @@ def entropy_by_counting(grey) -> float:
     return math.fsum(-n / total * math.log2(n / total) for n in counts.values())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(arrays(np.uint8, array_shapes(min_dims=2, max_dims=2, max_side=40)))
 def test_grey_images_match_the_formula(image):
     assert entropy(image) == pytest.approx(entropy_by_counting(image), abs=ROUNDING)

@@ -28,6 +28,7 @@ from terrainav.core.mission.plan import plan
 from tests.core.dataset.grounds import dataset_of
 from tests.core.geodesy.inverse import image_points
 from tests.support.sources import PatternSource
+from tests.support.thinning import examples
 
 GEOD = Geod(ellps="WGS84")
 PARTS_OR_GAP = (*PARTS, GAP)
@@ -75,7 +76,7 @@ def grids_of_windows(draw):
     return zoom, tile_px, windows
 
 
-@settings(max_examples=22, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(22), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grids_of_windows(), st.integers(0, 5), st.sampled_from([None, 0.5, 1.0, 3.0]))
 def test_no_pixel_of_the_map_is_in_two_parts(tmp_path_factory, grounds, seed, block):
     zoom, tile_px, windows = grounds
@@ -112,7 +113,7 @@ def border(window, world, points=6):
     return u_to_lon(x / world), v_to_lat(y / world)
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(8), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(grids_of_windows(), st.floats(0.1, 40.0))
 def test_gap_is_kept_on_the_ground(tmp_path_factory, grounds, gap_px):
     zoom, tile_px, windows = grounds

@@ -19,6 +19,7 @@ from terrainav.core.dataset.labels import (
 from terrainav.core.errors import InvalidInput
 
 from tests.core.dataset.test_table import make_table
+from tests.support.thinning import examples
 
 LAT, LON = np.array([35.10, 35.14, 35.19]), np.array([-89.91, -89.88, -89.80])
 GEOD = Geod(ellps="WGS84")
@@ -67,7 +68,7 @@ def wrapped(lon):
     return (lon + 180.0) % 360.0 - 180.0
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(
     st.sampled_from(FRAMES),
     st.floats(-84.0, 84.0),
@@ -80,7 +81,7 @@ def test_labels_give_the_positions_back(frame, lat, lon, offsets):
     assert off <= (POSITION_M if abs(lat) < 79.0 or frame == "mercator" else BY_POLES_M)
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(
     st.sampled_from(("utm", "mission")),
     st.floats(-90.0, 90.0),

@@ -26,6 +26,7 @@ from terrainav.core.storage.files import open_locked
 from tests.core.dataset.grounds import dataset_of
 from tests.support.command import command
 from tests.support.sources import PatternSource
+from tests.support.thinning import examples
 
 run = pytest.fixture(command, name="run")
 
@@ -238,7 +239,9 @@ def test_folder_at_work_is_left_alone(captured, tmp_path):
         split(folder)
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=examples(12), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(st.integers(3, 60), st.tuples(*(st.integers(0, 5),) * 3).filter(sum), st.integers(0, 3))
 def test_counts_are_the_shares_to_less_than_one_image(tmp_path_factory, count, weights, seed):
     shares = [weight / sum(weights) for weight in weights]

@@ -15,6 +15,7 @@ from terrainav.core.geodesy.footprint import exact, ground_corners, outline, pol
 
 from tests.core.geodesy.inverse import image_points
 from tests.core.geodesy.reference import look
+from tests.support.thinning import examples
 
 CAMERA = Camera(78.8, 4 / 3)
 SCENES = [
@@ -79,7 +80,7 @@ def test_a_whole_cap_has_the_area_it_should():
     assert WGS84.ring_area_m2(ring.dlon_deg, ring.lat_deg) == pytest.approx(area, rel=0.02)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(
     st.floats(-90, 90),
     st.floats(2, 7.5),

@@ -22,10 +22,11 @@ from terrainav.core.geodesy.mercator import (
 from terrainav.core.geodesy.projections import UTMZone, utm_zone
 
 from tests.core.geodesy import reference
+from tests.support.thinning import examples
 
 # The same examples every time: a failure here is a defect, never the luck of a draw.
 EVERY_TIME = settings(derandomize=True, deadline=None)
-FEW = settings(EVERY_TIME, max_examples=40)
+FEW = settings(EVERY_TIME, max_examples=examples(40))
 
 METRES_PER_DEGREE = 111_320.0
 #: What the core states of its rays with any library within 4 units in the last place: shares of directions, 2⁻⁴⁶, and

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ways import way_around
 
+from tests.support.thinning import examples
+
 SQUARE = np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]])
 
 
@@ -95,7 +97,7 @@ def test_ends_inside_are_refused_and_those_in_a_closed_hole_have_no_way_out():
 boxes = st.tuples(st.integers(0, 8), st.integers(0, 8), st.integers(1, 4), st.integers(1, 4))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.lists(boxes, min_size=1, max_size=5), st.sampled_from([0.0, 3.0]))
 def test_ways_among_boxes_keep_off_are_no_longer_than_by_the_rim_and_the_same_back(found, clearance):
     rectangles = [(10.0 * x, 10.0 * y, 10.0 * (x + w), 10.0 * (y + h)) for x, y, w, h in found]
@@ -111,7 +113,7 @@ def test_ways_among_boxes_keep_off_are_no_longer_than_by_the_rim_and_the_same_ba
     assert length_of(back) == pytest.approx(length_of(way), rel=1e-9)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=examples(6), deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=12, unique=True))
 def test_ways_are_no_longer_than_the_shortest_on_a_lattice(cells):
     """Dijkstra on a lattice of 5 m with all legs of a knight's reach: longer than the true way, never shorter."""

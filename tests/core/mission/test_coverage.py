@@ -31,6 +31,8 @@ from terrainav.core.mission.layout.rotated import Shape
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.thinning import examples
+
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
 
@@ -69,7 +71,7 @@ def check(rectangles, within):
     return found
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(1, 40), st.booleans(), st.booleans())
 def test_gaps_are_what_painting_leaves(seed, count, largest, whole, in_rows):
     random = np.random.default_rng(seed)
@@ -202,7 +204,7 @@ def scattered(random, count, middle, size, whole):
     return Rectangles(x0, y0, np.maximum(x1, x0 + 1.0), np.maximum(y1, y0 + 1.0))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(3, 30), st.integers(0, 2), st.booleans())
 def test_ground_of_gaps_is_that_of_each_by_itself(seed, corners, holes, whole):
     random = np.random.default_rng(seed)

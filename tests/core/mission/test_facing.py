@@ -16,6 +16,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
 from tests.core.mission.test_rotated import CONCAVE, FIELD, places_of, seen_by
+from tests.support.thinning import examples
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 GEOD = Geod(ellps="WGS84")
@@ -82,7 +83,7 @@ def test_the_long_side_across_the_track_takes_fewer_rows_and_a_shorter_flight():
     assert track.flight_distance_m < 0.9 * north.flight_distance_m
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     st.tuples(st.floats(-75, 75), st.floats(-180, 180), st.floats(0.002, 0.03), st.floats(0.002, 0.03)),
     st.sampled_from(("track", "33", "-90")),

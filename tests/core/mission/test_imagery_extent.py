@@ -16,6 +16,8 @@ from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.thinning import examples
+
 AREA = Box(35.16, -89.90, 35.15, -89.888)
 
 
@@ -29,7 +31,7 @@ def held(ring, u, v):
     return (np.min(sides, axis=0) > 0.0) | (np.max(sides, axis=0) < 0.0)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.floats(0.0, 6.3),
     st.floats(3e-6, 5e-5),

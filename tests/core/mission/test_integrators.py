@@ -14,6 +14,7 @@ from terrainav.core.timing import QUICK
 
 from benchmarks import integrators
 from tests.core.mission.test_wind import SYSTEM, in_sigmas, stepped, steps
+from tests.support.thinning import examples
 
 
 @pytest.mark.parametrize(
@@ -57,7 +58,7 @@ def test_the_stability_limit_is_where_growth_begins():
         assert (np.abs(np.linalg.eigvals(mean)).max() > 1.0) == grows
 
 
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 @given(steps)
 def test_the_exact_method_does_not_care_for_the_step(step_s):
     # Through a hundred steps at most: rounding grows with their number.

@@ -19,11 +19,12 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.shot import tiles_of
 
 from tests.support.errors import refused
+from tests.support.thinning import examples
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.floats(-5.0, 1.0).map(lambda power: 10.0**power), st.sampled_from(["auto", "camera"]))
 def test_a_budget_buys_the_cheapest_picture_and_the_coarsest_mesh_that_fit(budget, frame):
     mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0, frame=frame)

@@ -27,6 +27,8 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.thinning import examples
+
 GEOD = Geod(ellps="WGS84")
 GRID = PixelGrid()
 FIELD = Mission(Box(35.158, -89.90, 35.155, -89.894), 120.0, overlap_along=0.5, overlap_across=0.5)
@@ -221,7 +223,7 @@ def test_a_take_off_inside_a_no_fly_area_is_refused():
 # --- batteries
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     battery=st.floats(4.0, 12.0),
     north=st.floats(35.152, 35.162),

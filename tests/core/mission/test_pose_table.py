@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import replace
+from dataclasses import astuple, replace
 from datetime import datetime, timezone
 
 import numpy as np
@@ -103,15 +103,27 @@ def test_the_tables_of_plans_and_datasets_are_flown_again(tmp_path):
     )
 
 
-@pytest.mark.parametrize("relief", [{}, {"elevation": ("world",)}])
-def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(relief):
-    mission = Mission(POINTS, 120.0, image_px=320, accept_error=True, frame="camera", **relief)
+OVER_RELIEF = {"elevation": ("world",)}
+
+
+# Over relief what looks far takes long.
+@pytest.mark.parametrize(
+    ("points", "relief"),
+    [
+        (POINTS, {}),
+        (Points(*(column[:2] for column in astuple(POINTS))), OVER_RELIEF),
+        pytest.param(POINTS, OVER_RELIEF, marks=pytest.mark.thorough),
+    ],
+    ids=["level", "relief", "relief seen from afar"],
+)
+def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(points, relief):
+    mission = Mission(points, 120.0, image_px=320, accept_error=True, frame="camera", **relief)
     # Over relief, how fine the heights are taken depends on all captures: 0.2 m, half a pixel.
     grid, within_deg = PixelGrid(), 2e-6 if relief else 1e-12
     worked_out = plan(mission, grid, heights_of(mission, SourceOptions()) if relief else None)
-    for index, pose in enumerate(POINTS.poses):
+    for index, pose in enumerate(points.poses):
         angles = {
-            name: getattr(POINTS, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")
+            name: getattr(points, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")
         }
         single = mission.with_(area=Points((pose,)), agl_m=pose[2], **angles)
         alone = plan(single, grid, heights_of(single, SourceOptions()) if relief else None)

@@ -20,6 +20,8 @@ from terrainav.core.mission.layout.rotated import rotated_rectangles
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.thinning import examples, sampled
+
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 GEOD = Geod(ellps="WGS84")
 TO_EARTH = Transformer.from_crs(4979, 4978, always_xy=True)
@@ -312,7 +314,7 @@ def test_neighbours_share_at_least_what_is_said(name):
         assert abs(y) < 5e-4
 
 
-@pytest.mark.parametrize("angle", [25.0, -75.0])
+@pytest.mark.parametrize("angle", sampled([25.0, -75.0], 2))
 def test_pictures_beside_a_concave_area_are_not_flown(angle):
     made = plan(Mission(CONCAVE, 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
     whole = plan(Mission(CONCAVE.bounds, 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
@@ -458,7 +460,7 @@ def test_what_cannot_be_turned_is_refused_in_one_line(mission, grid, says):
     assert "\n" not in str(refused.value)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.tuples(st.floats(-80, 80), st.floats(-180, 180), st.floats(0.001, 0.05), st.floats(0.001, 0.1)),
     st.floats(300, 3000),

@@ -12,6 +12,7 @@ from terrainav.core.picture.map_frame import assemble, resized
 
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import PatternSource
+from tests.support.thinning import examples
 
 
 def assembled(window, source):
@@ -19,7 +20,7 @@ def assembled(window, source):
     return assemble(window, parts, {part.window: source.fetch("satellite", part.window) for part in parts})
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     left=st.integers(-600, 3000), top=st.integers(0, 3000), width=st.integers(1, 700), height=st.integers(1, 700),
     tile_px=st.sampled_from([256, 512]),

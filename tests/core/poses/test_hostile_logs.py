@@ -14,6 +14,7 @@ from terrainav.core.limits import MAX_LOG_DAMAGE_BYTES, MAX_LOG_DEPTH, MAX_LOG_F
 from terrainav.core.poses.logs import read_dataflash, read_ulog
 
 from tests.support.logs import FLIGHT, TOPICS, copter, dataflash, flight, ulog
+from tests.support.thinning import sampled
 
 resource = pytest.importorskip("resource", reason="Windows bounds no process's memory")
 MEMORY_BYTES, PATIENCE_S = 3 << 30, 120
@@ -131,7 +132,7 @@ def read(path, fast_index: str = "1") -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("log", LOGS)
+@pytest.mark.parametrize("log", sampled(LOGS, 3))
 def test_a_hostile_log_is_refused_in_one_line(tmp_path, log):
     pytest.importorskip("pyulog")
     pytest.importorskip("pymavlink")

@@ -18,6 +18,7 @@ from terrainav.core.poses.patterns import corridor, facade, orbit, structure
 from terrainav.core.poses.settings import Corridor, Orbit, Scan
 
 from tests.support.command import command
+from tests.support.thinning import examples
 
 run = pytest.fixture(command, name="run")
 
@@ -66,7 +67,7 @@ def distances(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 corners = st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=5, unique=True)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(corners, st.floats(0.0, 500.0), st.sampled_from([0.0, 0.3, 0.65]), st.integers(0, 2**32 - 1))
 def test_a_corridor_shows_all_of_its_strip(shape, width_m, overlap, seed):
     outline = np.array(shape) * 100.0

@@ -33,6 +33,7 @@ from terrainav.core.text.secrets import MASK, Secrets
 from tests.support.command import command
 from tests.support.patterns import positions, to_bytes
 from tests.support.services import ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
+from tests.support.thinning import examples
 
 MEGABYTE = 1 << 20
 # What made patterns try each beginning anew took hours for a megabyte; all of this takes hundredths of a second.
@@ -153,7 +154,7 @@ def test_a_key_is_masked_however_it_is_spelled(spell, key):
     assert masked.replace("\\", "") == f"before\0{MASK}\0after"
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(key=st.from_regex(r"[A-Za-z0-9/+=_&-]{8,40}", fullmatch=True), share=st.floats(0.1, 1.0))
 @pytest.mark.parametrize("spell", SPELLINGS.values(), ids=SPELLINGS)
 def test_the_beginning_of_a_key_that_was_cut_short_is_masked(spell, key, share):

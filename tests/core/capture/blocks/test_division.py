@@ -14,6 +14,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
 from tests.support.sources import PatternSource
+from tests.support.thinning import examples
 
 
 def windows(left, top, size=640):
@@ -25,7 +26,7 @@ def windows(left, top, size=640):
     st.lists(st.tuples(st.integers(-(10**6), 10**6), st.integers(0, 10**6)), min_size=1, max_size=200),
     st.integers(1, 60),
 )
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 def test_each_capture_is_in_one_block_and_blocks_are_of_one_size(places, images):
     blocks = divide(windows(*zip(*places)), images)
     assert sorted(np.concatenate(blocks).tolist()) == list(range(len(places)))

@@ -39,7 +39,7 @@ from terrainav.core.picture.heights import heights_of
 from terrainav.core.storage.stores import get, store_path
 
 from tests.support.sources import NamedPattern, PatternSource
-from tests.support.thinning import sampled
+from tests.support.thinning import examples, sampled
 
 BOX = Box(35.16, -89.90, 35.1565, -89.894)
 MISSION = Mission(BOX, 120.0, map_types=("satellite", "roadmap"), zoom=18)
@@ -509,7 +509,7 @@ def test_a_run_whose_place_was_taken_ends(address):
     st.lists(st.tuples(st.integers(1, 12), st.floats(0.0, 5.0)), min_size=5, max_size=40),
     st.integers(0, 2**32 - 1),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_no_second_has_more_requests_than_the_provider_allows(rate, blocks, seed):
     # Blocks of workers that come and go, each with the share of its time, on the way with up to 40 ms of delay.
     policy, rng = Policy(requests_per_s=rate), np.random.default_rng(seed)

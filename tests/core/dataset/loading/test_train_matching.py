@@ -53,6 +53,7 @@ def judged(out):
     return int(found[1]), int(found[2])
 
 
+@pytest.mark.thorough
 def test_noise_teaches_nothing(captured, example):
     code, out = example(captured, "--noise")
     hits, count = judged(out)
