@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.trees import tree_of
+
 ROOT = Path(__file__).resolve().parents[1]
 PLUGIN = ROOT / "terrainav_plugin"
 
@@ -60,7 +62,7 @@ def imported(module: str, path: Path) -> set[str]:
     """Modules of the plugin that a module imports: when it is loaded, within functions, or for types alone."""
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if not isinstance(node, ast.ImportFrom) or not node.level or node.level > len(package) + 1:
             continue
         base = package[: len(package) - node.level + 1] + (node.module.split(".") if node.module else [])
@@ -134,7 +136,7 @@ def test_a_room_names_its_modules_in_reading_order(room):
     "module", [module for module in sorted(PATHS) if room_of(module) in WITHOUT_WIDGETS], ids=str
 )
 def test_rooms_below_the_windows_know_no_widget(module):
-    tree = ast.parse(PATHS[module].read_text(encoding="utf-8"))
+    tree = tree_of(PATHS[module])
     origins = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert not any(origin.endswith(("QtWidgets", "qgis.gui")) for origin in origins)
     assert "widgets" not in GRAPH[module]
@@ -162,7 +164,7 @@ def is_of_others(text: ast.expr) -> bool:
 @pytest.mark.parametrize("module", sorted(PATHS.keys() - _OF_HTML))
 def test_tips_and_message_boxes_show_texts_of_others_as_they_are(module):
     wrong = []
-    for node in ast.walk(ast.parse(PATHS[module].read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(PATHS[module])):
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
             continue
         of_box = isinstance(node.func.value, ast.Name) and node.func.value.id == "QMessageBox"

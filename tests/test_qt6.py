@@ -17,6 +17,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from tests.support.trees import tree_of
+
 ROOT = Path(__file__).resolve().parents[1]
 PLUGIN = ROOT / "terrainav_plugin"
 #: Where the set-up puts PyQt6.
@@ -30,7 +32,7 @@ ANYTHING = "from typing import Any\ndef __getattr__(name: str) -> Any: ...\n"
 
 def qt_imports(path: Path) -> Iterator[tuple[str, str, int]]:
     """Yield module below ``qgis.PyQt``, name and line of everything imported from there."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("qgis.PyQt"):
             yield from (
                 (node.module[len("qgis.PyQt") :].lstrip("."), a.name, node.lineno) for a in node.names
@@ -97,7 +99,7 @@ def test_imported_names_exist(stubs: Path) -> None:
                 assert name in (*SUBMODULES, "sip"), f"{path.relative_to(ROOT)}:{line}: {name}"
                 continue
             if module not in known:
-                tree = ast.parse((stubs / f"{module}.pyi").read_text(encoding="utf-8"))
+                tree = tree_of(stubs / f"{module}.pyi")
                 known[module] = {
                     getattr(node, "name", "") or getattr(getattr(node, "target", None), "id", "")
                     for node in tree.body
@@ -113,7 +115,7 @@ def test_imported_names_exist(stubs: Path) -> None:
 
 def test_only_through_qgis() -> None:
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             assert not [name for name in names if name.split(".")[0] in ("PyQt5", "PyQt6", "sip")], path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import re
 import shutil
@@ -19,6 +20,8 @@ def translations():
     spec = importlib.util.spec_from_file_location("translations", ROOT / "tools" / "translations.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    # Sources are parsed once.
+    module.found = functools.cache(module.found)
     return module
 
 

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.trees import tree_of
+
 ROOT = Path(__file__).resolve().parents[2]
 CORE = ROOT / "core"
 PLUGIN = ROOT / "terrainav_plugin"
@@ -127,7 +129,7 @@ def room(name: str) -> str:
 @cache
 def nodes_of(path: Path) -> list[ast.Import | ast.ImportFrom]:
     """Return what a file imports with, at any depth."""
-    found = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    found = ast.walk(tree_of(path))
     return [node for node in found if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
@@ -343,7 +345,7 @@ _BY_NAME = {"zipfile.ZipFile", "np.load", "sqlite3.connect"}
 
 def reads(path: Path) -> Iterator[str]:
     """Yield the calls of a module that may open or read a file."""
-    for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for call in ast.walk(tree_of(path)):
         if not isinstance(call, ast.Call):
             continue
         of, _, name = ast.unparse(call.func).rpartition(".")
@@ -384,7 +386,7 @@ def test_json_of_others_is_read_within_limits():
     """By `safe_json` alone: Python's own reader takes numbers and depths that end the program later."""
     found = {}
     for path in (*MODULES, *PLUGIN_MODULES):
-        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        nodes = ast.walk(tree_of(path))
         calls = [
             node
             for node in nodes

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 PLUGIN = "terrainav"
 OFF_MAIN = "off_main: runs its body in a thread of its own while the main one works through its events"
+ANY_QGIS = "any_qgis: of sources, texts and files alone, or of other programs: tried in one QGIS, not in each"
 LOOK_MS = 5
 # Where the `screenshot` fixture writes; without it nothing is written.
 SCREENSHOT_FOLDER = "TERRAINAV_SCREENSHOTS"
@@ -37,6 +38,7 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 def pytest_configure(config: pytest.Config) -> None:
     """Make known what tests of this folder are marked with."""
     config.addinivalue_line("markers", OFF_MAIN)
+    config.addinivalue_line("markers", ANY_QGIS)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -15,6 +15,7 @@ from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings
 PACKAGE = "terrainav_plugin"
 
 
+@pytest.mark.any_qgis
 def test_each_place_with_advice_has_its_entry():
     found = places(PACKAGE)
     assert [str(place) for place in found if place not in ENTRIES] == []
@@ -23,6 +24,7 @@ def test_each_place_with_advice_has_its_entry():
     assert [str(place) for place, times in found.items() if times > 1] == []
 
 
+@pytest.mark.any_qgis
 def test_advice_is_known_by_its_first_word():
     assert unknown_beginnings(PACKAGE) == set()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import importlib.util
 import os
@@ -45,6 +46,8 @@ def translations():
     spec = importlib.util.spec_from_file_location("translations", ROOT / "tools" / "translations.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    # Sources are parsed once.
+    module.found = functools.cache(module.found)
     return module
 
 
@@ -248,6 +251,7 @@ def test_dialogs_are_spanish(spanish_desk, english, qtbot):
         assert english.left_in(dialog) == [], type(dialog).__name__
 
 
+@pytest.mark.any_qgis
 def test_every_message_of_the_core_is_translated_with_its_values(spanish, translations):
     known = translations.translated("es")
     for template in translations.found()[translations.CORE]:
@@ -302,12 +306,14 @@ BROKEN = PartError("broken image ({0})", "image file is truncated")
         ("", ""),
     ],
 )
+@pytest.mark.any_qgis
 def test_words_of_the_core(spanish, message, spanish_text):
     if spanish_text is None:
         spanish_text = "caché 'time': no existe; tiles contiene ninguno"
     assert translate(message) == spanish_text
 
 
+@pytest.mark.any_qgis
 def test_an_error_is_told_by_its_message(spanish):
     with pytest.raises(InvalidInput) as refused:
         field_named(Pixels, "image_px").settled(0)
@@ -319,6 +325,7 @@ def test_an_error_is_told_by_its_message(spanish):
     assert translate(wrapped) == "f.json: g: es una carpeta; nombre un archivo ráster"
 
 
+@pytest.mark.any_qgis
 def test_options_are_called_what_the_panel_calls_them(spanish):
     remedy = Message("raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error"))
     error = InvalidInput("{0}: is a folder", "g", remedy=remedy)
@@ -328,6 +335,7 @@ def test_options_are_called_what_the_panel_calls_them(spanish):
     assert str(error).endswith("; raise --error-budget, or go on with --accept-error")
 
 
+@pytest.mark.any_qgis
 def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
     resume = OptionName("resume")
     refused = OutputError(

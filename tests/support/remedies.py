@@ -20,6 +20,7 @@ import pytest
 from terrainav.core.errors import OptionName
 
 from tests.support.command import Finished, command
+from tests.support.trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -224,7 +225,7 @@ def places(package: str) -> Counter[Place]:
         module = path.relative_to(ROOT / package).as_posix()
         if module in _HELP:
             continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = tree_of(path)
         # What begins with a line's end is a page of help, or a style.
         texts = (text for text in _messages(tree) if text not in NO_ADVICE and not text.startswith("\n"))
         found.update(place for place in (Place(module, text) for text in texts) if place.advice_at >= 0)
@@ -235,7 +236,7 @@ def unknown_beginnings(package: str) -> set[str]:
     """Words that clauses of refusals begin with and that are known neither of advice nor of statements."""
     found: set[str] = set()
     for path in (ROOT / package).rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Call) and _named(node.func) != "Message":
                 texts = _of_call(node)
                 found.update(
