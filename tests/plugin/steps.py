@@ -131,7 +131,7 @@ class Desk:
     def wait(self, condition):
         self.qtbot.waitUntil(condition, timeout=PATIENCE_MS)
 
-    def wait_steady(self, value):
+    def wait_steady(self, value, rest_s=STEADY_S):
         """Wait until ``value()`` has come to rest; returns it."""
         last, since_s = value(), time.monotonic()
 
@@ -139,7 +139,7 @@ class Desk:
             nonlocal last, since_s
             if (now := value()) != last:
                 last, since_s = now, time.monotonic()
-            return time.monotonic() - since_s > STEADY_S
+            return time.monotonic() - since_s > rest_s
 
         self.wait(steady)
         return last

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QScrollArea
 
-from tests.plugin.steps import SMALL_BOX
+from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
 
 ELSEWHERE = (-1_000_000.0, 5_000_000.0, -900_000.0, 5_100_000.0)
 
@@ -99,10 +99,15 @@ def test_typed_area_is_drawn_and_the_map_goes_there_once(desk, screenshot):
 
 def test_map_that_is_moved_while_typing_is_left_alone(desk):
     desk.look_at("EPSG:3857", ELSEWHERE)
+    # The map goes to what was typed a while after the last key, which is never too early for the next one here.
+    pause, pause_ms = desk.session.areas._pause, desk.session.areas._pause.interval()
+    pause.setInterval(PATIENCE_MS)
     desk.enter_box(**SMALL_BOX)
+    assert pause.isActive()
+    pause.setInterval(pause_ms)
     QTest.keyClick(desk.canvas, Qt.Key.Key_Right)
     view = desk.canvas.extent()
-    desk.qtbot.wait(700)
+    desk.qtbot.wait(2 * pause_ms)
     assert desk.canvas.extent() == view
     assert view.xMinimum() > ELSEWHERE[0]
 

@@ -61,11 +61,14 @@ def test_the_panel_has_the_letters_that_are_free(desk):
 @pytest.mark.parametrize("name", sorted(set(IN_THE_PANEL) - {"Draw box", "Area from"}))
 def test_letter_goes_to_its_entry(desk, window, name):
     label = underlined(desk.dock)[IN_THE_PANEL[name]]
+    # Groups that have just been unfolded are laid out a while later: before, their letters do nothing.
+    desk.wait(lambda: label.isVisible() and not label.size().isEmpty())
     desk.form.edges["north"].setFocus()
+    desk.wait(desk.form.edges["north"].hasFocus)
     press_alt(window, IN_THE_PANEL[name])
+    desk.wait(lambda: QApplication.focusWidget() not in (None, desk.form.edges["north"]))
     there = QApplication.focusWidget()
     assert QApplication.activePopupWidget() is None
-    assert there is not None
     assert label.buddy().isAncestorOf(there)
     # What has the keyboard takes it: a number or a choice, and no mere holder.
     assert there.focusPolicy() & Qt.FocusPolicy.TabFocus
@@ -74,6 +77,7 @@ def test_letter_goes_to_its_entry(desk, window, name):
 
 def test_letter_presses_its_button(desk, window):
     desk.form.edges["north"].setFocus()
+    desk.wait(desk.form.edges["north"].hasFocus)
     press_alt(window, IN_THE_PANEL["Draw box"])
     desk.wait(desk.session.box_tool.isActive)
     desk.session.box_tool.stop()

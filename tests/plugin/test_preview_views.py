@@ -660,7 +660,8 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     assert sum(count for _, count in steps) == 2 + 2 * len(planned)
     assert max(count for _, count in steps) <= MOST_A_STEP
     # The first step is taken when the features come, each of the others in a turn of the event loop of its own.
-    assert len({turn for turn, _ in steps}) == len(steps) - 1
+    # Where layers are still being made when they come, that is a turn as well.
+    assert len({turn for turn, _ in steps}) >= len(steps) - 1
     # A layer that is emptied before may be painted so.
     painted = [(role, step) for role, step in repainted if step]
     assert painted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]

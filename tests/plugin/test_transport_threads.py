@@ -7,6 +7,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from types import SimpleNamespace
 
 import pytest
 from qgis.PyQt.QtCore import QTimer
@@ -114,12 +115,16 @@ def test_time_in_which_the_main_thread_is_busy_counts_for_no_limit(server, trans
 
     monkeypatch.setattr(Handler, "do_GET", held)
     server.answers["/"] = (302, {"Location": "/there"}, b"")
-    transport = transport_of(timeouts=Timeouts(1.5, 1.5, 2.0))
+    ahead_s = [0.0]
+    clock = SimpleNamespace(monotonic=lambda: time.monotonic() + ahead_s[0])
+    monkeypatch.setattr(network_worker, "time", clock)
+    # Longer than a busy machine takes, and less than the main thread is busy by that clock.
+    transport = transport_of(timeouts=Timeouts(30.0, 30.0, 60.0))
     with ThreadPoolExecutor(1) as pool:
         asked = pool.submit(Client(transport, "P").get, server.url + "/", "w")
         qtbot.waitUntil(lambda: bool(server.seen), timeout=PATIENCE_MS)
         released.set()
-        time.sleep(3.0)
+        ahead_s[0] = 600.0
         qtbot.waitUntil(asked.done, timeout=PATIENCE_MS)
     assert asked.result().body == PICTURE
 

@@ -39,7 +39,14 @@ LONGEST_S = 0.5
 ONE = Points(((35.0, -90.0, 60.0),))
 TWO = Points(((35.0, -90.0, 60.0), (-33.0, 151.0, 60.0)))
 PLACES = pytest.mark.parametrize(
-    ("places", "images"), [(ONE, 2), pytest.param(TWO, 4, marks=pytest.mark.thorough)], ids=["one", "two"]
+    ("places", "images", "step"),
+    [
+        # Before each third change.
+        (ONE, 2, 3),
+        pytest.param(ONE, 2, 1, marks=pytest.mark.thorough),
+        pytest.param(TWO, 4, 1, marks=pytest.mark.thorough),
+    ],
+    ids=["one, some", "one", "two"],
 )
 MISSIONS = {
     "tif": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18),
@@ -178,7 +185,7 @@ def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_pa
 
 
 @PLACES
-def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, images):
+def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, images, step):
     mission = Mission(places, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg").to_json()
     options = {"mission": mission, "connections": 1, "workers": 1}
     outcome = driver.run(folder=str(tmp_path / "whole"), **options)
@@ -186,7 +193,7 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, image
     # Of each image three files are opened and renamed.
     assert (outcome["code"], outcome["written"]) == (0, images)
     assert events > 6 * images
-    for at in range(events):
+    for at in range(0, events, step):
         folder = tmp_path / f"killed {at}"
         assert driver.run(folder=str(folder), kill_at_event=at, **options)["code"] == KILLED
         if folder.exists():
@@ -198,7 +205,7 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, image
 @PLACES
 @pytest.mark.parametrize("back", [False, True], ids=["clean", "undo"])
 def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(
-    driver, tmp_path, back, places, images
+    driver, tmp_path, back, places, images, step
 ):
     def files(folder):
         return {
@@ -223,7 +230,7 @@ def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(
     events = ran(shutil.copytree(start, tmp_path / "counted"), arguments)
     # Two tables are opened and renamed, and three files of each image moved.
     assert events >= 4 + 3 * images
-    for at in range(events):
+    for at in range(0, events, step):
         finished = shutil.copytree(start, tmp_path / f"finished {at}")
         ran(finished, arguments, KILLED, kill_at_event=at)
         # Every picture is in one of its two places, whole, and every table is that of before or after.

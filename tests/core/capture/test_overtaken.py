@@ -85,13 +85,18 @@ def contents(folder):
 @pytest.mark.parametrize(
     ("kind", "said"),
     [
-        ("no-locks", "another run has taken over, as this one gave no sign of life for 2 s"),
+        pytest.param(
+            "no-locks",
+            "another run has taken over, as this one gave no sign of life for 2 s",
+            marks=pytest.mark.thorough,
+        ),
         ("no-locks-blocks", "another run has taken over, as this one gave no sign of life for 2 s"),
         ("lost", "another run has taken over, as its journal.jsonl tells"),
         ("flock", "its journal.jsonl was replaced or removed, so that another run may be at work in it"),
-        (
+        pytest.param(
             "flock-blocks",
             "its journal.jsonl was replaced or removed, so that another run may be at work in it",
+            marks=pytest.mark.thorough,
         ),
     ],
 )

@@ -27,7 +27,7 @@ from terrainav.core.picture.heights import heights_of
 from tests.core.mission.qgc_survey import checked, photos
 from tests.core.mission.wpml_reader import Wpml
 from tests.support import rasters
-from tests.support.thinning import thinned
+from tests.support.thinning import sampled, thinned
 
 WEST, NORTH, SIDE = 320_000.0, 4_298_000.0, 500
 UTM = (WEST, 2.0, 0.0, NORTH, 0.0, -2.0)
@@ -326,7 +326,7 @@ def test_along_a_row_images_are_only_as_near_as_what_they_show_needs(dem):
     assert (apart[same & (near < 30.0)] < 0.4 * plain_m).all()
 
 
-@pytest.mark.parametrize("trials", [5, pytest.param(40, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("trials", [2, pytest.param(40, marks=pytest.mark.thorough)])
 def test_rows_over_any_relief_leave_nothing_out(tmp_path, trials):
     """Cliffs, spikes and noise; boxes and polygons, narrower than an image or of several; any overlap and tilt."""
     rng = np.random.default_rng(7)
@@ -437,7 +437,7 @@ def most_outside(made, lat, lon, height_m):
 
 @pytest.mark.parametrize(
     ("azimuth", "tilt", "yaw", "roll"),
-    [(90.0, 45.0, 40.0, 0.0), (25.0, 40.0, 200.0, 0.0), (90.0, 0.0, 300.0, 48.0)],
+    sampled([(90.0, 45.0, 40.0, 0.0), (25.0, 40.0, 200.0, 0.0), (90.0, 0.0, 300.0, 48.0)], 2),
 )
 @pytest.mark.parametrize("shape", ["box", "polygon", pytest.param("several", marks=pytest.mark.thorough)])
 def test_cameras_that_look_aside_show_the_lowest_ground_of_the_area_too(dem, azimuth, tilt, yaw, roll, shape):
