@@ -18,9 +18,9 @@ PATIENCE_MS = 60_000
 STEADY_S = 0.3
 # Six by six images of 646 x 487 px.
 SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.134", "east": "-89.8605"}
-# Half the camera's resolution there, for tests of what becomes of the images.
+# Half the camera's resolution over a part of it, for tests of what becomes of the images: five by five.
 COARSE = {"resolution": "zoom", "zoom": 18}
-COARSE_BOX = SMALL_BOX
+COARSE_BOX = {**SMALL_BOX, "south": "35.135", "east": "-89.862"}
 
 
 class Desk:
