@@ -28,7 +28,7 @@ RESULT_LAYERS = [
     "Satellite images",
 ]
 # Slow enough that a run of a few dozen images can be stopped in the middle; no test waits for it to end.
-SLOW_S = 0.15
+SLOW_S = 0.5
 # The discard port.
 NOBODY_LISTENS = 9
 

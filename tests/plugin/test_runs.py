@@ -16,7 +16,7 @@ from terrainav.terrainav_plugin.capture.run import Stage, row_text
 from tests.support.tileserver import TileServer
 
 # Slow enough that something can be done in the middle of a run of a few dozen images; no test waits for it to end.
-SLOW_S = 0.15
+SLOW_S = 0.5
 
 
 @pytest.fixture

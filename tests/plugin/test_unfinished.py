@@ -15,7 +15,7 @@ from terrainav.terrainav_plugin.paths import UNFINISHED, is_remote
 
 from tests.plugin.test_runs import pictures, prepared, press_capture, server  # noqa: F401  fixtures
 
-SLOW_S = 0.15
+SLOW_S = 0.5
 
 
 def notes():

@@ -140,7 +140,7 @@ def test_a_smaller_count_is_the_beginning_of_a_larger_one_also_inside(raster, bo
             3,
             PoseDistributions(Distribution("fixed", 5_000.0)),
             3,
-            lambda some: poses_inside(grid, camera, some, 640),
+            lambda some: poses_inside(grid, camera, some, 16),
         )
 
 
