@@ -16,11 +16,11 @@ from qgis.PyQt.QtWidgets import QPushButton
 PATIENCE_MS = 60_000
 # What has not changed for so long, with the event loop running, is taken to have come to rest.
 STEADY_S = 0.3
-# Six by six images of 646 x 487 px.
-SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.134", "east": "-89.8605"}
-# Half the camera's resolution over a part of it, for tests of what becomes of the images: five by five.
+# Nine by nine images of 646 x 487 px.
+SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
+# Half the camera's resolution over half the area, for tests of what becomes of the images: six by six.
 COARSE = {"resolution": "zoom", "zoom": 18}
-COARSE_BOX = {**SMALL_BOX, "south": "35.135", "east": "-89.862"}
+COARSE_BOX = {"north": "35.14", "west": "-89.87", "south": "35.134", "east": "-89.8605"}
 
 
 class Desk:

@@ -226,7 +226,7 @@ def type_number(spin, text):
     ],
 )
 def test_limit_of_the_provider_is_compared_with_the_plan(desk, screenshot, title, agl, words):
-    where = ("46.96", "7.43", "46.94", "7.46") if "swiss" in title else ("35.14", "-89.87", "35.131", "-89.856")
+    where = ("46.96", "7.43", "46.94", "7.46") if "swiss" in title else SMALL_BOX.values()
     desk.enter_box(*where)
     type_number(desk.form.agl, agl)
     desk.wait_planned()
