@@ -78,7 +78,7 @@ def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     assert meshes.count > 10
 
 
-@pytest.mark.parametrize("draws", [80, pytest.param(250, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("draws", [30, pytest.param(250, marks=pytest.mark.thorough)])
 def test_rectangles_lie_inside_what_cameras_see(library, draws):
     # The shapes are tried with the machine's library; a far worse one takes ten times as long.
     if library != "own":

@@ -346,7 +346,7 @@ def test_level_ground_below_images_says_nothing_of_the_ways_between(dem, tmp_pat
 
 @pytest.mark.parametrize(
     "seeds",
-    [(6, 8, 12, 19, 24, 35), pytest.param(range(400), marks=pytest.mark.thorough)],
+    [(6, 8, 12, 19), pytest.param(range(400), marks=pytest.mark.thorough)],
     ids=["few", "many"],
 )
 def test_random_missions_keep_clear_of_relief_in_every_file(dem, tmp_path, seeds):
