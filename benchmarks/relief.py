@@ -212,7 +212,7 @@ def shot(
     parts, walls = parts_of(made, opened, 0), walls_of(made, opened, "satellite")
     pixels = {part.window: opened.fetch("satellite", part.window) for part in parts}
     picture = draw(shot_of(made, 0), parts, pixels, walls=walls).pixels[..., :3]
-    return picture, sighting(made, 0, made.size_px)
+    return picture, sighting(made, 0, made.frames.largest_px)
 
 
 def side_by_side(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:

@@ -214,9 +214,7 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
         f"255 grey levels between the pixels of the first scene, against {found.resampling.truth}:"
     )
     yield "![RMS grey levels of error against spatial frequency of each kernel](images/accuracy-resampling.png)"
-    yield markdown(
-        kernels_table(found.kernels, found.resampling, "none" if worked_out.size_px is None else "")
-    )
+    yield markdown(kernels_table(found.kernels, found.resampling, "none" if worked_out.frames.on_map else ""))
     yield "Files of one image of the first scene:"
     yield markdown(encodings_table(found.encodings))
 

@@ -112,7 +112,7 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     from .sources import bands_of
 
     plan = planned.plan
-    if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
+    if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > _MOST_TIMED_PX:
         return tr("not timed, as the images are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
     bands = bands_of(planned.mission)

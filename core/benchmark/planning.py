@@ -205,7 +205,7 @@ def plan_benchmark(
             )
     widths = settings.tile_widths_m or (round(_side_of_ground_m(first), 1),)
     box = _grown(_ground(queries), max(widths) if settings.margin_m is None else settings.margin_m)
-    gsd_m = first.delivered_gsd_m_per_px
+    gsd_m = first.resolution.delivered_m_per_px
     mosaic = _mosaic(settings, box, gsd_m, grids[str(settings.reference)])
     tiles = {width: _tiles(settings, mosaic, width) for width in widths}
     return BenchmarkPlan(settings, queries, mosaic, tiles, left_out)

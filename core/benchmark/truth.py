@@ -57,8 +57,8 @@ def mosaic_of(root: Path, plan: Plan, found: Captured) -> Mosaic:
         north,
         across,
         down,
-        int(plan.width_px[0]),
-        int(plan.height_px[0]),
+        int(plan.frames.width_px[0]),
+        int(plan.frames.height_px[0]),
     )
 
 
@@ -190,7 +190,7 @@ def _outlines(worked_out: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Flo
     for one in queries.id:
         name, _, stem = one.partition("/")
         plan, index = at[name, stem]
-        outline = plan.outline(index)
+        outline = plan.views.outline(index)
         yield outline.lat_deg, plan.lon_deg[index] + outline.dlon_deg
 
 

@@ -177,7 +177,7 @@ class ControlPoints:
                     np.linspace(1.0, -1.0, (down << doubling) + 1),
                 )
             )
-            seen, heights = plan.seen(index, tuple(zip(x.tolist(), y.tolist())))
+            seen, heights = plan.views.seen(index, tuple(zip(x.tolist(), y.tolist())))
             hit = seen.hit[0]
             lon, lat = ([degrees(angle) for angle in angles[0]] for angles in (seen.lon_deg, seen.lat_deg))
             columns = (

@@ -71,7 +71,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
 def _largest_px(plan: Plan) -> int:
     """Pixels of the largest picture, as it is planned or as it is resized to."""
     width, height, _ = plan.mission.output.img_size or (1, 1, 1)
-    return max(int((plan.width_px * plan.height_px).max()), width * height)
+    return max(int((plan.frames.width_px * plan.frames.height_px).max()), width * height)
 
 
 def chosen_of(plan: Plan, only: Iterable[int] | None) -> Numbers:

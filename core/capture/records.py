@@ -20,7 +20,6 @@ from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..mission.export.rows import clock
-from ..mission.layout.framing import sampled_zooms
 from ..mission.parts import INTERPOLATE
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
@@ -175,14 +174,14 @@ def job_of(
 ) -> PictureJob:
     """Job of one capture; with ``exposures`` its picture is tagged as a drone's. Products go to folders of a folder."""
     mission = plan.mission
-    width, height = int(plan.width_px[index]), int(plan.height_px[index])
+    width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
         width, height = mission.output.img_size[:2]
     shot = shot_of(plan, index)
     place: Place
-    if plan.size_px is None:
+    if plan.frames.on_map:
         west, south, east, north = (float(edges[index]) for edges in plan.edges)
-        turns = int(plan.quarter_turns[index])
+        turns = int(plan.frames.quarter_turns[index])
         place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs, turns)
     else:
         place = ControlPoints.of(plan, index, width, height)
@@ -218,15 +217,15 @@ def job_of(
 def _effective_gsd_m(plan: Plan, index: int) -> float:
     """Metres of ground that a picture tells apart in its middle: a pixel of its own, or of the source where larger."""
     mission, grid = plan.mission, plan.grid
-    if plan.size_px is None:
+    if plan.frames.on_map:
         lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
         own, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
     else:
         lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
-        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.width_px[index])
-        zoom = sampled_zooms(mission, grid)[1]
+        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
+        zoom = plan.frames.finest_zoom(plan)
     if mission.output.img_size is not None:
-        own *= float(plan.width_px[index]) / mission.output.img_size[0]
+        own *= float(plan.frames.width_px[index]) / mission.output.img_size[0]
     return max(own, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
 
 
@@ -264,15 +263,17 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     rows = [outcomes[names[index]] for index in at.tolist()]
     centre_lat, centre_lon = plan.frame_centres
     left, top, width, height = (np.asarray(values, np.float64)[at] for values in plan.windows)
-    image_width, image_height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
+    image_width, image_height = (
+        np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
+    )
     poses = plan.poses.take(at)
     places = {"lat_deg": "pose_lat_deg", "lon_deg": "pose_lon_deg"}
     camera: dict[str, Any] = {places.get(name, name): values for name, values in _wrapped(poses).items()}
     if plan.nominal is not None:
         nominal = _wrapped(plan.nominal.take(at))
         camera.update({f"nominal_{name}": values for name, values in nominal.items()})
-    if plan.has_times:
-        camera["time_utc"] = tuple(clock(plan.start, plan.times_s[at])) if len(at) else ()
+    if plan.direct.has_times:
+        camera["time_utc"] = tuple(clock(plan.direct.start, plan.times_s[at])) if len(at) else ()
     if plan.mission.output.img_size:
         image_width, image_height = (
             np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]

@@ -210,7 +210,7 @@ class _Run:
         self._done = self._requests = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._repeated: list[Repeat] = []
-        self._endings = file_endings(plan.mission.output.image_format, on_map=plan.size_px is None)
+        self._endings = file_endings(plan.mission.output.image_format, on_map=plan.frames.on_map)
         self._outcomes = self._known_outcomes()
         self._drop_placeholders()
         self._other_columns = {

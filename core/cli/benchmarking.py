@@ -163,7 +163,7 @@ def settings_bounds(worked_out: BenchmarkPlan) -> tuple[float, float, float, flo
 
 def _print_plan(worked_out: BenchmarkPlan) -> None:
     for folder, (imagery, plan) in worked_out.captures.items():
-        size = f"{int(plan.width_px.max()):,} x {int(plan.height_px.max()):,} px"
+        size = f"{int(plan.frames.width_px.max()):,} x {int(plan.frames.height_px.max()):,} px"
         images = f"{len(plan):,} image{'s' * (len(plan) > 1)} of {size}"
         print(printable(f"{folder:28s}{images}, {plan.requests:,} requests, {imagery}"))
     if worked_out.left_out:

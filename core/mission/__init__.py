@@ -16,6 +16,8 @@ In reading order:
 - `flight`: how it is flown: wind and gusts, legs and clock, the path with its sorties, rows aligned for it
 - `relief`: the ground below a mission: heights of captures, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
+- `resolution`: ground sample distances of a plan
+- `views`: what the cameras of a plan see
 - `plan`: a mission worked out, as arrays
 - `inside`: which captures show the source's imagery alone
 - `estimate`: what a plan takes and gives, in figures

@@ -12,7 +12,6 @@ from ..errors import Message, OptionName
 from ..geodesy.raytracing.tracing import MOST_CELLS
 from .areas.area import Polygon, Polygons
 from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
-from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
 
@@ -290,31 +289,29 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         Requests under way at once, and cores that encode.
     """
     mission, types = plan.mission, len(plan.mission.imagery.map_types)
-    pixels = float(np.sum(plan.width_px * plan.height_px))
+    pixels = float(np.sum(plan.frames.width_px * plan.frames.height_px))
     if mission.output.img_size is not None:
         pixels = float(len(plan)) * mission.output.img_size[0] * mission.output.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
-    if plan.size_px is not None:
-        warp_s = float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px
-        encode_s += (warp_s + _trace_s(plan, costs)) / cores
+    encode_s += (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap, relief = plan.coverage, plan.overlap, _over_relief(plan)
     return Summary(
         images=len(plan),
         rows=plan.rows,
-        columns=plan.columns,
+        columns=int(plan.column.max()) + 1,
         zoom=plan.zoom,
         own_pixels=own_pixels(plan),
-        width_px=int(plan.width_px.max()),
-        height_px=int(plan.height_px.max()),
-        requested_gsd_m_per_px=plan.requested_gsd_m_per_px,
-        delivered_gsd_m_per_px=plan.delivered_gsd_m_per_px,
-        flight_distance_m=plan.flight_distance_m,
-        flight_s=plan.flight_s,
+        width_px=int(plan.frames.width_px.max()),
+        height_px=int(plan.frames.height_px.max()),
+        requested_gsd_m_per_px=plan.resolution.requested_m_per_px,
+        delivered_gsd_m_per_px=plan.resolution.delivered_m_per_px,
+        flight_distance_m=plan.direct.distance_m,
+        flight_s=plan.direct.duration_s,
         area_m2=None if coverage is None else coverage.area_m2 + coverage.no_fly_m2,
         uncovered_m2=None if coverage is None else coverage.uncovered_m2,
         covered_share=None if coverage is None else coverage.share,
@@ -347,10 +344,10 @@ def _trace_s(plan: Plan, costs: Costs) -> float:
     """Following rays over relief, on one core; 0 over level ground."""
     if plan.relief is None:
         return 0.0
-    pixels = (plan.width_px * plan.height_px).astype(np.float64)
+    pixels = (plan.frames.width_px * plan.frames.height_px).astype(np.float64)
     cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
     # From high up larger cells are taken.
-    cells = np.minimum(pixels * (plan.requested_gsd_m_per_px / cell_m) ** 2, MOST_CELLS)
+    cells = np.minimum(pixels * (plan.resolution.requested_m_per_px / cell_m) ** 2, MOST_CELLS)
     return float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
 
 
@@ -374,13 +371,13 @@ def _polygons(plan: Plan) -> int:
 def _over_relief(plan: Plan) -> dict[str, Any]:
     if plan.relief is None and plan.mission.terrain.elevation:
         return {"level_ground_m": plan.level_m}
-    if plan.relief is None or plan.flown is None or plan.size_px is None:
+    if plan.relief is None or plan.flown is None:
         return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
     filled, interpolated, count = plan.relief.filled
     finest, coarsest = (
         plan.mission.camera.ground_size_m(1.0)[0] / width
-        for width in (plan.width_px.max(), plan.width_px.min())
+        for width in (plan.frames.width_px.max(), plan.frames.width_px.min())
     )
     return {
         "lowest_ground_m": found.lowest_m,
@@ -436,12 +433,14 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     with detail of its own, as far as the pictures take their pixels from there.
     """
     mission, grid = plan.mission, plan.grid
-    written_m = plan.picture_gsd_m_per_px
+    written_m = plan.resolution.picture_m_per_px
     if mission.output.img_size is not None:
         width, height, _ = mission.output.img_size
-        written_m *= float(min(np.median(plan.width_px) / width, np.median(plan.height_px) / height))
+        written_m *= float(
+            min(np.median(plan.frames.width_px) / width, np.median(plan.frames.height_px) / height)
+        )
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
-    zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
+    zoom = min(grid.native_zoom, plan.frames.finest_zoom(plan))
     own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
     factor = own_m / written_m
     if factor <= 1.0 + _UPSAMPLING_SLACK:
@@ -466,9 +465,11 @@ def _way_out(plan: Plan, zoom: int, factor: float) -> Message:
         return Message(
             "{0} {1} {2} {3} or less", OptionName("img_size"), width, height, mission.output.img_size[2]
         )
-    if plan.size_px is not None and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
+    if not plan.frames.on_map and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
         return Message(
-            "{0} {1} or less, or fly higher", OptionName("image_px"), max(int(max(plan.size_px) / factor), 1)
+            "{0} {1} or less, or fly higher",
+            OptionName("image_px"),
+            max(int(max(plan.frames.largest_px) / factor), 1),
         )
     return Message("{0} {1} or a finer source", OptionName("zoom"), zoom)
 

@@ -71,7 +71,7 @@ def poses_inside(
 def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
     """Which captures (n,) of a plan see ground on the imagery of a grid alone, that of the plan or another one."""
     camera = plan.mission.camera
-    image_px = int(max(plan.width_px.max(), plan.height_px.max()))
+    image_px = int(max(plan.frames.width_px.max(), plan.frames.height_px.max()))
     if plan.relief is None:
         return poses_inside(grid, camera, plan.poses, image_px, plan.ground)
     rim, poses = _rim(camera, image_px), plan.poses

@@ -12,7 +12,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
-from ..geodesy.frames import own_frame_px, quarter_turns, runs_on, swapped
+from ..geodesy.frames import own_frame_px, runs_on
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import ImageRays, mesh_serves
@@ -356,21 +356,9 @@ def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
 
 def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
-    first, run = runs_on(grid, flown.poses)
-    if flown.sizes is not None:
-        first, _ = flown.sizes.runs(first, run)
-        width, height = (np.asarray(side, np.float64) for side in flown.sizes.take(first))
-        return Scene(mission.camera, width, height, flown.poses.take(first), ground_of(mission))
-    poses = flown.poses.take(first)
-    # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
-    width, height = swapped(
-        quarter_turns(poses, grid.own),
-        *(
-            np.asarray(size[first], np.float64) + 1.0
-            for size in (flown.windows.width_px, flown.windows.height_px)
-        ),
-    )
-    return Scene(mission.camera, width, height, poses, ground_of(mission))
+    first, _ = flown.frames.runs(runs_on(grid, flown.poses))
+    width, height = flown.frames.scene_sizes_px(flown.windows, first)
+    return Scene(mission.camera, width, height, flown.poses.take(first), ground_of(mission))
 
 
 def _resolved(scene: Scene) -> Scene:

@@ -49,7 +49,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
         Several where it crosses the antimeridian.
     """
     own = plan.grid.own
-    if plan.size_px is None:
+    if plan.frames.on_map:
         for edges in zip(*(edge[part].tolist() for edge in plan.edges)):
             yield _rectangles(*edges) if own is None else [_rectangle(*edges)]
         return
@@ -142,14 +142,14 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
     if straight:
         # Corners come as north-west, north-east, south-east, south-west: clockwise.
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
-    pole = plan.outline(index).pole
+    pole = plan.views.outline(index).pole
     lon, lat = _ground_seen(plan, index)
     return _around_pole(lon, lat, pole) if pole else (lon, lat)
 
 
 def _ground_seen(plan: Plan, index: int) -> Ring:
     """Outline of a footprint; around a pole, where a plane has no way to it and back, it ends a turn away."""
-    seen = plan.outline(index)
+    seen = plan.views.outline(index)
     return seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
 
 
@@ -178,7 +178,7 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
         # The map ends before meridians come so near to each other.
         small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
     # Over relief every edge is bent.
-    return np.asarray(small & hit.all(axis=1) & (plan.poles[part] == 0) & (plan.relief is None))
+    return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & (plan.relief is None))
 
 
 def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:

@@ -35,7 +35,7 @@ from ..numbers import real_number
 from ..picture.heights import heights_of
 from ..storage.files import open_foreign, read_limited
 from ..text.safe_json import decoded
-from .raster import Block, Ground, places, positions
+from .raster import BlockGround, PixelBlock, places, positions
 
 OpenHeights = Callable[[Mission], "Heights | None"]
 
@@ -79,7 +79,7 @@ class Sight(NamedTuple):
     steepness: Floats
 
 
-class Boxes(NamedTuple):
+class ImageBoxes(NamedTuple):
     """Boxes (n,) that hold what images show of the ground, in the unit of a CRS; NaN for none."""
 
     west: Floats
@@ -98,7 +98,7 @@ class Ends(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class CameraFrames:
+class CameraImages:
     """Images of cameras, n of them.
 
     Parameters
@@ -130,12 +130,15 @@ class CameraFrames:
         return len(self.paths)
 
     @classmethod
-    def of_plan(cls, plan: Plan, index: int, path: Path) -> CameraFrames:
+    def of_plan(cls, plan: Plan, index: int, path: Path) -> CameraImages:
         """The image of one of a plan's captures, as far as it sees the ground."""
         poses = plan.poses.take(slice(index, index + 1))
         if plan.relief is not None:
             poses = poses._replace(agl_m=plan.height_m[index : index + 1])
-        size = plan.mission.output.img_size or (int(plan.width_px[index]), int(plan.height_px[index]))
+        size = plan.mission.output.img_size or (
+            int(plan.frames.width_px[index]),
+            int(plan.frames.height_px[index]),
+        )
         return cls(
             plan.mission.camera,
             poses,
@@ -208,15 +211,15 @@ class CameraFrames:
         spare = 0.1 * (highest - lowest)
         return (lowest - spare, min(highest + spare, float(self.poses.agl_m.min()) - 1.0))
 
-    def boxes(self, rays: int = _RAYS, margin: float = _MARGIN) -> Boxes:
+    def boxes(self, rays: int = _RAYS, margin: float = _MARGIN) -> ImageBoxes:
         """Boxes of the ground that images show."""
         edges = np.full((4, len(self)), np.nan)
         for start in range(0, len(self), _BOXED):
             part = slice(start, start + _BOXED)
             edges[:, part] = self._boxes(self.poses.take(part), rays, margin)
-        return Boxes(*edges)
+        return ImageBoxes(*edges)
 
-    def ends(self, boxes: Boxes) -> Ends:
+    def ends(self, boxes: ImageBoxes) -> Ends:
         """Ends of the ground that images show, to a pixel or two of theirs; not finite where they show none.
 
         Along each direction from below a camera, what it shows farthest away lies at the edge of its image, or where
@@ -224,7 +227,7 @@ class CameraFrames:
 
         Parameters
         ----------
-        boxes : Boxes
+        boxes : ImageBoxes
             Of all images.
         """
         own: dict[int, Ends] = {}
@@ -239,7 +242,7 @@ class CameraFrames:
                     found = [*map(min, found[:2], own[index][:2]), *map(max, found[2:], own[index][2:])]
         return Ends(*found)
 
-    def _ends(self, index: int, boxes: Boxes) -> Ends:
+    def _ends(self, index: int, boxes: ImageBoxes) -> Ends:
         """Ends of the ground that one image shows."""
         width, height = self.sizes_px[index].tolist()
         x, y = np.linspace(-1.0, 1.0, width + 1), np.linspace(-1.0, 1.0, height + 1)
@@ -257,7 +260,7 @@ class CameraFrames:
             return Ends(math.inf, math.inf, -math.inf, -math.inf)
         return Ends(*(float(end) for end in (east.min(), north.min(), east.max(), north.max())))
 
-    def _met(self, index: int, points: Floats, boxes: Boxes) -> tuple[Floats, Floats, bool]:
+    def _met(self, index: int, points: Floats, boxes: ImageBoxes) -> tuple[Floats, Floats, bool]:
         """Where rays of an image through points (k, 2) of it meet the ground, in the CRS; whether all do."""
         pose = self.poses.take(np.array([index]))
         rays = self._no_flatter(self.camera.rays_enu(points, *pose.attitude), pose)[0]
@@ -335,14 +338,14 @@ class CameraFrames:
         box = np.stack([west - more_x, south - more_y, east + more_x, north + more_y])
         return np.where(there, box, np.nan)
 
-    def ground_of(self, block: Block, candidates: Numbers) -> Ground:
+    def ground_of(self, block: PixelBlock, candidates: Numbers) -> BlockGround:
         """Ground of a block, which some images may show."""
         if self.relief is None:
-            return Ground.level(block, self.ground)
+            return BlockGround.level(block, self.ground)
         known = np.isfinite(block.lat_deg)
         lat = np.concatenate([block.lat_deg[known], self.poses.lat_deg[candidates]])
         lon = np.concatenate([block.lon_deg[known], self.poses.lon_deg[candidates]])
-        return Ground.over(block, self._surface(lat, lon))
+        return BlockGround.over(block, self._surface(lat, lon))
 
     def _surface(self, lat_deg: Floats, lon_deg: Floats) -> Surface:
         """Relief over the box about places, of a bounded number of cells."""
@@ -355,7 +358,7 @@ class CameraFrames:
         finest_m = relief.cell_m(float(lat_deg[0]), float(lon_deg[0]))
         return relief.surface(lat_deg, lon_deg, least_m if least_m > finest_m else 0.0)
 
-    def sight(self, index: int, block: Block, ground: Ground) -> Sight:  # noqa: ARG002  as of map frames
+    def sight(self, index: int, block: PixelBlock, ground: BlockGround) -> Sight:  # noqa: ARG002  as of map frames
         """Where one image shows the ground of a block."""
         towards = ground.points - self.centres[index]
         right, up, depth = np.moveaxis(towards @ self.axes[index].T, -1, 0)
@@ -367,7 +370,7 @@ class CameraFrames:
             inside &= steepness > math.cos(math.radians(self.flattest_deg))
         return Sight(x, y, inside, steepness)
 
-    def unhidden(self, index: int, ground: Ground, which: Flags) -> Flags:
+    def unhidden(self, index: int, ground: BlockGround, which: Flags) -> Flags:
         """Those of some pixels (h, w) of a block whose ground no relief hides from an image."""
         surface = ground.surface
         if surface is None or not which.any():
@@ -389,7 +392,7 @@ class CameraFrames:
         found[which] = seen
         return found
 
-    def steepest(self, block: Block, ground: Ground, candidates: Numbers) -> Floats:
+    def steepest(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:
         """Least upper bounds (k,) of the steepness that images have anywhere in a block."""
         away = _away(block, *(at[candidates] for at in self.nadirs)) * _metres_a_unit(block, ground)
         lowest = 0.0 if ground.surface is None else ground.surface.lowest_m
@@ -397,14 +400,14 @@ class CameraFrames:
         bound: Floats = above / np.hypot(above, away)
         return np.where(np.isfinite(bound), bound, 1.0)
 
-    def take(self, rows: Numbers) -> CameraFrames:
+    def take(self, rows: Numbers) -> CameraImages:
         """Some of the images."""
         paths = tuple(self.paths[row] for row in rows.tolist())
         return replace(self, poses=self.poses.take(rows), paths=paths, sizes_px=self.sizes_px[rows])
 
 
 @dataclass(frozen=True, eq=False)
-class MapFrames:
+class MapImages:
     """Images that are pieces of a map, n of them, however they are turned in it.
 
     Parameters
@@ -434,25 +437,25 @@ class MapFrames:
         """As of camera frames: of a map all pixels are alike."""
         return self.gsd_m
 
-    def boxes(self) -> Boxes:
+    def boxes(self) -> ImageBoxes:
         """Boxes of the ground that images show, exactly."""
         x0, xx, xy, y0, yx, yy = self.affines.T
         width, height = self.sizes_px.T
         x = np.stack([x0 + xx * a * width + xy * b * height for a in (0, 1) for b in (0, 1)])
         y = np.stack([y0 + yx * a * width + yy * b * height for a in (0, 1) for b in (0, 1)])
-        return Boxes(x.min(axis=0), y.min(axis=0), x.max(axis=0), y.max(axis=0))
+        return ImageBoxes(x.min(axis=0), y.min(axis=0), x.max(axis=0), y.max(axis=0))
 
-    def ends(self, boxes: Boxes) -> Ends:
+    def ends(self, boxes: ImageBoxes) -> Ends:
         """Ends of the ground that images show, exactly."""
         west, south, east, north = boxes
         return Ends(*map(float, (west.min(), south.min(), east.max(), north.max())))
 
-    def ground_of(self, block: Block, candidates: Numbers) -> Ground:  # noqa: ARG002  as of camera frames
+    def ground_of(self, block: PixelBlock, candidates: Numbers) -> BlockGround:  # noqa: ARG002  as of camera frames
         """Ground of a block: none, as images show the map itself."""
         none = np.zeros((*block.lat_deg.shape, 0))
-        return Ground(none, none)
+        return BlockGround(none, none)
 
-    def sight(self, index: int, block: Block, ground: Ground) -> Sight:  # noqa: ARG002  as of camera frames
+    def sight(self, index: int, block: PixelBlock, ground: BlockGround) -> Sight:  # noqa: ARG002  as of camera frames
         """Where one image shows a block of the map."""
         x0, xx, xy, y0, yx, yy = self.affines[index].tolist()
         width, height = self.sizes_px[index].tolist()
@@ -464,22 +467,22 @@ class MapFrames:
         away = (block.x - nadir_x) ** 2 + ((block.y - nadir_y) ** 2)[:, np.newaxis]
         return Sight(across, down, inside, -away)
 
-    def unhidden(self, index: int, ground: Ground, which: Flags) -> Flags:  # noqa: ARG002  as of camera frames
+    def unhidden(self, index: int, ground: BlockGround, which: Flags) -> Flags:  # noqa: ARG002  as of camera frames
         """All pixels: nothing of a map is hidden."""
         return which
 
-    def steepest(self, block: Block, ground: Ground, candidates: Numbers) -> Floats:  # noqa: ARG002  likewise
+    def steepest(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:  # noqa: ARG002  likewise
         """Least upper bounds (k,) of the steepness that images have anywhere in a block."""
         bound: Floats = -(_away(block, *(at[candidates] for at in self.nadirs)) ** 2)
         return bound
 
 
-Frames = Union[CameraFrames, MapFrames]
+PlacedImages = Union[CameraImages, MapImages]
 
 
 def frames_of(
     folder: Path, map_type: str | None = None, open_heights: OpenHeights = heights_of
-) -> tuple[Frames, ImageSet, Numbers]:
+) -> tuple[PlacedImages, ImageSet, Numbers]:
     """Images of a dataset's map type, of its first one for None, without those that failed or are rejected.
 
     Returns
@@ -506,7 +509,7 @@ def frames_of(
     return _map_frames(images, rows), images, rows
 
 
-def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: OpenHeights) -> CameraFrames:
+def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: OpenHeights) -> CameraImages:
     """Camera frames of a dataset, of some rows of a map type's table; their files are not looked at.
 
     Raises
@@ -537,7 +540,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
             agl = height
     attitude = (table.yaw_deg[rows], table.tilt_deg[rows], table.roll_deg[rows])
     sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
-    return CameraFrames(
+    return CameraImages(
         mission.camera,
         Poses(lat, lon, agl, *attitude),
         ground,
@@ -548,7 +551,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     )
 
 
-def _map_frames(images: ImageSet, rows: Numbers) -> MapFrames:
+def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     check_poses(images, rows, needed=False)
     table, plane = images.table, _plane_of(images.table, rows)
     paths = tuple(images.path(row) for row in rows.tolist())
@@ -569,7 +572,7 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapFrames:
         x = x - turns
     a_pixel = math.sqrt(abs(affines[0, 1] * affines[0, 5] - affines[0, 2] * affines[0, 4]))
     gsd = a_pixel * unit_m(plane, float(lat[0]), float(lon[0]))
-    return MapFrames(affines, sizes, (x, y), gsd, paths, plane)
+    return MapImages(affines, sizes, (x, y), gsd, paths, plane)
 
 
 def _affine_of(path: Path) -> tuple[float, ...]:
@@ -603,7 +606,7 @@ def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:
     return float((WGS84.normal_radius_m(lat) / WGS84.a_m * np.cos(np.radians(lat)))[0])
 
 
-def _away(block: Block, x: Floats, y: Floats) -> Floats:
+def _away(block: PixelBlock, x: Floats, y: Floats) -> Floats:
     """Distances (k,) from places to a block, in the unit of the CRS; a little less, as maps stretch ground unevenly."""
     off_x = np.maximum(np.maximum(block.x[0] - x, x - block.x[-1]), 0.0)
     off_y = np.maximum(np.maximum(block.y[-1] - y, y - block.y[0]), 0.0)
@@ -611,7 +614,7 @@ def _away(block: Block, x: Floats, y: Floats) -> Floats:
     return away
 
 
-def _metres_a_unit(block: Block, ground: Ground) -> float:
+def _metres_a_unit(block: PixelBlock, ground: BlockGround) -> float:
     """Metres of ground that a unit of the CRS spans in a block; 0 where that is not known."""
     span = math.hypot(block.x[-1] - block.x[0], block.y[-1] - block.y[0])
     metres = float(np.linalg.norm(ground.points[-1, -1] - ground.points[0, 0]))

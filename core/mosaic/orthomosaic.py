@@ -29,8 +29,8 @@ from ..errors import Cancelled, InvalidInput
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .bigtiff import TILE_PX, packed_tile, write_tiles
-from .frames import Boxes, CameraFrames, Frames, OpenHeights, frames_of, unit_m
-from .raster import Block, Raster, places
+from .frames import CameraImages, ImageBoxes, OpenHeights, PlacedImages, frames_of, unit_m
+from .raster import PixelBlock, Raster, places
 
 #: Takes the share done, 0 to 1; an answer of False stops.
 Progress = Callable[[float], bool]
@@ -138,7 +138,7 @@ def check_ending(path: str | os.PathLike[str]) -> None:
         raise InvalidInput("mosaic {0}: must end in {1}", path, " or ".join(_ENDINGS))
 
 
-def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes]:
+def raster_of(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Raster, ImageBoxes]:
     """Pixels about all that images show, and the boxes of that.
 
     Their edges are whole multiples of a pixel, so that mosaics of one ground sample distance fit each other; those of
@@ -180,7 +180,7 @@ def _check_size(width: float, height: float) -> None:
         )
 
 
-def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
+def orthorectify(frames: CameraImages, target: Path, longest_px: int) -> None:
     """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side at most.
 
     Its pixels are no finer than half of the camera's straight below it: finer ones show nothing more.
@@ -212,16 +212,16 @@ def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
     write_orthomosaic(alone, raster, boxes, target)
 
 
-def _no_ground(frames: Frames) -> InvalidInput:
+def _no_ground(frames: PlacedImages) -> InvalidInput:
     return InvalidInput(
         "image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs
     )
 
 
 def write_orthomosaic(
-    frames: Frames,
+    frames: PlacedImages,
     raster: Raster,
-    boxes: Boxes,
+    boxes: ImageBoxes,
     target: Path,
     progress: Progress = lambda share: True,  # noqa: ARG005  goes on
     title: str = "",
@@ -286,7 +286,9 @@ def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]
                 future.cancel()
 
 
-def _made(frames: Frames, raster: Raster, boxes: Boxes, images: _Images, left: int, top: int) -> _Made:
+def _made(
+    frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Images, left: int, top: int
+) -> _Made:
     block = raster.block(left, top, _BLOCK_PX)
     choice = chosen(frames, boxes, block, images)
     there = choice.image >= 0
@@ -309,7 +311,7 @@ def _made(frames: Frames, raster: Raster, boxes: Boxes, images: _Images, left: i
     return _Made(tiles, set(used), int(there.sum()))
 
 
-class Choice(NamedTuple):
+class ChosenImages(NamedTuple):
     """The image that each pixel of a block comes from, -1 for none, and where in it, in shares; (h, w) each."""
 
     image: Numbers
@@ -317,7 +319,9 @@ class Choice(NamedTuple):
     y: Floats
 
 
-def chosen(frames: Frames, boxes: Boxes, block: Block, images: _Images | None = None) -> Choice:
+def chosen(
+    frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None
+) -> ChosenImages:
     """Choose the image that each pixel of a block comes from.
 
     Of those that see it equally from above, the first counts.
@@ -329,7 +333,7 @@ def chosen(frames: Frames, boxes: Boxes, block: Block, images: _Images | None = 
     """
     shape = block.lat_deg.shape
     index, best = np.full(shape, -1, np.int64), np.full(shape, -np.inf)
-    found = Choice(index, np.zeros(shape), np.zeros(shape))
+    found = ChosenImages(index, np.zeros(shape), np.zeros(shape))
     with np.errstate(invalid="ignore"):
         near = (boxes.west <= block.x[-1]) & (boxes.east >= block.x[0])
         near &= (boxes.south <= block.y[0]) & (boxes.north >= block.y[-1])
@@ -359,7 +363,7 @@ class _Images:
     Those that are finer than the mosaic's pixels wherever they look are reduced to about those, by means of pixels.
     """
 
-    def __init__(self, frames: Frames, raster: Raster) -> None:
+    def __init__(self, frames: PlacedImages, raster: Raster) -> None:
         self._paths = frames.paths
         lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
         pixel_m = raster.across * unit_m(frames.plane, float(lat[0]), float(lon[0]))

@@ -49,15 +49,15 @@ class Raster:
             self.plane.crs,
         )
 
-    def block(self, left: int, top: int, size: int) -> Block:
+    def block(self, left: int, top: int, size: int) -> PixelBlock:
         """Pixels of a square, as far as there are some."""
         width, height = min(size, self.width_px - left), min(size, self.height_px - top)
         x = self.west + (left + np.arange(width) + 0.5) * self.across
         y = self.north - (top + np.arange(height) + 0.5) * self.down
-        return Block(x, y, *places(self.plane, *np.meshgrid(x, y)))
+        return PixelBlock(x, y, *places(self.plane, *np.meshgrid(x, y)))
 
 
-class Block(NamedTuple):
+class PixelBlock(NamedTuple):
     """Some pixels of a map, h rows of w.
 
     Attributes
@@ -74,7 +74,7 @@ class Block(NamedTuple):
     lon_deg: Floats
 
 
-class Ground(NamedTuple):
+class BlockGround(NamedTuple):
     """The ground in a block's pixels, from the Earth's centre, metres.
 
     Attributes
@@ -90,12 +90,12 @@ class Ground(NamedTuple):
     surface: Surface | None = None
 
     @classmethod
-    def level(cls, block: Block, ground: Ellipsoid = WGS84) -> Ground:
+    def level(cls, block: PixelBlock, ground: Ellipsoid = WGS84) -> BlockGround:
         """Of level ground."""
         return cls(geocentric(block.lat_deg, block.lon_deg, 0.0, ground), _normals(block))
 
     @classmethod
-    def over(cls, block: Block, surface: Surface) -> Ground:
+    def over(cls, block: PixelBlock, surface: Surface) -> BlockGround:
         """Of relief; NaN where it has no height."""
         lat, lon = block.lat_deg.ravel(), block.lon_deg.ravel()
         heights = surface.heights(*surface.position(lat, lon)).reshape(block.lat_deg.shape)
@@ -115,6 +115,6 @@ def positions(plane: Plane, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, F
         return plane.west + u * plane.width, plane.north - v * plane.height
 
 
-def _normals(block: Block) -> Floats:
+def _normals(block: PixelBlock) -> Floats:
     normals: Floats = enu_axes(block.lat_deg, block.lon_deg)[..., 2, :]
     return normals

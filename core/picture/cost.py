@@ -56,21 +56,21 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     camera, ground = plan.mission.camera, plan.ground
     footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
     index = len(plan) // 2
-    if plan.size_px is None:
+    if plan.frames.on_map:
         window = window_of(plan, index)
         parts = tile_parts(
             window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid
         )
         blank = _blank(parts, bands)
         return Cost(footprints_s, _own_s(lambda: assemble(window, parts, blank, bands)))
-    view, lon = plan.view(index), float(plan.lon_deg[index])
+    view, lon = plan.views.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
     seeing_s = 0.0
     if plan.relief is not None:
         # Over relief a capture has a view of its own, made to know its tiles and made again to draw it.
         start = time.thread_time()
-        plan.view(index)
+        plan.views.view(index)
         seeing_s = _VIEWS_OVER_RELIEF * (time.thread_time() - start)
     return Cost(footprints_s, seeing_s + _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 

@@ -87,8 +87,10 @@ class Optics(NamedTuple):
 
 def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
     """Optics of some of a plan's pictures, by their indices (k,)."""
-    width, height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
-    if plan.size_px is None:
+    width, height = (
+        np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
+    )
+    if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
     else:
         tan_x, tan_y = plan.mission.camera.half_tangents
@@ -104,9 +106,9 @@ def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
     """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
     focal_x, focal_y, x, y = _windows(plan, at)
-    if plan.is_north_up:
+    if plan.frames.is_north_up:
         return focal_x, focal_y, x, y
-    turns = plan.quarter_turns[at]
+    turns = plan.frames.quarter_turns[at]
     wide, high = (np.asarray(size[at], np.float64) for size in plan.windows[2:])
     column, row = in_image(turns, x / wide, y / high)
     width, height = swapped(turns, wide, high)
@@ -176,7 +178,7 @@ class Exposures:
         self._body = body_of(plan.mission.camera)
         self._height_m, self._start, self._times_s = (
             plan.height_m,
-            utc_time(plan.start),
+            utc_time(plan.direct.start),
             plan.times_s,
         )
 

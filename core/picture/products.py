@@ -77,10 +77,10 @@ def sighting(
     shot : MapShot, Shot or None
         What the picture is made from, whose rays may be known.
     """
-    if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.picture_size_px(index):
+    if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.views.size_px(index):
         seen = shot.tracing.sighting
     elif plan.relief is not None:
-        seen = plan.tracing(index, size_px).sighting
+        seen = plan.views.tracing(index, size_px).sighting
     else:
         seen = _over_level(plan, index, size_px)
     pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
@@ -104,9 +104,9 @@ def _over_level(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
     pose = plan.poses.take(np.array([index]))
     camera, (width, height) = plan.mission.camera, size_px
     lat, lon, agl = (float(values[0]) for values in pose[:3])
-    if plan.size_px is None:
+    if plan.frames.on_map:
         left, top, wide, high = (float(values[index]) for values in plan.windows)
-        world, turns = plan.grid.world_px(plan.zoom), int(plan.quarter_turns[index])
+        world, turns = plan.grid.world_px(plan.zoom), int(plan.frames.quarter_turns[index])
         columns, rows = (width, height) if turns % 2 == 0 else (height, width)
         u = (left + (np.arange(columns) + 0.5) * wide / columns) / world
         v = (top + (np.arange(rows) + 0.5) * high / rows) / world

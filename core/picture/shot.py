@@ -33,12 +33,16 @@ class Shot:
     @cached_property
     def tracing(self) -> Tracing | None:
         """Its rays over relief; None over level ground."""
-        return None if self.plan.relief is None else self.plan.tracing(self.index)
+        return None if self.plan.relief is None else self.plan.views.tracing(self.index)
 
     @cached_property
     def view(self) -> View:
         """How it is made."""
-        return self.plan.view(self.index) if self.tracing is None else self.plan.view_of(self.tracing)
+        return (
+            self.plan.views.view(self.index)
+            if self.tracing is None
+            else self.plan.views.traced_view(self.tracing)
+        )
 
     @property
     def lon_deg(self) -> float:
@@ -72,21 +76,21 @@ class Picture(NamedTuple):
 
 def shot_of(plan: Plan, index: int) -> MapShot | Shot:
     """What the picture of one capture is made from: a map frame's window, or a camera frame's view."""
-    if plan.size_px is None:
-        return MapShot(window_of(plan, index), int(plan.quarter_turns[index]))
+    if plan.frames.on_map:
+        return MapShot(window_of(plan, index), int(plan.frames.quarter_turns[index]))
     return Shot(plan, index)
 
 
 def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
     """Parts of a source that the picture of one capture is made of."""
-    if plan.size_px is None:
+    if plan.frames.on_map:
         return source.parts(window_of(plan, index))
-    return camera_parts(plan.view(index), float(plan.lon_deg[index]))
+    return camera_parts(plan.views.view(index), float(plan.lon_deg[index]))
 
 
 def tiles_of(plan: Plan, index: int) -> list[tuple[int, int, int]]:
     """Zoom, column and row, not wrapped, of each tile that a camera frame is made of."""
-    return plan.view(index).tiles(float(plan.lon_deg[index]))
+    return plan.views.view(index).tiles(float(plan.lon_deg[index]))
 
 
 def walls_of(plan: Plan, source: Source, map_type: str) -> Walls | None:

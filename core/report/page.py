@@ -180,7 +180,7 @@ def _conditioning(plan: Plan) -> list[Markup]:
 def _greys(plan: Plan, found: Measurement) -> list[Markup]:
     content = []
     if found.resampling is not None:
-        used = "none" if plan.size_px is None else plan.mission.accuracy.resampling
+        used = plan.frames.kernel(plan.mission)
         content += [
             element(
                 "p",

@@ -22,7 +22,7 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows, quarter_turns, runs_on
 from ..geodesy.view import View, view
 from ..imagery.source import Part, Source, Window, tile_parts
-from ..mission.layout.framing import sampled_zooms
+from ..mission.layout.frames import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.camera_frame import camera_parts, render
 from ..picture.map_frame import assemble, resized, turned, window_of
@@ -106,7 +106,7 @@ class Bench:
     @property
     def planned_px(self) -> tuple[int, int]:
         """Planned width and height of the capture's picture."""
-        return int(self.plan.width_px[self.index]), int(self.plan.height_px[self.index])
+        return int(self.plan.frames.width_px[self.index]), int(self.plan.frames.height_px[self.index])
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -165,7 +165,7 @@ class Bench:
         plan = self.plan
         zooms = sampled_zooms(plan.mission, plan.grid)
         if plan.relief is not None and not way.level:
-            return replace(plan.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px).view(
+            return replace(plan.views.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px).view(
                 plan.grid, zooms
             )
         scene = self._scene()
@@ -178,7 +178,7 @@ class Bench:
         plan = self.plan
         pose = plan.poses.take(np.array([self.index]))
         turns, (width, height) = int(quarter_turns(pose, plan.grid.own)[0]), self.size_px
-        if plan.size_px is None:
+        if plan.frames.on_map:
             window = window_of(plan, self.index)
         else:
             windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, plan.ground)
@@ -192,7 +192,7 @@ class Bench:
     def own_picture(self) -> Bytes:
         """Picture of the capture by the plan's own methods, at the size that it is written in."""
         plan = self.plan
-        if plan.size_px is None:
+        if plan.frames.on_map:
             return resized(self._map_frame()(), plan.mission.output.img_size)
         kernel = plan.mission.accuracy.resampling
         seen = self._view(Way(plan.accuracy.mesh_tolerance_px, kernel))

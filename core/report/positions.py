@@ -50,17 +50,17 @@ def spread(count: int, most: int) -> NDArray[np.intp]:
 
 def scene_of(plan: Plan, which: NDArray[np.intp]) -> Scene:
     """Scene of some captures of a plan, in px of their planned images."""
-    width, height = (np.asarray(size[which], np.float64) for size in (plan.width_px, plan.height_px))
+    width, height = (
+        np.asarray(size[which], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
+    )
     return Scene(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
 
 
 def bounds_scene(plan: Plan) -> Scene:
     """Scene whose bounds hold for all of a plan, as it was chosen by: every row once."""
-    scene = scene_of(plan, np.asarray(runs_on(plan.grid, plan.poses)[0], np.intp))
-    if plan.size_px is not None:
-        return scene
-    # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
-    return Scene(scene.camera, scene.width_px + 1.0, scene.height_px + 1.0, scene.poses, scene.ground)
+    first = np.asarray(runs_on(plan.grid, plan.poses)[0], np.intp)
+    sizes = plan.frames.scene_sizes_px(plan.windows, first)
+    return Scene(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
 
 
 def captures(plan: Plan) -> NDArray[np.intp]:
@@ -158,7 +158,7 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
         if tolerance_px is None:
             lat, dlon, height = _level_on_relief(plan, level_below(plan, index, scene), x_px, y_px)
         else:
-            seen = replace(plan.tracing(index), tolerance_px=tolerance_px).sighting
+            seen = replace(plan.views.tracing(index), tolerance_px=tolerance_px).sighting
             lat, lon, height = (part[row, column] for part in seen[1:4])
             dlon = lon - float(plan.lon_deg[index])
         hit = np.isfinite(height)

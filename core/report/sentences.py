@@ -74,10 +74,12 @@ def _place(mission: Mission) -> str:
 def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, str]]:
     """Label and value of what the mission asks for."""
     mission, camera = plan.mission, plan.mission.camera
-    width, height = int(plan.width_px.max()), int(plan.height_px.max())
-    frames = "map frames: rectangles of the source's own pixels"
-    if plan.size_px is not None:
-        frames = f"camera frames: what the camera sees, resampled ({mission.accuracy.resampling})"
+    width, height = int(plan.frames.width_px.max()), int(plan.frames.height_px.max())
+    frames = (
+        "map frames: rectangles of the source's own pixels"
+        if plan.frames.on_map
+        else f"camera frames: what the camera sees, resampled ({mission.accuracy.resampling})"
+    )
     facts = [
         ("area", _area(mission)),
         (
@@ -92,7 +94,7 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
             "camera",
             (
                 f"{camera.fov_deg:g}° across the diagonal, {camera.aspect_ratio:.4g} : 1, "
-                f"{metres_text(plan.camera_gsd_m_per_px)} of ground a pixel straight below"
+                f"{metres_text(plan.resolution.camera_m_per_px)} of ground a pixel straight below"
             ),
         ),
         (
@@ -191,7 +193,7 @@ def saving_notes(plan: Plan, found: Measurement) -> list[str]:
             "Without resampling a map frame shows exactly the source's pixels; with it every image would "
             "have been a camera frame, and its grey levels off by what the table of kernels says."
         )
-    if "wind" in left and plan.size_px is None:
+    if "wind" in left and plan.frames.on_map:
         notes.append(
             "Wind would also turn the camera, and so need camera frames; its own row counts the flight alone."
         )
@@ -286,7 +288,7 @@ def wind_notes(effect: WindEffect) -> list[str]:
             notes[0] += (
                 f" It is of {effect.compared:,} captures, spread over the mission; metres and degrees are of all."
             )
-    if (effect.calm.size_px is None) != (effect.flown.size_px is None):
+    if effect.calm.frames.on_map != effect.flown.frames.on_map:
         notes.append(
             "In still air the images are map frames, in wind camera frames, which cover the largest north-up rectangle "
             "inside what they see."

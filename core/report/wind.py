@@ -94,7 +94,7 @@ def _figures(one: Plan) -> dict[str, float]:
         "median_front_overlap": shared.median_along,
         "least_side_overlap": shared.least_across,
         "median_side_overlap": shared.median_across,
-        "flight_s": one.flight_s,
+        "flight_s": one.direct.duration_s,
     }
     return {name: value for name, value in found.items() if value is not None}
 

@@ -96,7 +96,7 @@ class CaptureTask(Task):
         self._snapshot = snapshot_for(plan.mission)
         self._with_mosaic = not test_shot
         # Share of capturing in the progress; the mosaic takes the rest, and longer where it is orthorectified.
-        self._capture_share = 0.9 if plan.is_north_up else 0.6
+        self._capture_share = 0.9 if plan.frames.is_north_up else 0.6
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False
@@ -200,7 +200,7 @@ class CaptureTask(Task):
         mission = self.plan.mission
         folder = self.folder / mission.imagery.map_types[0]
         picture = folder / f"{self.plan.names[0]}.{mission.output.image_format}"
-        if self.plan.size_px is not None:
+        if not self.plan.frames.on_map:
             from ..dataset.rectify import lay_on_map
 
             on_map = folder / "on-map.tif"

@@ -27,7 +27,7 @@ from ...core.errors import Cancelled, InvalidInput, Message, OutputError
 from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.georeference import named_crs
 from ...core.limits import MAX_VRT_BYTES
-from ...core.mosaic.frames import CameraFrames
+from ...core.mosaic.frames import CameraImages
 from ...core.mosaic.orthomosaic import raster_of
 from ...core.storage.files import open_foreign, partial_file, read_limited, write_whole
 from ..i18n import tr
@@ -153,7 +153,7 @@ def build_any_mosaics(
     """
     if len(plan) > MOST_PICTURES:
         return []
-    if plan.is_north_up:
+    if plan.frames.is_north_up:
         return build_mosaics(plan, folder, progress)
     return build_orthomosaics(folder, plan.mission, open_heights, progress)
 
@@ -166,7 +166,7 @@ def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
     InvalidInput, SourceError
         As `build_any_mosaics` does: heights that cannot be had again for the dataset, or images of what no map has.
     """
-    if len(plan) > MOST_PICTURES or plan.is_north_up:
+    if len(plan) > MOST_PICTURES or plan.frames.is_north_up:
         return
     open_heights(captured_mission(plan))
     # What one of them shows is enough for a mosaic.
@@ -178,7 +178,7 @@ def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
 def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
     """Why an image shows nothing that a mosaic could be made of; None where it does."""
     try:
-        raster_of(CameraFrames.of_plan(plan, index, Path(plan.names[index])))
+        raster_of(CameraImages.of_plan(plan, index, Path(plan.names[index])))
     except InvalidInput as wrong:
         return wrong
     return None

@@ -19,7 +19,7 @@ from ...core.dataset.folder import TABLE_FILE
 from ...core.dataset.ground import of_camera
 from ...core.dataset.table import Table, taken
 from ...core.errors import InvalidInput, Message, OutputError
-from ...core.mosaic.frames import CameraFrames, camera_frames
+from ...core.mosaic.frames import CameraImages, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
 from ...core.storage.files import partial_file
 from ..i18n import tr
@@ -53,7 +53,7 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
     InvalidInput, OutputError
         Where a file cannot be read or written, or the image shows nothing of the map.
     """
-    _lay_on_map(CameraFrames.of_plan(plan, 0, picture), target)
+    _lay_on_map(CameraImages.of_plan(plan, 0, picture), target)
 
 
 def lay_image_on_map(
@@ -137,7 +137,7 @@ def write_mosaic(
     return made
 
 
-def _lay_on_map(frames: CameraFrames, target: Path) -> None:
+def _lay_on_map(frames: CameraImages, target: Path) -> None:
     try:
         with partial_file(target, ".new") as made:
             # Sharp on a screen, and made in seconds.

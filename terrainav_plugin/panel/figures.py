@@ -192,7 +192,7 @@ def readout(
     policy : Policy or None
         Of the source's provider, where it has one.
     """
-    mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
+    mission, grid, own_m = plan.mission, plan.grid, plan.resolution.source_m_per_px
     coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
@@ -438,7 +438,7 @@ def _tiles(summary: Summary) -> str:
 
 def _time(plan: Plan, summary: Summary) -> str:
     """Time of the capture; the mosaic of turned and tilted images may take several times as long."""
-    has_orthomosaic = not plan.is_north_up and len(plan) <= MOST_PICTURES
+    has_orthomosaic = not plan.frames.is_north_up and len(plan) <= MOST_PICTURES
     text = tr("About {duration}, then the mosaic") if has_orthomosaic else tr("About {duration}")
     return text.format(duration=duration_text(summary.seconds))
 

@@ -234,7 +234,7 @@ class PixelsSection(Section):
             "Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down "
             "to {least}, doubles the GSD."
         )
-        size = gsd_text(plan.source_gsd_m_per_px, unit)
+        size = gsd_text(plan.resolution.source_m_per_px, unit)
         self._zooms.setText(text.format(native=grid.native_zoom, size=size, least=grid.min_zoom))
         self._show_rows()
 

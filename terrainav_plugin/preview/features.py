@@ -59,7 +59,7 @@ def utc_ms(plan: Plan) -> float:
     """First exposure of a plan in milliseconds of Unix time."""
     from ...core.mission.parts import utc_time
 
-    return utc_time(plan.start).timestamp() * 1000.0
+    return utc_time(plan.direct.start).timestamp() * 1000.0
 
 
 def moment(unix_ms: float) -> QDateTime:
@@ -205,7 +205,7 @@ class FlightLine:
         self._plan = plan
         lon = wrap_lon_deg(np.array([plan.lon_deg[0]]))
         self._attributes = (
-            plan.flight_distance_m,
+            plan.direct.distance_m,
             len(plan),
             float(plan.lat_deg[0]),
             float(lon[0]),
@@ -250,7 +250,7 @@ class FlightLine:
         shrunk = (
             np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if own is None else own.unit_m
         )
-        length_m = self._plan.flight_distance_m / shrunk
+        length_m = self._plan.direct.distance_m / shrunk
         return bool(area_m2 * px_per_m >= _LEAST_SPACE_PX * length_m)
 
     def near(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:

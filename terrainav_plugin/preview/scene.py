@@ -96,7 +96,7 @@ class PreviewScene:
         self.plan = plan
         self.windows = Rects.wrapped(*plan.edges, world_of(plan))
         check()
-        self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan, self.windows))
+        self.index = CaptureIndex(self.windows if plan.frames.on_map else _seen(plan, self.windows))
         check()
         self._clock = ExposureTimes(plan)
         self._flight = flight_of(plan, self.index, self._clock)
@@ -235,7 +235,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     south, north, west, east = south - margin, north + margin, west - margin, east + margin
     ample = np.flatnonzero(
         ~corners.hit.all(axis=1)
-        | (plan.poles != 0)
+        | (plan.views.poles != 0)
         | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
     )
     if len(ample):

@@ -89,7 +89,7 @@ def world_of(plan: Plan) -> PreviewWorld:
     west, south, east, north = plan.edges
     edges = float(west.min()), float(south.min()), float(east.max()), float(north.max())
     reach = 0.0
-    if plan.size_px is not None:
+    if not plan.frames.on_map:
         lat, lon, _ = plan.corners
         east_deg = (lon - plan.lon_deg[:, np.newaxis]) * np.cos(np.radians(plan.lat_deg))[:, np.newaxis]
         degrees = np.hypot(lat - plan.lat_deg[:, np.newaxis], east_deg)

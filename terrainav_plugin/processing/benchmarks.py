@@ -500,8 +500,8 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
             tr("{folder}: {imagery}; images: {images}, {width} x {height} px; requests: {requests}").format(
                 folder=folder,
                 images=number_text(len(plan)),
-                width=number_text(int(plan.width_px.max())),
-                height=number_text(int(plan.height_px.max())),
+                width=number_text(int(plan.frames.width_px.max())),
+                height=number_text(int(plan.frames.height_px.max())),
                 requests=number_text(plan.requests),
                 imagery=imagery,
             )

@@ -230,7 +230,7 @@ def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
     path = plan.path
     if path.is_captures:
         lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
-        yield make_feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s, 1))
+        yield make_feature(lines, (len(plan), plan.direct.distance_m, plan.direct.duration_s, 1))
         return
     for number, seconds in enumerate(path.sorties_s.tolist()):
         one = path.of(number)
@@ -326,7 +326,9 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     from ...core.geodesy.mercator import wrap_lon_deg
     from ...core.mission.parts import utc_time
 
-    start = QDateTime.fromMSecsSinceEpoch(round(utc_time(plan.start).timestamp() * 1000.0), Qt.TimeSpec.UTC)
+    start = QDateTime.fromMSecsSinceEpoch(
+        round(utc_time(plan.direct.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
+    )
     columns = (
         plan.column,
         plan.row,
@@ -337,8 +339,8 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
         np.broadcast_to(plan.zoom, len(plan)),
         plan.grid.wrapped_px(np.asarray(plan.windows.left_px, np.float64), plan.zoom),
         np.asarray(plan.windows.top_px, np.float64),
-        plan.width_px,
-        plan.height_px,
+        plan.frames.width_px,
+        plan.frames.height_px,
         plan.grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, plan.zoom),
         ~plan.corners.hit.all(axis=1),
         plan.times_s,

@@ -119,12 +119,15 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
             heights = Heights(Bumps(BUMPS_M), Bumps(BUMPS_M))
         few = mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES))
         worked_out = plan(few, grid, heights)
-        if worked_out.relief is not None and worked_out.size_px is not None:
-            if math.prod(worked_out.size_px) <= MOST_OVER_RELIEF_PX:
-                worked_out.view(0)
-            worked_out.outline(0)
+        if worked_out.relief is not None and not worked_out.frames.on_map:
+            if math.prod(worked_out.frames.largest_px) <= MOST_OVER_RELIEF_PX:
+                worked_out.views.view(0)
+            worked_out.views.outline(0)
             worked_out.relief.figures(worked_out.poses, worked_out.flown, worked_out.corners)
-        elif worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
+        elif (
+            worked_out.frames.on_map
+            or worked_out.frames.width_px @ worked_out.frames.height_px <= MOST_TRACED_PX
+        ):
             estimate(worked_out).lines()
 
     any_of(partial(on, grid) for grid in grids)

@@ -46,7 +46,7 @@ def high(desk):
 
 
 def test_smaller_budget_turns_map_frames_into_camera_frames(high):
-    assert high.session.planned.plan.size_px is None
+    assert high.session.planned.plan.frames.on_map
     bound = bound_text(high.session.planned.plan.accuracy.picture.method.bound_px)
     assert f"image: map, ≤ {bound} px" in shown(high)
     assert "of a budget of 0.1 px" in shown(high)
@@ -57,7 +57,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     QTest.keyClick(budget, Qt.Key.Key_Return)
     planned = high.wait_planned()
     assert planned.mission.accuracy.error_budget_px == 0.02
-    assert planned.plan.size_px == (640, 480)
+    assert planned.plan.frames.largest_px == (640, 480)
     assert "image: camera, ≤" in shown(high)
     assert "of a budget of 0.02 px" in shown(high)
     assert planned.plan.accuracy.bound_px <= 0.02
@@ -66,7 +66,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     assert f"not map: its bound of {bound} px" in why
     assert "Condition number" in why
     budget.setValue(0.1)
-    assert high.wait_planned().plan.size_px is None
+    assert high.wait_planned().plan.frames.on_map
     assert "image: map" in shown(high)
 
 
@@ -122,7 +122,7 @@ def test_map_frame_of_a_tilted_camera_is_refused_at_the_choice(high):
     high.wait(lambda: "cameras that look straight down" in high.message("frame"))
     assert not high.form.accuracy.entries["resampling"].isEnabled()
     high.choose(high.form.accuracy.entries["frame"], "camera")
-    assert high.wait_planned().plan.size_px == (640, 480)
+    assert high.wait_planned().plan.frames.largest_px == (640, 480)
     assert high.message("frame") == ""
     assert high.form.accuracy.entries["resampling"].isEnabled()
 
@@ -193,7 +193,7 @@ def test_wind_moves_and_turns_the_captures(desk):
     desk.form.wind.setChecked(True)
     planned = desk.wait_planned().plan
     assert planned.mission.wind == Wind(5.0, 270.0, 0.2)
-    assert planned.size_px == (640, 480)
+    assert planned.frames.largest_px == (640, 480)
     assert planned.nominal is not None
     # The preview holds the images in view, and the map may be anywhere.
     desk.zoom_to(planned.mission.area)

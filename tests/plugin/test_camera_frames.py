@@ -154,7 +154,7 @@ def tilted(desk):
 
 def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     planned = tilted.session.planned.plan
-    assert planned.size_px == (160, 120)
+    assert planned.frames.largest_px == (160, 120)
     tilted.click(tilted.dock.preview)
     tilted.wait_previewed()
     features = list(tilted.layer("Planned images").getFeatures())

@@ -160,7 +160,7 @@ def test_update_of_the_mosaic_of_turned_images_shows_what_cleaning_has_left(desk
     desk.enter_box(*PAIR)
     desk.form.set_state(replace(desk.session.state(), facing="track"))
     plan = desk.wait_planned().plan
-    assert set(plan.quarter_turns.tolist()) <= {1, 3}
+    assert set(plan.frames.quarter_turns.tolist()) <= {1, 3}
     capture(desk)
     mosaic = desk.folder / "satellite.tif"
     assert shown_share(mosaic) > 0.99

@@ -254,7 +254,7 @@ def test_test_shot_of_a_camera_frame_lies_on_the_map_in_the_raster_s_crs(desk, t
         source = open_raster(path)
         mission = Mission(Points(((lat, lon, 120.0),)), 120.0, tilt_deg=30.0, yaw_deg=20.0, source=str(path))
         worked_out = plan(mission, source.grid)
-        assert worked_out.size_px is not None
+        assert not worked_out.frames.on_map
         folder = tmp_path / f"out{number}"
         run(worked_out, source, folder)
         source.close()
@@ -478,7 +478,7 @@ def test_viewer_finds_and_outlines_the_image_that_holds_the_pole(desk, tmp_path)
     set_source(desk, str(tmp_path / "ortho.tif"))
     planned = draw(desk, POLE, 30.0).plan
     capture(desk)
-    (held,) = (name for name, pole in zip(planned.names, planned.poles) if pole)
+    (held,) = (name for name, pole in zip(planned.names, planned.views.poles) if pole)
     footprints = desk.layer("Captured images")
     (feature,) = (feature for feature in footprints.getFeatures() if feature["name"] == held)
     assert len(feature.geometry().asGeometryCollection()) == 1

@@ -65,7 +65,7 @@ def test_centres_and_flight_line_follow_the_plan(previewed):
     flight = next(previewed.layer("Flight line").getFeatures())
     (line,) = flight.geometry().asMultiPolyline()
     assert line == points
-    assert flight["length_m"] == planned.flight_distance_m
+    assert flight["length_m"] == planned.direct.distance_m
 
 
 def test_preview_follows_a_changed_height_in_place(previewed):

@@ -472,7 +472,7 @@ def test_temporal_controller_flies_the_mission(map_, time_zone):
     whole = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project)
     assert whole.begin().toString(Qt.DateFormat.ISODate).startswith("2024-06-21T10:00:00")
     seconds = whole.begin().secsTo(whole.end())
-    assert planned.flight_s <= seconds <= planned.flight_s * 1.1 + 2.0
+    assert planned.direct.duration_s <= seconds <= planned.direct.duration_s * 1.1 + 2.0
     controller.setTemporalExtents(whole)
     interval = controller.frameDuration()
     interval.setSeconds(20.0)
@@ -498,7 +498,7 @@ def test_whole_flight_has_its_times_where_a_part_is_in_view(map_):
     map_.wheel(6)
     assert 0 < map_.counts()["footprints"] < len(planned)
     whole = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project)
-    assert whole.begin().secsTo(whole.end()) >= planned.flight_s - 1.0
+    assert whole.begin().secsTo(whole.end()) >= planned.direct.duration_s - 1.0
     times = {feature["name"]: feature["time"] for feature in map_.layer("footprints").getFeatures()}
     expected = dict(zip(planned.names, planned.times_s.tolist()))
     start = whole.begin()
@@ -531,7 +531,7 @@ def test_flight_line_has_every_leg_in_view_and_few_elsewhere(map_):
     assert from_afar.geometry().constGet().nCoordinates() <= 4000
     map_.wheel(6)
     near = next(map_.layer("flight").getFeatures())
-    assert near["length_m"] == from_afar["length_m"] == planned.flight_distance_m
+    assert near["length_m"] == from_afar["length_m"] == planned.direct.distance_m
     assert (near["images"], near["start"], near["end"]) == (
         len(planned),
         from_afar["start"],

@@ -268,7 +268,7 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
         Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=80, source="world"
     ).with_(elevation=(dem.source(),), products=("points",))
     made = plan(mission, source.grid, heights_of(mission))
-    width, height = made.size_px
+    width, height = made.frames.largest_px
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))
     # A picture whose colours tell its pixels.
     told = np.stack([columns, rows, 0 * rows]).astype(np.uint8)

@@ -111,7 +111,7 @@ def test_cameras_face_what_is_chosen(desk):
     desk.choose(facing.choice, "track")
     made = desk.wait_planned()
     assert made.mission.flight.facing == "track"
-    assert set(made.plan.quarter_turns.tolist()) <= {1, 3}
+    assert set(made.plan.frames.quarter_turns.tolist()) <= {1, 3}
     desk.choose(facing.choice, "azimuth")
     assert facing.azimuth.isVisibleTo(facing)
     type_number(facing.azimuth, "45.5")

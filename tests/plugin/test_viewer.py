@@ -125,7 +125,7 @@ def test_the_gsd_is_that_of_the_panel_and_says_where_the_source_is_coarser(desk,
         desk.form.set_state(replace(desk.session.state(), **box, **more))
 
     plan = captured(upsample)
-    delivered, source = plan.delivered_gsd_m_per_px, plan.source_gsd_m_per_px
+    delivered, source = plan.resolution.delivered_m_per_px, plan.resolution.source_m_per_px
     assert source > 1.5 * delivered
     look_at(desk, plan, 0)
     text = viewing.viewer.details.text()
@@ -183,7 +183,7 @@ def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, vi
         desk.form.set_state(replace(desk.session.state(), tilt_deg=75.0, yaw_deg=30.0))
 
     plan = captured(tilt)
-    assert plan.size_px is not None
+    assert not plan.frames.on_map
     desk.zoom_to(plan.mission.area.bounds)
     # Not below the camera: a tilted one does not see that.
     footprint = next(desk.layer("Captured images").getFeatures()).geometry().pointOnSurface().asPoint()

@@ -74,7 +74,7 @@ class Destination:
             return False
         if shard and record.shard_bytes:
             return sizes.get(shard) == record.shard_bytes
-        endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.size_px is None)
+        endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.frames.on_map)
         return all(
             is_complete(one, endings, sizes) for one in record.outcomes.values() if one.status != FAILED
         )

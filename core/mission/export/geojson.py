@@ -35,7 +35,7 @@ def _sight(plan: Plan, index: int) -> dict[str, Any]:
     """What a footprint's properties say of horizon and poles, where they are in the picture."""
     found: dict[str, Any] = {}
     if not plan.corners.hit[index].all():
-        found["horizon_edges"] = int(plan.outline(index).horizon.sum())
-    if plan.poles[index]:
-        found["pole"] = "north" if plan.poles[index] > 0 else "south"
+        found["horizon_edges"] = int(plan.views.outline(index).horizon.sum())
+    if plan.views.poles[index]:
+        found["pole"] = "north" if plan.views.poles[index] > 0 else "south"
     return found

@@ -157,7 +157,7 @@ def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
     for name in ("length_m", "flight_s"):
         layer.CreateField(ogr.FieldDefn(name, ogr.OFTReal))
     path = plan.path
-    figures = [(plan.flight_distance_m, plan.flight_s)]
+    figures = [(plan.direct.distance_m, plan.direct.duration_s)]
     if not path.is_captures:
         layer.CreateField(ogr.FieldDefn("sortie", ogr.OFTInteger))
         each = map(path.of, range(path.sorties))
@@ -196,7 +196,7 @@ def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Cal
     columns = list(enumerate(POSE_COLUMNS))
     at_time = len(columns)
     for part, batch in zip(parts(len(plan)), batches(plan)):
-        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.start, plan.times_s[part]))
+        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.direct.start, plan.times_s[part]))
         for row, shape in zip(rows, shapes):
             feature = ogr.Feature(definition)
             for index, _ in columns:

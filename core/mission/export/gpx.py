@@ -24,7 +24,7 @@ def gpx_text(plan: Plan) -> Iterator[str]:
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
         f'xmlns:terrainav="{NAMESPACE}">\n'
-        f"<metadata><name>TerrAInav plan</name><time>{plan.start}</time></metadata>\n"
+        f"<metadata><name>TerrAInav plan</name><time>{plan.direct.start}</time></metadata>\n"
     )
     path = plan.path
     place = takeoff_of(plan)

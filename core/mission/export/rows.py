@@ -49,8 +49,8 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             "zoom": [plan.zoom] * len(plan.column[part]),
             **{name: values[part].tolist() for name, values in columns.items()},
         }
-        if plan.has_times:
-            batch["time_utc"] = clock(plan.start, plan.times_s[part])
+        if plan.direct.has_times:
+            batch["time_utc"] = clock(plan.direct.start, plan.times_s[part])
         for index, corner in enumerate(("nw", "ne", "se", "sw")):
             hit = plan.corners.hit[part, index].tolist()
             for axis, values in (
@@ -108,7 +108,9 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
 def csv_text(plan: Plan) -> Iterator[str]:
     """Text of the table, in blocks."""
     more = [
-        name for name, there in (("time_utc", plan.has_times), ("height_m", plan.relief is not None)) if there
+        name
+        for name, there in (("time_utc", plan.direct.has_times), ("height_m", plan.relief is not None))
+        if there
     ]
     names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS)
     yield ",".join(names) + "\n"

@@ -109,7 +109,7 @@ def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
                 agl[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[at]) - 90.0).tolist(),
-                clock(plan.start, path.time_s[part]),
+                clock(plan.direct.start, path.time_s[part]),
                 kinds,
             ),
         )

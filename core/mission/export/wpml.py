@@ -226,7 +226,7 @@ def _kmz(plan: Plan, sortie: Sortie) -> bytes:
 
 def _template(plan: Plan, sortie: Sortie) -> Iterator[str]:
     drone = _drone(plan)
-    made_ms = round(utc_time(plan.start).timestamp() * 1000.0)
+    made_ms = round(utc_time(plan.direct.start).timestamp() * 1000.0)
     yield (
         _head(drone)
         + (

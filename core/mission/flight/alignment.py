@@ -70,7 +70,7 @@ class Alignment(NamedTuple):
 
 def flown_m(made: Plan) -> float:
     """Length of the flight in metres as in estimates: with turns and transit where the mission has them."""
-    return made.flight_distance_m if made.path.is_captures else made.path.distance_m
+    return made.direct.distance_m if made.path.is_captures else made.path.distance_m
 
 
 def align_rows(

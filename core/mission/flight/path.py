@@ -22,6 +22,7 @@ from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..relief.modelled import ModelledRelief, no_ground
 from ..relief.overflown import Overflown, Profile
+from .direct import DirectFlight
 from .motion import legs
 
 #: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
@@ -79,8 +80,8 @@ class Planned(Protocol):
         ...
 
     @property
-    def exposures_s(self) -> Floats:
-        """Seconds of each capture after the first one, of a flight of captures alone, (n,)."""
+    def direct(self) -> DirectFlight:
+        """The flight from capture to capture, without turns."""
         ...
 
 
@@ -194,7 +195,7 @@ def _captures_alone(plan: Planned) -> FlightPath:
         np.full(count, CAPTURE, np.int8),
         np.arange(count, dtype=np.int64),
         np.zeros(count, np.int64),
-        plan.exposures_s,
+        plan.direct.exposures_s,
         float(ground[0]),
     )
 
@@ -241,7 +242,7 @@ class _Maker:
         is_points = isinstance(self._mission.area, Points)
         asked = meant.agl_m if is_points else np.minimum(meant.agl_m, self._mission.flight.agl_m)
         self._asked_agl = np.asarray(asked)
-        self._exposures_s = plan.exposures_s
+        self._exposures_s = plan.direct.exposures_s
         self._own_times = isinstance(self._mission.area, Points) and bool(self._mission.area.times_s)
         lat, lon = self._captures.lat, self._captures.lon
         middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0

@@ -62,12 +62,12 @@ def area_sun(plan: Plan) -> Sun | None:
     """Position of the sun during the flight; None where the mission has no start time."""
     # The times of a line count from the start that is entered, so they add no date of their own.
     if plan.mission.flight.start == Flight.start and (
-        not plan.has_times or utc_time(plan.start) == utc_time(Flight.start)
+        not plan.direct.has_times or utc_time(plan.direct.start) == utc_time(Flight.start)
     ):
         return None
     west, south, east, north = plan.mission.area.bounds.edges_deg
     seconds = plan.path.time_s[[0, -1]]
-    heights, azimuths = sun_position(plan.start, seconds, (south + north) / 2.0, (west + east) / 2.0)
+    heights, azimuths = sun_position(plan.direct.start, seconds, (south + north) / 2.0, (west + east) / 2.0)
     return Sun(float(heights[0]), float(azimuths[0]), float(heights[1]), float(azimuths[1]))
 
 
@@ -90,7 +90,7 @@ class _Shots(NamedTuple):
 
 
 def _shots(plan: Plan) -> _Shots:
-    way = plan.legs
+    way = plan.direct.legs
     along = way.distance_m > 0.0 if len(plan) > 1 else np.zeros(0, bool)
     along &= np.diff(plan.row) == 0
     azimuth = np.radians(way.azimuth_deg[along])

@@ -6,6 +6,7 @@ In reading order:
 - `rotated`: rows that are turned from east, or crossed
 - `polygons`: several polygons as one flight
 - `no_fly`: captures over no-fly areas, which are left out
+- `frames`: the two kinds of frames: rectangles of the map, or what the camera sees
 - `framing`: the frames of the captures, their zoom and their size
 - `coverage`: what the pictures show, what neighbours share, and where the source has no imagery
 """

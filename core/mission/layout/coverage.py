@@ -504,8 +504,8 @@ def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:
     return (float(shares.min()), float(np.median(shares))) if len(shares) else (None, None)
 
 
-class Imagery(NamedTuple):
-    """What a source has imagery of.
+class ImageryShare(NamedTuple):
+    """How much of a mission lies on the imagery of its source.
 
     Attributes
     ----------
@@ -520,19 +520,19 @@ class Imagery(NamedTuple):
     partly: int
 
 
-def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imagery:
-    """What of an area, and of pictures over it, lies on the extent of the source's imagery.
+def imagery_share(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> ImageryShare:
+    """Shares of an area, and of pictures over it, that lie on the extent of the source's imagery.
 
     The share of the area is None where that lies in a plane of its own (see `rotated.share_on`).
     """
     whole = None if isinstance(area, Points) else 1.0
     if grid.extent is None:
-        return Imagery(whole, 0, 0)
+        return ImageryShare(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
     outside, partly = _pictures_beyond(windows, extent, grid, zoom)
     share = None if isinstance(area, Points) or grid.own else _share(area, extent)
-    return Imagery(share, outside, partly)
+    return ImageryShare(share, outside, partly)
 
 
 def rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
-from typing import NamedTuple, Protocol
+from functools import cached_property, partial
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,10 +36,20 @@ from ..areas.area import Points
 from ..mission import Mission
 from ..parts import FIRST, GROUND, TRACK
 from ..relief.modelled import Flown, ModelledRelief
+from .frames import CameraFrames, Frames, MapFrames, finest_zoom_of
 from .no_fly import left_out
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, bounds_with_margin, from_entry, lay_out, point_angles_deg, row_yaws_deg, sees_below
+from .rows import (
+    Layout,
+    bounds_with_margin,
+    from_entry,
+    lay_out,
+    lay_out_points,
+    point_angles_deg,
+    row_yaws_deg,
+    sees_below,
+)
 
 #: Places and nominal poses to the poses that are flown.
 Disturbed = Callable[[Layout, Poses], Poses]
@@ -64,7 +74,6 @@ _ROUNDED_PX = 1.0
 class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
-    ``sizes`` are those of camera frames, and None for map frames, whose windows are the pictures.
     ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are. ``parts`` are
     the indices of the first captures of several polygons, and ``left_out`` is how many captures no-fly areas have cost.
     """
@@ -73,7 +82,7 @@ class Framed(NamedTuple):
     poses: Poses
     zoom: int
     windows: Windows
-    sizes: Sizes | None
+    frames: Frames
     passes: tuple[Pass, ...] = ()
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
@@ -83,6 +92,11 @@ class Framed(NamedTuple):
 class Framing(Protocol):
     """A kind of frame."""
 
+    @property
+    def resamples(self) -> bool:
+        """Whether pictures are resampled: windows on the map only lie inside them."""
+        ...
+
     def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
         """Edges of the frames of poses, for pixels of this world fraction."""
         ...
@@ -91,8 +105,8 @@ class Framing(Protocol):
         """Zoom of a mission's pictures."""
         ...
 
-    def sizes(self, layout: Layout) -> Sizes | None:
-        """Sizes of pictures that are not as large as their windows."""
+    def frames(self, layout: Layout, windows: Windows, poses: Poses, /) -> Frames:
+        """Frames of the pictures, whose sizes follow from a layout or from their windows."""
         ...
 
 
@@ -118,87 +132,170 @@ def framed(
     InvalidInput
         As `plan` does.
     """
-
-    def in_rows(pixel: float) -> tuple[Layout, tuple[int, ...]]:
-        def frames(lat_deg: Floats, agl_m: Floats) -> FrameEdges:
-            leans = (mission.attitude.tilt_deg, mission.attitude.roll_deg)
-            return _common_edges(
-                [
-                    framing.edges(
-                        Poses.from_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans), pixel
-                    )
-                    for yaw in row_yaws_deg(mission)
-                ]
-            )
-
-        def of_one(part: Mission) -> tuple[Layout, tuple[Pass, ...]]:
-            return lay_out(part, frames, pixel, relief), ()
-
-        layout, _, parts = lay_out_polygons(mission, of_one)
-        if relief is None or relief.reaches(layout.lat_deg, layout.lon_deg):
-            return layout, parts
-        layout, _, parts = lay_out_polygons(mission, of_one)
-        return layout, parts
-
-    def in_plane(room: Mapping[str, float]) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
-        # Turned rows are all alike, as tight as the highest ground needs.
-        least = _over_highest(mission, relief)
-        lower = _deepest_share(least, relief)
-        return lay_out_polygons(
-            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, lower=lower, **room)
-        )
-
     zoom_of = partial(_zoom, mission, framing, relief)
-    passes: tuple[Pass, ...] = ()
-    if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
-        layout, passes, parts = in_plane({})
-        room = _room_in_plane(mission, grid, framing, layout, zoom_of)
-        if room:
-            layout, passes, parts = in_plane(room)
-    else:
-        layout, parts = in_rows(0.0)
-        if grid.own is not None:
-            layout = _from_grid_north(mission, grid.own, layout)
-    zoom = zoom_of(layout)
-    if not passes and not isinstance(mission.area, Points):
-        # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
-        # take the lower one, whose pixels are larger.
-        layout, parts = in_rows(1.0 / grid.world_px(zoom))
-        lower = zoom_of(layout)
-        if lower != zoom:
-            zoom = min(zoom, lower)
-            layout, parts = in_rows(1.0 / grid.world_px(zoom))
-    layout, passes, parts, lost = left_out(mission.no_fly, layout, passes, parts)
+    rows = _rows_of(mission, grid, framing, relief)
+    placed = rows.first
+    zoom = zoom_of(placed.layout)
+    if rows.needs_room:
+        placed = rows.place(zoom)
+        lower = zoom_of(placed.layout)
+        if lower < zoom:
+            # The room, a share of a pixel, may take the lower of two zooms, whose pixels are larger.
+            zoom = lower
+            placed = rows.place(zoom)
+    layout, passes, parts, lost = left_out(mission.no_fly, *placed)
     layout = from_entry(mission, layout, (*parts, *(one.first for one in passes)))
     flown = None
     if relief is not None:
         flown = relief.flown(layout)
         layout = layout._replace(agl_m=flown.seen_agl_m)
-    sizes = framing.sizes(layout if relief is None else relief.as_alone(layout, flown))
     poses = disturbed(layout, nominal_poses(mission, layout))
     still = mission.wind is None and grid.own is None and flown is None
-    alike = passes and still and sizes is not None
+    alike = passes and still and framing.resamples
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
-    return Framed(layout, poses, zoom, windows, sizes, passes, flown, parts, lost)
+    frames = framing.frames(layout if relief is None else relief.as_alone(layout, flown), windows, poses)
+    return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost)
 
 
-def _room_in_plane(
-    mission: Mission,
-    grid: PixelGrid,
-    framing: Framing,
-    layout: Layout,
-    zoom_of: Callable[[Layout], int],
-) -> dict[str, float]:
-    """What `lay_out_rotated` is to leave room for; nothing where a first layout needs none."""
-    if grid.own is not None:
-        # Outer frames leave room for the rounding of their edges to the grid's pixels.
-        return {"room_m": _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))}
-    if framing.sizes(layout) is None:
+class PlacedCaptures(NamedTuple):
+    """Captures in rows: their layout, passes, and the indices of the first captures of several polygons."""
+
+    layout: Layout
+    passes: tuple[Pass, ...] = ()
+    parts: tuple[int, ...] = ()
+
+
+class Placing(Protocol):
+    """A way of placing a mission's captures."""
+
+    @property
+    def first(self) -> PlacedCaptures:
+        """Captures without room for the rounding of frames to pixels."""
+        ...
+
+    @property
+    def needs_room(self) -> bool:
+        """Whether frames are rounded to pixels."""
+        ...
+
+    def place(self, zoom: int, /) -> PlacedCaptures:
+        """Captures with room for the rounding of frames to the pixels of a zoom."""
+        ...
+
+
+@dataclass(frozen=True)
+class _SinglePoints:
+    """Captures at the points of a mission."""
+
+    mission: Mission
+    grid: PixelGrid
+
+    needs_room: ClassVar[bool] = False
+
+    @cached_property
+    def first(self) -> PlacedCaptures:
+        """Captures at the points; yaws that the mission gives them count from grid north."""
+        layout, own = lay_out_points(self.mission), self.grid.own
+        return PlacedCaptures(layout if own is None else _from_grid_north(self.mission, own, layout))
+
+    def place(self, _zoom: int, /) -> PlacedCaptures:
+        """The same at every zoom."""
+        return self.first
+
+
+@dataclass(frozen=True)
+class _RowsAlongParallels:
+    """Rows along parallels of the map, of the frames at their latitudes."""
+
+    mission: Mission
+    grid: PixelGrid
+    framing: Framing
+    relief: ModelledRelief | None
+
+    needs_room: ClassVar[bool] = True
+
+    @cached_property
+    def first(self) -> PlacedCaptures:
+        """Captures without room for the rounding of frames to pixels."""
+        return self._placed(0.0)
+
+    def place(self, zoom: int, /) -> PlacedCaptures:
+        """Captures whose outermost frames leave room for the rounding of their edges."""
+        return self._placed(1.0 / self.grid.world_px(zoom))
+
+    def _placed(self, pixel: float) -> PlacedCaptures:
+        relief = self.relief
+        frames = partial(self._common_frames, pixel)
+
+        def of_one(part: Mission) -> tuple[Layout, tuple[Pass, ...]]:
+            return lay_out(part, frames, pixel, relief), ()
+
+        placed = PlacedCaptures(*lay_out_polygons(self.mission, of_one))
+        if relief is None or relief.reaches(placed.layout.lat_deg, placed.layout.lon_deg):
+            return placed
+        return PlacedCaptures(*lay_out_polygons(self.mission, of_one))
+
+    def _common_frames(self, pixel: float, lat_deg: Floats, agl_m: Floats) -> FrameEdges:
+        """Edges that frames of rows flown to and fro have in common, (n,)."""
+        leans = (self.mission.attitude.tilt_deg, self.mission.attitude.roll_deg)
+        poses = (
+            Poses.from_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans)
+            for yaw in row_yaws_deg(self.mission)
+        )
+        west, east, top, bottom = zip(*(self.framing.edges(some, pixel) for some in poses))
+        return FrameEdges(
+            np.max(west, axis=0), np.min(east, axis=0), np.max(top, axis=0), np.min(bottom, axis=0)
+        )
+
+
+@dataclass(frozen=True)
+class _RowsInPlane:
+    """Rows in a plane about the area, or in that of the source's CRS."""
+
+    mission: Mission
+    grid: PixelGrid
+    framing: Framing
+    relief: ModelledRelief | None
+
+    @property
+    def needs_room(self) -> bool:
+        """Whether frames are rounded to pixels; those of cameras about an area lie where they are."""
+        return self.grid.own is not None or not self.framing.resamples
+
+    @cached_property
+    def first(self) -> PlacedCaptures:
+        """Captures without room for the rounding of frames to pixels."""
+        return self._placed()
+
+    def place(self, zoom: int, /) -> PlacedCaptures:
+        """Captures whose outermost frames, or all, leave room for the rounding of their edges."""
+        grid = self.grid
+        if grid.own is not None:
+            return self._placed(room_m=_ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom)))
         # Map frames have rounded edges, and lie a little across the axes of a plane about the area.
-        off_px = _ROUNDED_PX + mission.accuracy.error_budget_px
-        pixels_m = grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom_of(layout))
-        return {"narrowed_m": off_px * float(np.max(pixels_m))}
-    return {}
+        off_px = _ROUNDED_PX + self.mission.accuracy.error_budget_px
+        layout = self.first.layout
+        pixels_m = grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom)
+        return self._placed(narrowed_m=off_px * float(np.max(pixels_m)))
+
+    def _placed(self, **room: float) -> PlacedCaptures:
+        # Turned rows are all alike, as tight as the highest ground needs.
+        least = _over_highest(self.mission, self.relief)
+        lower, ground = _deepest_share(least, self.relief), ground_of(self.mission)
+        return PlacedCaptures(
+            *lay_out_polygons(
+                least, lambda part: lay_out_rotated(part, ground, self.grid.own, lower=lower, **room)
+            )
+        )
+
+
+def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: ModelledRelief | None) -> Placing:
+    """Way of placing a mission's captures."""
+    if isinstance(mission.area, Points):
+        return _SinglePoints(mission, grid)
+    if is_rotated(mission) or grid.own is not None:
+        return _RowsInPlane(mission, grid, framing, relief)
+    return _RowsAlongParallels(mission, grid, framing, relief)
 
 
 def _laid_out_first(mission: Mission, layout: Layout) -> int:
@@ -227,14 +324,6 @@ def _from_grid_north(mission: Mission, own: ProjectedPlane, layout: Layout) -> L
         # Its own, and true; and so is that of its track.
         return layout
     return layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
-
-
-def _common_edges(ways: list[FrameEdges]) -> FrameEdges:
-    """What frames of one camera have in common that rows flown to and fro see in turn, (n,)."""
-    if len(ways) == 1:
-        return ways[0]
-    west, east, top, bottom = (np.stack(edges) for edges in zip(*ways))
-    return FrameEdges(west.max(axis=0), east.min(axis=0), top.max(axis=0), bottom.min(axis=0))
 
 
 def _zoom(mission: Mission, framing: Framing, relief: ModelledRelief | None, layout: Layout) -> int:
@@ -366,7 +455,7 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
         else float(np.median(grid.own.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
     )
     span = float(np.median(px_m / np.maximum(stretch, 1.0)))
-    return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
+    return fitting_detail(span, grid, (grid.min_zoom, finest_zoom_of(mission, grid)))
 
 
 def _some(*values: Floats) -> tuple[Floats, ...]:
@@ -374,22 +463,12 @@ def _some(*values: Floats) -> tuple[Floats, ...]:
     return tuple(value[:: -(-len(value) // _SOME)] for value in values)
 
 
-def _highest(mission: Mission, grid: PixelGrid) -> int:
-    return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
-
-
-def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
-    """Lowest and highest zoom that camera frames take their pixels from."""
-    highest = _highest(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
-    return grid.min_zoom, max(highest, grid.min_zoom)
-
-
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
         raise InvalidInput(
             "zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom"
         )
-    if zoom > _highest(mission, grid):
+    if zoom > finest_zoom_of(mission, grid):
         raise InvalidInput(
             "zoom {0}: the source's own pixels end at zoom {1}",
             zoom,
@@ -404,6 +483,8 @@ def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
 class MapFraming:
     """Pictures that are rectangles of the map."""
 
+    resamples: ClassVar[bool] = False
+
     mission: Mission
     grid: PixelGrid
 
@@ -411,8 +492,9 @@ class MapFraming:
         """Edges through the midpoints of the images' edges, whatever the pixel."""
         return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.own)
 
-    def sizes(self, layout: Layout) -> None:
-        """None: each picture is as large as its window."""
+    def frames(self, _layout: Layout, windows: Windows, poses: Poses, /) -> MapFrames:
+        """Frames as large as their windows."""
+        return MapFrames.of_windows(windows, poses, self.grid)
 
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
@@ -420,7 +502,7 @@ class MapFraming:
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
         if mission.pixels.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, _highest(mission, grid))
+            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, finest_zoom_of(mission, grid))
         camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         level = np.broadcast_to(np.float64(0.0), layout.lat_deg.shape)
@@ -456,6 +538,8 @@ class MapFraming:
 class CameraFraming:
     """Pictures as the camera sees them; on the map they count for the north-up rectangle inside."""
 
+    resamples: ClassVar[bool] = True
+
     mission: Mission
     grid: PixelGrid
 
@@ -466,6 +550,10 @@ class CameraFraming:
                 self.grid.own, self.mission.camera, poses, ground_of(self.mission), pixel
             )
         return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
+
+    def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
+        """Frames of `sizes`."""
+        return CameraFrames(self.sizes(layout))
 
     def sizes(self, layout: Layout) -> Sizes:
         """Sizes of images: as fine as the zoom or the distance asked for, else the camera's as far as allowed.
@@ -482,7 +570,7 @@ class CameraFraming:
         width = np.broadcast_to(np.float64(most), layout.lat_deg.shape)
         ground_m = mission.camera.ground_size_m(1.0)[0] * self._of_each(layout.agl_m)
         if mission.pixels.gsd_m_per_px is not None:
-            finest_m = float(np.median(self._pixels_m(layout, _highest(mission, grid))))
+            finest_m = float(np.median(self._pixels_m(layout, finest_zoom_of(mission, grid))))
             if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
@@ -490,7 +578,7 @@ class CameraFraming:
             zoom = _checked_zoom(mission.pixels.zoom, mission, grid)
             width = ground_m / self._pixels_m(layout, zoom)
         elif not mission.pixels.upsample:
-            shown = ground_m / self._pixels_m(layout, _highest(mission, grid))
+            shown = ground_m / self._pixels_m(layout, finest_zoom_of(mission, grid))
             width = np.minimum(width, np.maximum(shown, max(1.0, aspect)))
         sizes = Sizes.of(width, aspect)
         least = float(width.min())
@@ -609,13 +697,13 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     _, top, _, bottom = windows.bounds_px
     if grid.own is not None:
         outside = np.zeros(len(top), bool)
-    elif framed.sizes is not None:
+    elif not framed.frames.on_map:
         middle = (top + bottom) / 2.0
         outside = ~((middle >= 0.0) & (middle <= world))
     else:
         outside = (top < 0) | (bottom > world) | (windows.width_px > world)
     beyond = np.flatnonzero(outside)
-    if framed.sizes is not None and len(beyond):
+    if not framed.frames.on_map and len(beyond):
         beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
     if len(beyond):
         place = Message(
@@ -623,7 +711,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
             float(poses.lat_deg[beyond[0]]),
             float(poses.agl_m[beyond[0]]),
         )
-        if framed.sizes is not None:
+        if not framed.frames.on_map:
             raise InvalidInput(
                 "{0}: lies beyond the map, which ends at ±{1:.4f}",
                 place,
@@ -636,7 +724,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
             MAX_LAT_DEG,
             remedy="fly lower or nearer to the equator, or choose imagery in a polar CRS",
         )
-    if framed.sizes is not None:
+    if not framed.frames.on_map:
         return
     small = np.minimum(windows.width_px, windows.height_px) < 1
     if small.any():

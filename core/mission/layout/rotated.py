@@ -114,7 +114,7 @@ class Pass(NamedTuple):
         )
 
 
-class Shape(NamedTuple):
+class PlaneArea(NamedTuple):
     """An area in a plane: its rings, outer one first, whose sides leave the true ones by ``bend_m`` at most."""
 
     rings: tuple[tuple[Floats, Floats], ...]
@@ -355,7 +355,7 @@ def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back
     return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon, is_back), tilt, roll)
 
 
-def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid, is_back: bool) -> Sides:
+def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellipsoid, is_back: bool) -> Sides:
     """Sides of the rectangle that images all over a shape show, from the camera's place, of rows flown one way."""
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1), is_back)
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
@@ -422,11 +422,11 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid,
     return _narrower(common, bend)
 
 
-def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> Shape:
+def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> PlaneArea:
     """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
     found = [_cut(lon, lat, plane, bend_m) for lon, lat in rings_of(area)]
     # Twice what is seen, for pieces that bend unevenly.
-    return Shape(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
+    return PlaneArea(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
 
 
 def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> tuple[Floats, Floats, float]:
@@ -563,14 +563,14 @@ def _around(points: Floats) -> Floats:
     return np.array([[west, south], [east, south], [east, north], [west, north]])
 
 
-def _clipped_m2(shape: Shape, rectangle: Floats) -> list[float]:
+def _clipped_m2(shape: PlaneArea, rectangle: Floats) -> list[float]:
     """Areas in the plane of a shape's rings inside a rectangle (4, 2), holes negative."""
     parts = [within(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
     areas = [abs(twice_area(part)) / 2.0 for part in parts]
     return [area if number == 0 else -area for number, area in enumerate(areas)]
 
 
-def _ground_on(plane: TurnedPlane, shape: Shape, found: Rectangles) -> Floats:
+def _ground_on(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) -> Floats:
     """Square metres of ground of a shape inside rectangles, (n,): their areas in the plane by its scale there.
 
     A plane may hold a pole, about which longitudes have no order that an area could be worked out by.
@@ -586,7 +586,7 @@ def _ground_on(plane: TurnedPlane, shape: Shape, found: Rectangles) -> Floats:
     return ground[ground > 0.0]
 
 
-def _near(shape: Shape, found: Rectangles) -> Rectangles:
+def _near(shape: PlaneArea, found: Rectangles) -> Rectangles:
     """Rectangles that may share ground with what a shape stands for."""
     x0, y0, x1, y1 = found
     bend = shape.bend_m

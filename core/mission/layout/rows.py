@@ -124,10 +124,8 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
         sees past the horizon.
     """
     area = mission.area
-    if isinstance(area, Points):
-        return _points(mission, area)
-    if isinstance(area, Polygons):
-        raise InvalidInput("several polygons have rows each by themselves")
+    if isinstance(area, (Points, Polygons)):
+        raise InvalidInput("points have no rows, and several polygons have rows each by themselves")
     refuse_beyond_mercator(bounds_with_margin(mission, area))
 
     aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
@@ -195,7 +193,11 @@ def refuse_too_many(count: float, limit: int) -> None:
         )
 
 
-def _points(mission: Mission, area: Points) -> Layout:
+def lay_out_points(mission: Mission) -> Layout:
+    """Captures at the points of a mission, in their order."""
+    area = mission.area
+    if not isinstance(area, Points):
+        raise InvalidInput("rows cover an area")
     refuse_too_many(len(area.poses), mission.output.max_images)
     lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
     index = np.arange(len(lat), dtype=np.int64)
@@ -414,7 +416,7 @@ def _row_centres(
     mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
 ) -> tuple[Floats, FrameEdges]:
     """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
-    rows = _Rows(mission, box, frames, pixel, refuse_early=refuse_early)
+    rows = _ParallelRows(mission, box, frames, pixel, refuse_early=refuse_early)
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     while count > len(centres):
@@ -430,7 +432,7 @@ def _row_centres(
     return placed, edges
 
 
-class _Rows:
+class _ParallelRows:
     """Rows of frames between two parallels, as world fractions."""
 
     def __init__(
@@ -831,14 +833,14 @@ def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
     return turned
 
 
-class _Way(NamedTuple):
+class _RowOrder(NamedTuple):
     """An order of a pass, and whether each of its rows is flown the other way than it is laid out."""
 
     order: Numbers
     turned: bool
 
 
-def _ways(layout: Layout, part: slice, order: str) -> list[_Way]:
+def _ways(layout: Layout, part: slice, order: str) -> list[_RowOrder]:
     """Orders of a pass: from its first row or its last, and along its first row or back."""
     _, row = np.unique(layout.row[part], return_inverse=True)
     last, column = int(row.max()), layout.column[part]
@@ -848,7 +850,7 @@ def _ways(layout: Layout, part: slice, order: str) -> list[_Way]:
         # Of an even number of rows the last one is laid out backwards.
         is_other = from_last and order != ONE_WAY and last % 2 == 1
         for own, turned in ((column, is_other), (-column, not is_other)):
-            found.append(_Way(np.lexsort((np.where(back, -own, own), rows)), turned))
+            found.append(_RowOrder(np.lexsort((np.where(back, -own, own), rows)), turned))
     return found
 
 

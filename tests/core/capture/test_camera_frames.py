@@ -46,7 +46,7 @@ def test_gdal_reads_the_pose_and_control_points_that_the_50_digit_camera_confirm
         tmp_path / "out", area, tilt_deg=tilt, yaw_deg=30.0, image_format=image_format, ground_height_m=80.0
     )
     opened = gdal.Open(str(tmp_path / "out" / "satellite" / f"{worked_out.names[0]}.{image_format}"))
-    assert (opened.RasterXSize, opened.RasterYSize) == worked_out.size_px == (160, 120)
+    assert (opened.RasterXSize, opened.RasterYSize) == worked_out.frames.largest_px == (160, 120)
     masked = tilt > 80.0 and image_format != "jpg"
     assert opened.RasterCount == (4 if masked else 3)
     metadata = opened.GetMetadata()

@@ -66,7 +66,7 @@ def test_the_tags_alone_put_the_corners_of_a_camera_frame_where_the_plan_has_the
         plans.append(worked_out)
         photos += paths
     for (_, _, ground, attitude), worked_out, tags in zip(cases, plans, exiftool(*photos)):
-        width, height = worked_out.size_px
+        width, height = worked_out.frames.largest_px
         seen_lon, seen_lat = ground_seen(tags, [(0, 0), (width, 0), (width, height), (0, height)], ground)
         corners = worked_out.corners
         _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, corners.lon_deg[0], corners.lat_deg[0])
@@ -115,7 +115,7 @@ def test_focal_length_and_pixels_of_the_sensor_give_the_field_of_view(tmp_path, 
     assert (tags["IFD0:Make"], tags["IFD0:Model"], tags["IFD0:Software"]) == ("TerrAInav", model, "TerrAInav")
     assert 1.0 / (2.0 * camera.half_tangents[0]) == pytest.approx(focal_ratio(tags), rel=SIXTH_DIGIT)
     length = tags["ExifIFD:FocalLength"]
-    width, height = worked_out.size_px
+    width, height = worked_out.frames.largest_px
     longer_mm = length * 2.0 * max(camera.half_tangents)
     if focal_length_mm is None:
         assert longer_mm == pytest.approx(36.0, rel=SIXTH_DIGIT)
@@ -164,7 +164,7 @@ def test_every_photo_says_where_and_when_along_the_flight_it_was_taken(tmp_path)
         assert (int(hours), int(minutes)) == (taken.hour, taken.minute)
         assert float(seconds) == pytest.approx(taken.second + taken.microsecond / 1e6, abs=1e-7)
         # The picture's middle is off the camera by less than a pixel: so much may readers be off.
-        ground_m = worked_out.camera_gsd_m_per_px
+        ground_m = worked_out.resolution.camera_m_per_px
         assert 0.01 <= tags["XMP-Camera:GPSXYAccuracy"] < 0.01 + 1.5 * ground_m
         assert 0.01 <= tags["XMP-Camera:GPSZAccuracy"] < 0.01 + 120.0 * 0.0034
     assert worked_out.times_s[-1] > 1.0
@@ -195,7 +195,7 @@ def test_pillow_and_gdal_read_the_same(tmp_path):
     gdal.UseExceptions()
     worked_out, (path,) = photographed(tmp_path, one(*AGRICENTER, yaw_deg=30.0, tilt_deg=20.0, max_px=100))
     with Image.open(path) as image:
-        assert image.size == worked_out.size_px
+        assert image.size == worked_out.frames.largest_px
         root, exposure = image.getexif(), image.getexif().get_ifd(0x8769)
         assert (root[271], root[274]) == ("TerrAInav", 1)
         assert (exposure[40962], exposure[40963]) == image.size

@@ -86,11 +86,13 @@ def test_both_files_say_what_the_photos_say(tmp_path, mission):
         assert model["focal_y"] / model["focal_x"] == pytest.approx(shape, rel=4 * SIXTH_DIGIT)
         assert {model[name] for name in ("c_x", "c_y", "k1", "k2", "k3", "p1", "p2")} == {0.0}
     assert used == set(models)
-    if worked_out.size_px is not None:
+    if not worked_out.frames.on_map:
         camera = mission.camera
         (model,) = models.values()
-        longer = max(worked_out.size_px)
-        exact = [size / longer / 2.0 / tan for size, tan in zip(worked_out.size_px, camera.half_tangents)]
+        longer = max(worked_out.frames.largest_px)
+        exact = [
+            size / longer / 2.0 / tan for size, tan in zip(worked_out.frames.largest_px, camera.half_tangents)
+        ]
         assert [model["focal_x"], model["focal_y"]] == pytest.approx(exact, rel=SIXTH_DIGIT)
 
 

@@ -48,7 +48,7 @@ def away_px(worked_out, index, lat, dlon, x, y):
     )
     if found is None:
         return None
-    width, height = float(worked_out.width_px[index]), float(worked_out.height_px[index])
+    width, height = float(worked_out.frames.width_px[index]), float(worked_out.frames.height_px[index])
     return math.hypot((float(found[0]) - x) * width / 2, (float(found[1]) - y) * height / 2)
 
 
@@ -66,10 +66,10 @@ def corner_error_px(worked_out, index):
 
 def picture_error_px(worked_out, index):
     pose = worked_out.poses.take(np.array([index]))
-    if worked_out.size_px is None:
+    if worked_out.frames.on_map:
         lat, dlon, wanted = map_frame_points(worked_out.mission.camera, pose)
         return max(away_px(worked_out, index, a, b, *c) for a, b, c in zip(lat[0], dlon[0], wanted))
-    scene = Scene(worked_out.mission.camera, *worked_out.size_px, pose)
+    scene = Scene(worked_out.mission.camera, *worked_out.frames.largest_px, pose)
     cells = mesh(ImageRays.of(scene), worked_out.accuracy.mesh_tolerance_px)
     rng = np.random.default_rng(4)
     which = rng.integers(0, len(cells.box), 60)

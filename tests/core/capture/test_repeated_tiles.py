@@ -227,7 +227,7 @@ def test_pictures_of_static_maps_are_compared_as_well(tmp_path, monkeypatch):
         with closing(open_source("google-static", key="k")) as source:
             worked_out = plan(mission, source.grid)
             result = capture(worked_out, source, tmp_path / "out")
-        sizes = set(zip(worked_out.width_px.tolist(), worked_out.height_px.tolist()))
+        sizes = set(zip(worked_out.frames.width_px.tolist(), worked_out.frames.height_px.tolist()))
         assert len(result.repeated) == len(sizes) > 1
         assert sum(repeat.places for repeat in result.repeated) == len(worked_out)
         digests = [repeat.sha256 for repeat in result.repeated]

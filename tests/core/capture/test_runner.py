@@ -631,7 +631,7 @@ def test_large_pictures_are_made_a_few_at_a_time(in_one_go, tmp_path, monkeypatc
 
     monkeypatch.setattr(making, "Pipeline", Watched)
     capture(worked_out, PatternSource(), tmp_path / "many")
-    largest_px = int((worked_out.width_px * worked_out.height_px).max())
+    largest_px = int((worked_out.frames.width_px * worked_out.frames.height_px).max())
     assert asked == [limits.MAX_PICTURES_AT_ONCE_PX // largest_px] * 2
     assert asked[0] > 256
     monkeypatch.setattr(making, "MAX_PICTURES_AT_ONCE_PX", largest_px - 1)

@@ -48,7 +48,7 @@ FIELDS = Polygons(
 def captured(folder, mission, source=None):
     source = source or WorldSource()
     made = plan(mission, source.grid)
-    assert made.size_px is None
+    assert made.frames.on_map
     capture(made, source, folder)
     return made, source
 
@@ -85,7 +85,10 @@ def test_pixels_are_the_source_s_own_where_gdal_says_that_they_are(tmp_path, end
     for index, yaw in enumerate(YAWS):
         raster = gdal.Open(str(tmp_path / "satellite" / f"{made.names[index]}.{ending}"))
         assert osr.SpatialReference(raster.GetProjection()).IsSame(epsg(3857))
-        assert (raster.RasterXSize, raster.RasterYSize) == (made.width_px[index], made.height_px[index])
+        assert (raster.RasterXSize, raster.RasterYSize) == (
+            made.frames.width_px[index],
+            made.frames.height_px[index],
+        )
         assert raster.RasterXSize > raster.RasterYSize
         x, y = places_of(raster)
         columns, rows = (x + np.pi * 6378137.0) / resolution, (np.pi * 6378137.0 - y) / resolution
@@ -180,8 +183,8 @@ def test_footprints_and_loaded_images_are_those_of_the_turned_files(tmp_path):
 def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):
     made, _ = captured(tmp_path, Mission(SMALL, 60.0, CAMERA, facing="track", overlap_along=0.3))
     assert made.coverage.complete
-    assert set(made.quarter_turns.tolist()) == {1, 3}
-    assert not made.is_north_up
+    assert set(made.frames.quarter_turns.tolist()) == {1, 3}
+    assert not made.frames.is_north_up
     assert made.overlap.least_along >= 0.3 - 0.01
     images = read_dataset(tmp_path).image_sets["satellite"]
     rows = np.arange(len(made))
@@ -235,7 +238,7 @@ def test_images_lie_by_quarter_turns_on_a_source_s_own_grid(tmp_path, azimuth):
         area = Box(lat[0], lon[0], lat[1], lon[1])
         mission = Mission(area, 60.0, CAMERA, facing="track", row_azimuth_deg=azimuth, source=str(path))
         made, _ = captured(tmp_path / "out", mission, source)
-    assert set(made.quarter_turns.tolist()) == ({1, 3} if azimuth else {0, 2})
+    assert set(made.frames.quarter_turns.tolist()) == ({1, 3} if azimuth else {0, 2})
     assert made.coverage.complete
     assert made.overlap.least_across > -1e-9
     for index in (0, len(made) - 1):
@@ -275,8 +278,8 @@ def test_rows_along_meridians_are_map_frames_that_leave_nothing_out(area, change
     made = plan(
         Mission(area, agl_m, CAMERA, **{"facing": "track", **changes}), PixelGrid(max_zoom=22, native_zoom=22)
     )
-    assert made.size_px is None
-    assert set(made.quarter_turns.tolist()) == turns
+    assert made.frames.on_map
+    assert set(made.frames.quarter_turns.tolist()) == turns
     assert made.coverage.complete
     # GEOS knows no camera and no rows: the windows hold the area.
     box = area.bounds
@@ -319,7 +322,7 @@ def polygon(x, y):
 
 def test_rows_that_were_camera_frames_before_others_could_be_turned_still_are():
     for changes in ({"row_azimuth_deg": 0.0}, {"crosshatch": True}):
-        assert plan(Mission(SMALL, 60.0, CAMERA, **changes), PixelGrid()).size_px is not None
+        assert not plan(Mission(SMALL, 60.0, CAMERA, **changes), PixelGrid()).frames.on_map
 
 
 @pytest.mark.parametrize("yaw", [1.0, 45.0, 89.0, 91.0])
@@ -341,7 +344,7 @@ def test_a_source_of_whole_images_gives_turned_ones():
     grid = PixelGrid(centre_decimals=6, max_size_px=640)
     made = plan(Mission(SMALL, 60.0, CAMERA, facing="track"), grid)
     assert made.coverage.complete
-    assert set(made.quarter_turns.tolist()) == {1, 3}
+    assert set(made.frames.quarter_turns.tolist()) == {1, 3}
 
 
 @pytest.mark.parametrize("turns", range(-4, 5))

@@ -404,7 +404,7 @@ def test_corners_and_outlines_lie_on_the_relief(dem):
         part = slice(4 * index, 4 * index + 4)
         seen = seen_by_one(made, index, lat[part], lon[part], hills(x[part] - WEST, NORTH - y[part]))
         assert np.abs(seen) == pytest.approx(1.0, abs=1e-3)
-    ring = made.outline(3)
+    ring = made.views.outline(3)
     assert len(ring.lat_deg) == 64
     lon_ring = made.lon_deg[3] + ring.dlon_deg
     x, y = TO_UTM.transform(lon_ring, ring.lat_deg)
@@ -488,7 +488,7 @@ def test_what_no_image_holds_is_not_covered(dem):
 def test_the_synthetic_source_is_planned_over_a_file(dem):
     mission = Mission(AREA, 90.0, elevation=(dem["hills"],))
     made = plan(mission, named_source("world").grid, heights_of(mission))
-    assert made.size_px is not None
+    assert not made.frames.on_map
     assert made.accuracy.relief
     assert made.accuracy.bound_px <= mission.accuracy.error_budget_px
 
@@ -541,7 +541,7 @@ def test_figures_say_what_is_below_a_flight_and_how_near_it_comes(dem):
     # Everything within the area and an image's reach beyond it, cell by cell.
     surface = made.relief.heights.surface.surface(*made.corners[:2])
     seen = surface.heights_m[np.isfinite(surface.heights_m)]
-    per_m = made.mission.camera.ground_size_m(1.0)[0] / made.size_px[0]
+    per_m = made.mission.camera.ground_size_m(1.0)[0] / made.frames.largest_px[0]
     assert found.finest_gsd_m_per_px == pytest.approx((190.0 - seen.max()) * per_m, rel=0.02)
     assert found.coarsest_gsd_m_per_px == pytest.approx((190.0 - seen.min()) * per_m, rel=0.02)
     column, row = surface.position(made.lat_deg, made.lon_deg)

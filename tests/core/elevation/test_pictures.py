@@ -121,14 +121,14 @@ def test_captures_of_level_ground_in_a_mission_over_relief_are_made_as_over_leve
     lon, lat = TO_DEGREES.transform(WEST + 400.0, NORTH - 330.0)
     made, source = one(files, "lake", x=150.0, agl=60.0, tilt_deg=tilt, also=((lat, lon, 60.0),))
     assert made.relief is not None
-    assert not made.view(0).samples
-    assert made.view(0).patches
-    assert made.view(1).samples
-    assert not made.view(1).patches
+    assert not made.views.view(0).samples
+    assert made.views.view(0).patches
+    assert made.views.view(1).samples
+    assert not made.views.view(1).patches
     quick = picture(made, source).pixels[..., :3].astype(int)
     monkeypatch.setattr(Tracing, "level_m", None)
-    assert made.view(0).samples
-    assert not made.view(0).patches
+    assert made.views.view(0).samples
+    assert not made.views.view(0).patches
     slow = picture(made, source).pixels[..., :3].astype(int)
     assert np.abs(quick - slow).max() <= 2
 
@@ -140,8 +140,8 @@ TILTS = [(0.0, 0.0), (30.0, 75.0), (55.0, 200.0)]
 @pytest.mark.parametrize("heights", ["hills", "tower"])
 def test_ground_points_lie_on_the_surface_and_where_a_pinhole_sees_them(files, heights, tilt, yaw):
     made, _ = one(files, heights, tilt_deg=tilt, yaw_deg=yaw)
-    width, height = made.size_px
-    seen = sighting(made, 0, made.size_px)
+    width, height = made.frames.largest_px
+    seen = sighting(made, 0, made.frames.largest_px)
     there = np.isfinite(seen.depth_m)
     assert there.mean() > 0.8
     camera, right, top, axis = axes(made)
@@ -174,7 +174,7 @@ def test_nothing_stands_between_the_camera_and_what_it_sees(files, tilt, yaw):
     made, _ = one(
         files, "tower", tilt_deg=tilt, yaw_deg=yaw, x=300.0, y=300.0 + 60.0 * np.cos(np.radians(yaw))
     )
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     at = np.flatnonzero(np.isfinite(seen.depth_m))[::37]
     lat, lon, high = (values.ravel()[at] for values in (seen.lat_deg, seen.lon_deg, seen.height_m))
     ends = np.stack(GEOCENTRIC.transform(lon, lat, high), axis=-1)
@@ -199,7 +199,7 @@ def test_nothing_stands_between_the_camera_and_what_it_sees(files, tilt, yaw):
 def test_each_pixel_has_the_colour_of_the_ground_that_it_sees(files, tilt, yaw):
     made, source = one(files, tilt_deg=tilt, yaw_deg=yaw)
     shown = picture(made, source)
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     there = shown.pixels[..., 3] > 0
     east, north = TO_UTM.transform(seen.lon_deg[there], seen.lat_deg[there])
     wanted = np.stack([40.0 + (east - WEST) / 4.0, 230.0 - (NORTH - north) / 4.0], axis=-1)
@@ -212,7 +212,7 @@ def test_each_pixel_has_the_colour_of_the_ground_that_it_sees(files, tilt, yaw):
 
 def test_normals_are_those_of_the_ground(files):
     made, _ = one(files, tilt_deg=20.0)
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     there = np.isfinite(seen.depth_m)
     east, north = TO_UTM.transform(seen.lon_deg[there], seen.lat_deg[there])
     x, y = east - WEST, NORTH - north
@@ -231,7 +231,7 @@ def test_normals_are_those_of_the_ground(files):
 def test_walls_are_marked_and_have_the_colour_of_the_roof_or_the_ground(files):
     made, source = one(files, "tower", tilt_deg=45.0, y=360.0, agl=70.0, photo="roofs")
     shown = picture(made, source)
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     assert 0.02 < seen.steep.mean() < 0.3
     assert shown.facade_share == pytest.approx(seen.steep.mean())
     wall = seen.height_m[seen.steep]
@@ -265,7 +265,7 @@ def town(tmp_path_factory):
     source = open_source(mission.imagery.source)
     made = plan(mission, source.grid, heights_of(mission))
     capture(made, source, folder)
-    return folder, made, [sighting(made, index, made.size_px) for index in range(2)]
+    return folder, made, [sighting(made, index, made.frames.largest_px) for index in range(2)]
 
 
 def written(town, index, map_type="satellite"):
@@ -380,7 +380,7 @@ def test_the_sky_is_behind_the_relief(files):
     shown = picture(made, source)
     assert shown.sky_share > 0.15
     # The tower stands up against it.
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     assert np.nanmax(seen.height_m) > hills(*TOWER) + 0.95 * HIGH
 
 
@@ -418,7 +418,7 @@ def test_a_capture_over_relief_is_whole(files, tmp_path):
     name = made.names[0]
     depth = gdal.Open(str(tmp_path / "out" / "depth" / f"{name}.tif"))
     assert depth.GetRasterBand(1).DataType == gdal.GDT_Float32
-    seen = sighting(made, 0, made.size_px)
+    seen = sighting(made, 0, made.frames.largest_px)
     np.testing.assert_array_equal(depth.ReadAsArray(), seen.depth_m.astype(np.float32))
     points = gdal.Open(str(tmp_path / "out" / "points" / f"{name}.tif"))
     assert points.GetRasterBand(1).DataType == gdal.GDT_Float64
@@ -501,7 +501,7 @@ def test_products_of_level_ground(tmp_path, tilt):
 def test_a_plan_over_level_ground_has_no_rays_over_relief():
     made = plan(Mission(Box(40.001, 10.0, 40.0, 10.001), 100.0), open_source("world").grid)
     with pytest.raises(InvalidInput, match="the ground is level"):
-        made.tracing(0)
+        made.views.tracing(0)
 
 
 def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bound(files):
@@ -510,7 +510,7 @@ def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bo
     level, *rays = found.stages["pixels"]
     assert level.method.name == "level ground"
     # A pinhole that looks straight down: what is h high stands farther out by f r (1 / (H - h) - 1 / H).
-    width, height = made.size_px
+    width, height = made.frames.largest_px
     high = float(made.height_m[0] - made.ground_m[0])
     tan_x, tan_y = made.mission.camera.half_tangents
     step = max(width, height) // 48

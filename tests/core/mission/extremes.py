@@ -190,8 +190,12 @@ def measured_px(made: Plan) -> float:
     poses = made.poses.take(first)
     camera = made.mission.camera
     # A map frame's pixels are the source's squares, however few rows of them a flat picture has.
-    width = float(made.width_px[0])
-    size = (width, width / camera.aspect_ratio) if made.size_px is None else tuple(map(float, made.size_px))
+    width = float(made.frames.width_px[0])
+    size = (
+        (width, width / camera.aspect_ratio)
+        if made.frames.on_map
+        else tuple(map(float, made.frames.largest_px))
+    )
     scene = Scene(camera, *size, poses, ground_of(made.mission))
     corners = made.corners
     error = away_px(
@@ -206,7 +210,7 @@ def measured_px(made: Plan) -> float:
 
 def _picture_px(made: Plan, scene: Scene) -> float:
     one = Scene(scene.camera, scene.width_px, scene.height_px, scene.poses.take(np.array([0])))
-    if made.size_px is None:
+    if made.frames.on_map:
         lat, dlon, wanted = map_frame_points(made.mission.camera, one.poses)
         return float(away_px(one, lat, dlon, wanted).max())
     tolerance = made.accuracy.mesh_tolerance_px

@@ -63,18 +63,18 @@ def test_no_flight_is_shorter_than_the_shortest():
         plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).flight_distance_m
         for azimuth in range(0, 180, 15)
     ]
-    assert found.made.flight_distance_m <= min(others)
+    assert found.made.direct.distance_m <= min(others)
     again = plan(found.mission, GRID)
-    assert again.flight_distance_m == found.made.flight_distance_m
-    assert found.before.flight_distance_m == plan(mission, GRID).flight_distance_m
-    assert found.gain == 1.0 - found.made.flight_distance_m / found.before.flight_distance_m
+    assert again.direct.distance_m == found.made.direct.distance_m
+    assert found.before.direct.distance_m == plan(mission, GRID).direct.distance_m
+    assert found.gain == 1.0 - found.made.direct.distance_m / found.before.direct.distance_m
 
 
 def test_what_is_gained_is_said():
     mission = Mission(strip(57.0), 120.0, WIDE, overlap_across=0.3)
     found = align_rows(mission, GRID, way=LONGEST_SIDE)
-    gain = round(100.0 * (1.0 - found.made.flight_distance_m / found.before.flight_distance_m))
-    km = found.made.flight_distance_m / 1000.0
+    gain = round(100.0 * (1.0 - found.made.direct.distance_m / found.before.direct.distance_m))
+    km = found.made.direct.distance_m / 1000.0
     assert found.text() == f"row azimuth 57°: {found.made.rows} rows, {km:.4g} km, {gain} % shorter than 90°"
     assert found.text(lambda metres: f"{metres:.0f} steps").split(", ")[1] == f"{1000.0 * km:.0f} steps"
     back = align_rows(found.mission.with_(area=strip(90.0)), GRID, way=LONGEST_SIDE)

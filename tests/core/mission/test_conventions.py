@@ -104,7 +104,7 @@ def test_points_are_where_the_words_of_each_page_put_them(page, attitude):
     yaw, tilt, roll = attitude
     points = Points(((LAT, LON, AGL),), yaws_deg=(yaw,), tilts_deg=(tilt,), rolls_deg=(roll,))
     made = plan(Mission(points, AGL, frame="camera", camera=Camera(60.0)), PixelGrid())
-    width, height = made.size_px
+    width, height = made.frames.largest_px
     focal = math.hypot(width, height) / 2.0 / math.tan(math.radians(30.0))
     right, top, view = by_words(yaw, tilt, roll)
     phi, lam = math.radians(LAT), math.radians(LON)
@@ -113,7 +113,7 @@ def test_points_are_where_the_words_of_each_page_put_them(page, attitude):
     to_enu = np.stack([east, np.cross(up, east), up])
     camera = np.array(GEOCENTRIC.transform(LON, LAT, AGL))
     for x, y in ((-0.9, -0.8), (0.7, -0.9), (0.0, 0.0), (0.5, 0.2)):
-        seen, heights = made.seen(0, ((x, y),))
+        seen, heights = made.views.seen(0, ((x, y),))
         ground = np.array(GEOCENTRIC.transform(seen.lon_deg[0, 0], seen.lat_deg[0, 0], heights[0, 0]))
         off = to_enu @ (ground - camera)
         column = width / 2.0 + focal * (off @ right) / (off @ view)

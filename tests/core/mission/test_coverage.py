@@ -27,7 +27,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import coverage
 from terrainav.core.mission.layout import rows as layout
 from terrainav.core.mission.layout.coverage import Rectangles, gaps, shares
-from terrainav.core.mission.layout.rotated import Shape
+from terrainav.core.mission.layout.rotated import PlaneArea
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
@@ -215,7 +215,7 @@ def test_ground_of_gaps_is_that_of_each_by_itself(seed, corners, holes, whole):
     rings += [star(random, 5, random.uniform(-600.0, 600.0, 2), 400.0) for _ in range(holes)]
     if whole:  # corners lie on lines of the rectangles, too
         rings = [(np.round(x / 500.0) * 500.0, np.round(y / 500.0) * 500.0) for x, y in rings]
-    shape = Shape(tuple(rings), 0.0)
+    shape = PlaneArea(tuple(rings), 0.0)
     rectangles = scattered(random, 60, (0.0, 0.0), 5000.0, whole)
     crossed, held = crossed_and_held(shape, *rectangles)
     alone = [touching(shape, *(np.array([side]) for side in one))[0] for one in zip(*rectangles)]
@@ -241,7 +241,7 @@ def test_ground_of_a_polygon_in_gaps_of_degrees_is_that_of_each_by_itself():
 
 def test_gaps_are_worked_out_together():
     random = np.random.default_rng(5)
-    shape = Shape((star(random, 30, (0.0, 0.0), 5000.0),), 0.0)
+    shape = PlaneArea((star(random, 30, (0.0, 0.0), 5000.0),), 0.0)
     plane, calls = LocalPlane(40.0, 10.0, 30.0), []
 
     def geodetic(x, y):
@@ -270,7 +270,7 @@ def test_rows_of_very_different_heights_are_all_placed():
 
 def test_a_mission_of_far_too_many_images_is_refused_before_its_rows_are_placed(monkeypatch):
     mission = Mission(Box(80, -180, -80, 180), 8e5, overlap_along=0.999, overlap_across=0.999)
-    monkeypatch.setattr(layout._Rows, "settle", None)
+    monkeypatch.setattr(layout._ParallelRows, "settle", None)
     with pytest.raises(InvalidInput, match="images: the limit is") as refused:
         plan(mission, PixelGrid())
     named = float(re.search(r"of ([\d,]+) images", str(refused.value))[1].replace(",", ""))

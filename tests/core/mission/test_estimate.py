@@ -122,7 +122,7 @@ def test_upsampling_is_named_with_both_distances_and_the_way_out():
 
 def test_resizing_counts():
     worked_out = plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=16), COARSE)
-    width, height = int(worked_out.width_px[0]), int(worked_out.height_px[0])
+    width, height = int(worked_out.frames.width_px[0]), int(worked_out.frames.height_px[0])
     (text,) = warnings(zoom=16, img_size=(3 * width, 3 * height, 3))
     assert "upsampled 3 times" in text
     assert f"--img-size {width} {height} 3 or less" in text

@@ -63,8 +63,8 @@ def test_layers_hold_the_plan(tmp_path, mission):
     limits = (flown.corners.lat_deg.min(), flown.corners.lat_deg.max())
     assert (south, north) == pytest.approx(limits, abs=1e-12)
     (line,) = layers["flight_line"]
-    assert line.GetField("length_m") == flown.flight_distance_m
-    assert line.GetField("flight_s") == flown.flight_s
+    assert line.GetField("length_m") == flown.direct.distance_m
+    assert line.GetField("flight_s") == flown.direct.duration_s
     meant = flown.poses if flown.nominal is None else flown.nominal
     first = line.GetGeometryRef().GetGeometryRef(0).GetPoint(0)
     assert first == (wrap_lon_deg(meant.lon_deg)[0], meant.lat_deg[0], meant.agl_m[0])

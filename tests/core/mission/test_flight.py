@@ -32,8 +32,8 @@ def test_times_are_those_of_geodesics_at_the_airspeed():
             way_m += GEOD.inv(*ends)[2]
         assert worked_out.times_s[index] == pytest.approx(way_m / 12.0, rel=1e-12)
     assert worked_out.times_s[0] == 0.0
-    assert worked_out.flight_s == worked_out.times_s[-1]
-    assert worked_out.flight_s == pytest.approx(worked_out.flight_distance_m / 12.0, rel=1e-12)
+    assert worked_out.direct.duration_s == worked_out.times_s[-1]
+    assert worked_out.direct.duration_s == pytest.approx(worked_out.direct.distance_m / 12.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("turbulence", [0.0, 0.2])
@@ -60,7 +60,7 @@ def test_climbs_are_flown_at_the_airspeed():
     np.testing.assert_allclose(
         np.diff(worked_out.times_s), [12.0, leg_m[0] / 10.0, math.hypot(leg_m[1], 120.0) / 10.0], rtol=1e-9
     )
-    assert worked_out.flight_distance_m == pytest.approx(sum(leg_m), rel=1e-12)
+    assert worked_out.direct.distance_m == pytest.approx(sum(leg_m), rel=1e-12)
 
 
 def test_one_picture_takes_no_time():
@@ -72,8 +72,8 @@ def test_one_picture_takes_no_time():
 def test_the_flight_time_is_among_the_figures():
     worked_out = plan(Mission(FIELD, 120.0), GRID)
     summary = estimate(worked_out)
-    assert summary.flight_s == worked_out.flight_s == summary.to_dict()["flight_s"]
-    assert dict(summary.lines())["flight time"] == duration_text(worked_out.flight_s)
+    assert summary.flight_s == worked_out.direct.duration_s == summary.to_dict()["flight_s"]
+    assert dict(summary.lines())["flight time"] == duration_text(worked_out.direct.duration_s)
     assert [duration_text(seconds) for seconds in (0.2, 0.6, 89.0, 600.0, 7200.0)] == [
         "0 s",
         "1 s",
@@ -105,7 +105,7 @@ def test_points_look_where_their_own_yaws_say():
     yaws = (0.0, 30.0, -120.0, 360.0)
     mission = Mission(Points(places, yaws), 120.0, yaw_deg=77.0, tilt_deg=20.0)
     worked_out = plan(mission, GRID)
-    assert worked_out.size_px is not None
+    assert not worked_out.frames.on_map
     assert worked_out.poses.yaw_deg.tolist() == list(yaws)
     for index, (place, yaw) in enumerate(zip(places, yaws)):
         alone = plan(mission.with_(area=Points((place,)), yaw_deg=yaw, agl_m=place[2]), GRID)
@@ -113,7 +113,7 @@ def test_points_look_where_their_own_yaws_say():
         seen = trace(np.array(place[0]), np.array(place[2]), mission.camera.rays_enu(CORNERS, yaw, 20.0, 0.0))
         np.testing.assert_allclose(worked_out.corners.lat_deg[index], seen.lat_deg, rtol=0.0, atol=1e-12)
         np.testing.assert_allclose(worked_out.corners.lon_deg[index] - place[1], seen.dlon_deg, atol=1e-12)
-        assert worked_out.view(index).bound_px == alone.view(0).bound_px
+        assert worked_out.views.view(index).bound_px == alone.views.view(0).bound_px
     own = plan(mission.with_(area=Points(places)), GRID)
     assert own.poses.yaw_deg.tolist() == [77.0] * 4
 
@@ -121,9 +121,9 @@ def test_points_look_where_their_own_yaws_say():
 def test_one_yaw_beyond_the_budget_makes_all_pictures_camera_frames():
     places = ((35.1, -89.8, 120.0), (35.1, -89.7, 120.0))
     north_up = Mission(Points(places, (0.0, 0.0)), 120.0, yaw_deg=45.0)
-    assert plan(north_up, GRID).size_px is None
+    assert plan(north_up, GRID).frames.on_map
     turned = plan(north_up.with_(area=Points(places, (0.0, 5.0))), GRID)
-    assert turned.size_px is not None
+    assert not turned.frames.on_map
     assert "budget" in turned.accuracy.picture.reason
 
 

@@ -123,7 +123,7 @@ def test_of_an_image_of_the_horizon_the_place_is_in_the_part_that_shows_ground()
 def test_the_size_of_an_image_does_not_depend_on_others_of_its_table(grid, wanted):
     def sizes(which):
         made = plan(mission_of(which, **wanted), grid)
-        return list(zip(made.width_px.tolist(), made.height_px.tolist()))
+        return list(zip(made.frames.width_px.tolist(), made.frames.height_px.tolist()))
 
     together = sizes(range(4))
     assert len(set(together)) == 4
@@ -147,5 +147,5 @@ def test_images_of_a_flight_have_one_size_whatever_the_wind():
     calm = plan(Mission(box, 900.0, yaw_deg=YAW_DEG, **LEANING), COARSE)
     blown = plan(Mission(box, 900.0, wind=Wind(8.0, 250.0, 0.2), yaw_deg=YAW_DEG, **LEANING), COARSE)
     for made in (calm, blown):
-        assert len({*zip(made.width_px.tolist(), made.height_px.tolist())}) == 1
-    assert calm.size_px == blown.size_px
+        assert len({*zip(made.frames.width_px.tolist(), made.frames.height_px.tolist())}) == 1
+    assert calm.frames.largest_px == blown.frames.largest_px

@@ -132,7 +132,7 @@ def test_camera_frames_cover_whatever_the_attitude():
 @pytest.mark.parametrize(("agl_m", "serves"), [(120.0, True), (3e6, True), (2e7, False)])
 def test_rays_are_said_to_be_left_out_where_a_mesh_has_cells(agl_m, serves):
     made = plan(Mission(Points(((40.0, -90.0, agl_m),)), agl_m, frame="camera"), PixelGrid())
-    assert bool(made.view(0).patches) is serves
+    assert bool(made.views.view(0).patches) is serves
     assert ("rays for every pixel" in dict(made.accuracy.left_out)) is serves
 
 

@@ -73,7 +73,7 @@ def test_pictures_on_the_map_are_the_frames_that_files_state_or_what_the_camera_
         for x, y in rings:
             assert area((x, y)) > 0.0
             assert np.abs(x).max() <= HALF_WORLD_M
-        if made.size_px is None:
+        if made.frames.on_map:
             size = (east[index] - west[index]) * (north[index] - south[index])
             assert sum(map(area, rings)) == pytest.approx(size, rel=1e-9)
             assert {float(value) for _, y in rings for value in y} == {south[index], north[index]}
@@ -111,7 +111,7 @@ def test_ground_around_a_pole_is_in_one_piece_and_on_a_plane_has_no_way_to_the_p
         Points(((lat, lon, 1e6),)), 1e6, yaw_deg=yaw, tilt_deg=1.0, frame="camera", accept_error=True
     )
     made = plan(mission, PixelGrid(plane=plane, max_zoom=12, native_zoom=12))
-    assert made.poles[0] == pole
+    assert made.views.poles[0] == pole
     ((x, y),) = next(footprints_deg(made))
     # Along the antimeridian and the pole's parallel alone it has edges that the camera does not see.
     along = np.abs(np.diff(np.append(x, x[0]))) < 1e-9
@@ -121,7 +121,7 @@ def test_ground_around_a_pole_is_in_one_piece_and_on_a_plane_has_no_way_to_the_p
     ((east, north),) = next(pictures_m(made))
     assert np.hypot(east, north).min() > 1e5
     to_plane = Transformer.from_crs(4326, crs, always_xy=True)
-    seen = made.outline(0)
+    seen = made.views.outline(0)
     expected = np.stack(to_plane.transform(seen.dlon_deg + lon, seen.lat_deg))
     assert np.stack((east, north)) == pytest.approx(expected, abs=1e-3)
 

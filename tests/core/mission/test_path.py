@@ -50,8 +50,8 @@ def test_without_a_route_it_is_the_captures_alone():
     assert path.is_captures
     assert path.capture.tolist() == list(range(len(made)))
     assert path.lat_deg is made.nominal.lat_deg
-    assert path.time_s is made.exposures_s
-    assert made.times_s is made.exposures_s
+    assert path.time_s is made.direct.exposures_s
+    assert made.times_s is made.direct.exposures_s
     assert (path.agl_m == made.nominal.agl_m).all()
     assert "route" not in made.mission.to_dict()
 

@@ -156,7 +156,7 @@ SCENES = {
 def test_every_place_of_the_area_is_in_a_picture_of_each_pass(mission):
     made = plan(mission, GRID)
     assert made.coverage.complete
-    assert made.size_px is not None
+    assert not made.frames.on_map
     lon, lat = places_of(mission.area)
     for captures in passes_of(made):
         assert seen_by(made, captures, lon, lat).min() >= 1
@@ -236,7 +236,7 @@ def test_a_field_that_is_turned_with_its_rows_takes_as_many_pictures():
         made = plan(Mission(turned_field(angle), 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
         assert made.rows == north_up.rows
         assert abs(len(made) - len(north_up)) <= made.rows
-        assert made.flight_distance_m == pytest.approx(north_up.flight_distance_m, rel=0.02)
+        assert made.direct.distance_m == pytest.approx(north_up.direct.distance_m, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -281,7 +281,7 @@ def test_crossed_rows_are_a_second_pass_with_its_pictures_turned():
     np.testing.assert_array_equal(made.lat_deg[second], other.lat_deg)
     assert made.overlap.least_along == min(one.overlap.least_along, other.overlap.least_along)
     assert made.overlap.least_across == min(one.overlap.least_across, other.overlap.least_across)
-    assert made.flight_distance_m > one.flight_distance_m + other.flight_distance_m
+    assert made.direct.distance_m > one.direct.distance_m + other.direct.distance_m
 
 
 def test_each_pass_is_flown_in_the_order_asked_for():
@@ -360,8 +360,8 @@ def test_footprints_are_those_of_the_turned_pictures(name):
     made = plan(SCENES[name], GRID)
     for index in range(0, len(made), max(len(made) // 20, 1)):
         seen = image_positions(made, [index], made.corners.lon_deg[index], made.corners.lat_deg[index])[0]
-        off_px = (seen - [(-1, 1), (1, 1), (1, -1), (-1, -1)]) * np.array(made.size_px) / 2.0
-        of_oracle_px = ORACLE_M / made.camera_gsd_m_per_px
+        off_px = (seen - [(-1, 1), (1, 1), (1, -1), (-1, -1)]) * np.array(made.frames.largest_px) / 2.0
+        of_oracle_px = ORACLE_M / made.resolution.camera_m_per_px
         assert np.hypot(*off_px.T).max() <= made.accuracy.footprint.method.bound_px + of_oracle_px < 1e-7
 
 

@@ -336,7 +336,7 @@ def test_over_relief_a_mosaic_ends_where_its_images_do(tmp_path, east):
 @pytest.mark.parametrize("image_format", ["tif", "jpg", "png"])
 def test_map_frames_keep_their_pixels(tmp_path, image_format):
     made = captured(tmp_path / "set", frame="auto", image_format=image_format, agl_m=150.0)
-    assert made.size_px is None
+    assert made.frames.on_map
     result = make_orthomosaic(tmp_path / "set", tmp_path / "map.tif")
     edges = zip(made.windows.bounds_px, (np.min, np.min, np.max, np.max))
     left, top, right, bottom = (int(end(edge)) for edge, end in edges)
@@ -352,7 +352,7 @@ def test_map_frames_keep_their_pixels(tmp_path, image_format):
 
 def test_frames_turned_by_a_quarter_lie_where_their_places_say(tmp_path):
     made = captured(tmp_path / "set", frame="auto", image_format="png", agl_m=150.0)
-    assert made.size_px is None
+    assert made.frames.on_map
     make_orthomosaic(tmp_path / "set", tmp_path / "before.tif")
     table = tmp_path / "set" / "satellite" / "meta_data.csv"
     rows = table.read_text().splitlines()

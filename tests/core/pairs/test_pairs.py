@@ -321,9 +321,9 @@ def test_satellite_views_are_north_up_squares_as_sharp_at_every_latitude():
     places = (Place(0.0, 10.0), Place(60.0, 10.0))
     worked_out = plan_pairs(places, PairSettings(shares=(1.0, 0.0, 0.0)), WorldSource.grid)
     satellite = worked_out.plans["satellite"]
-    assert satellite.size_px is None
-    assert min(satellite.width_px.min(), satellite.height_px.min()) >= 512
-    ground_m = satellite.width_px * satellite.grid.ground_m_per_px(
+    assert satellite.frames.on_map
+    assert min(satellite.frames.width_px.min(), satellite.frames.height_px.min()) >= 512
+    ground_m = satellite.frames.width_px * satellite.grid.ground_m_per_px(
         satellite.lat_deg, satellite.lon_deg, satellite.zoom
     )
     assert ground_m == pytest.approx(worked_out.settings.satellite_width_m, rel=0.01)

@@ -39,7 +39,7 @@ def one(lat=35.14, agl=120.0, lon=LON, **changes):
 
 
 def picture_of(worked_out, fetch, kernel="bilinear"):
-    view, lon = worked_out.view(0), float(worked_out.lon_deg[0])
+    view, lon = worked_out.views.view(0), float(worked_out.lon_deg[0])
     parts = camera_parts(view, lon)
     return render(view, lon, parts, {part.window: fetch(part.window) for part in parts}, kernel), view
 
@@ -147,7 +147,7 @@ def test_the_visible_cap_from_very_high():
     _, view = picture_of(worked_out, satellite)
     assert view.sky_share == pytest.approx(1 - 0.593, abs=2e-3)
     assert 0.0 < view.unmapped_share < 0.01
-    assert worked_out.poles[0] == 1
+    assert worked_out.views.poles[0] == 1
     assert not worked_out.corners.hit.any()
 
 
@@ -170,7 +170,7 @@ def test_every_kernel_makes_the_picture():
 
 def test_missing_imagery_fails_the_picture_and_only_where_it_is_seen():
     worked_out = one()
-    view = worked_out.view(0)
+    view = worked_out.views.view(0)
     parts = camera_parts(view, LON)
     tiles = {
         part.window: np.dstack([satellite(part.window), np.full((256, 256), 255, np.uint8)]) for part in parts

@@ -29,7 +29,7 @@ def _no_memory(case: Case) -> None:
     def hungry(mission, grid, heights=None):
         # A machine that has room for ten images of 640 px.
         made = real(mission, grid)
-        if len(made) * made.width_px[0] > 6_400:
+        if len(made) * made.frames.width_px[0] > 6_400:
             raise MemoryError
         return made
 

@@ -98,7 +98,7 @@ def test_turns_are_those_between_rotations_and_shift_rays_by_their_pixels(tilt_d
         assert found[name].size == pytest.approx(spread(change), rel=1e-9)
         assert found[name].unit == "deg"
     # A camera that turns on its spot moves what it sees by the angle alone, however far the ground is.
-    (width, height), camera = flown.size_px, flown.mission.camera
+    (width, height), camera = flown.frames.largest_px, flown.mission.camera
     focal_px = width / 2.0 / camera.half_tangents[0]
     points = np.array([*((x * width / 2.0, y * height / 2.0) for x, y in CORNERS), (0.0, 0.0)])
     rays = np.column_stack([points, np.full(5, -focal_px)])
@@ -116,7 +116,7 @@ def test_all_together_is_what_the_inverse_camera_sees():
     seen = ground_corners(flown.mission.camera, flown.nominal)
     x, y = (np.array(CORNERS)[:, axis] for axis in (0, 1))
     at = image_points(flown.mission.camera, flown.poses, seen.lat_deg, seen.lon_deg)
-    width, height = flown.size_px
+    width, height = flown.frames.largest_px
     shift = np.hypot((at[..., 0] - x) * width / 2.0, (at[..., 1] - y) * height / 2.0).max(axis=1)
     # Of a level camera the middle is never moved more than all of the corners.
     assert by_name(effect)[TOGETHER].px == pytest.approx(spread(shift), rel=1e-6)

@@ -302,7 +302,7 @@ def test_rays_are_bilinear_in_float64_between_white_noise(data_type, tmp_path):
         Points(((lat, lon, 60.0),)), 60.0, tilt_deg=20.0, yaw_deg=40.0, mesh="rays", source="r.tif"
     )
     worked_out = plan(mission, source.grid)
-    view, lon_deg = worked_out.view(0), float(worked_out.lon_deg[0])
+    view, lon_deg = worked_out.views.view(0), float(worked_out.lon_deg[0])
     parts = camera_parts(view, lon_deg)
     pixels = {part.window: source.fetch("", part.window) for part in parts}
     source.close()
@@ -583,7 +583,7 @@ def test_naip_gives_images_at_its_own_5_m_with_its_four_bands(bands, expected, t
     photograph = gdal.Open(str(PHOTOGRAPH))
     area = Box(47.028, -99.174, 47.012, -99.136)
     worked_out, paths = captured(PHOTOGRAPH, tmp_path / "out", area, 1200.0, bands=bands)
-    assert worked_out.source_gsd_m_per_px == pytest.approx(5.0, rel=1e-3)
+    assert worked_out.resolution.source_m_per_px == pytest.approx(5.0, rel=1e-3)
     west, _, _, north, _, _ = photograph.GetGeoTransform()
     for path in paths:
         opened, shown = read(path)

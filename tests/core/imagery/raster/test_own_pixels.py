@@ -74,7 +74,7 @@ def test_every_pixel_is_the_file_s(place, tmp_path, library):
     assert worked_out.accuracy.bound_px < 0.01
     assert worked_out.coverage.complete
     assert worked_out.imagery.share == 1.0
-    assert worked_out.source_gsd_m_per_px == pytest.approx(0.5, rel=0.04)
+    assert worked_out.resolution.source_m_per_px == pytest.approx(0.5, rel=0.04)
     result = capture(worked_out, source, tmp_path / "out")
     source.close()
     assert result.written == len(worked_out) > 8
@@ -398,6 +398,6 @@ def test_gdalwarp_puts_a_tilted_picture_back_where_the_file_has_it(place, tmp_pa
     assert len(off) > 100_000
     # Between pixels gdalwarp goes straight, and ours are means over a pixel where they see more of the ground.
     curved = sum(np.hypot(*np.abs(np.diff(shown, 2, axis=axis))).max() for axis in (1, 2)) * (1 / 8 + 1 / 24)
-    bound = worked_out.view(0).bound_px + worked_out.accuracy.picture.method.bound_px + residual
+    bound = worked_out.views.view(0).bound_px + worked_out.accuracy.picture.method.bound_px + residual
     assert (off <= bound * scale[inside] + curved).all()
     assert np.median(off / scale[inside]) < 0.006

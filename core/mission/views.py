@@ -1,0 +1,227 @@
+"""How the cameras of a plan see the ground: outlines of footprints, views of camera frames, rays over relief."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Floats
+from ..errors import InvalidInput
+from ..geodesy.accuracy import Scene
+from ..geodesy.camera import Poses
+from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres, outline, poles_seen
+from ..geodesy.frames import runs_on
+from ..geodesy.mercator import PixelGrid, lat_to_v, wrap_lon_deg
+from ..geodesy.raytracing.tracing import Tracing, settled
+from ..geodesy.view import View, view
+from .layout.frames import Frames, Runs, sampled_zooms
+from .layout.rotated import Pass
+from .methods import COARSEST_MESH_PX
+from .mission import Mission
+from .relief.modelled import ModelledRelief
+
+Kept = TypeVar("Kept")
+
+#: Views and outlines kept of the captures looked at last: those of one row share one.
+_KEPT = 16
+#: Captures over relief whose outlines are worked out together.
+_OUTLINED = 128
+
+
+@dataclass(frozen=True, eq=False)
+class CameraViews:
+    """What the cameras of n captures see.
+
+    Attributes
+    ----------
+    poses : Poses
+        (n,).
+    height_m : array (n,)
+        Heights of the poses over the WGS 84 ellipsoid.
+    level_m : float
+        Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
+    relief : ModelledRelief or None
+        The relief that they are flown over; None where the ground is level.
+    tolerance_px : float
+        Error that the placing of a picture's pixels may have.
+    """
+
+    mission: Mission
+    grid: PixelGrid
+    frames: Frames
+    poses: Poses
+    height_m: Floats
+    level_m: float
+    relief: ModelledRelief | None
+    tolerance_px: float
+
+    @property
+    def ground(self) -> Ellipsoid:
+        """The level ground that captures are planned over."""
+        return WGS84.raised(self.level_m) if self.level_m else WGS84
+
+    @cached_property
+    def _runs(self) -> Runs:
+        return self.frames.runs(runs_on(self.grid, self.poses))
+
+    @cached_property
+    def poles(self) -> NDArray[np.int64]:
+        """For each capture 1 or -1 where it sees the north or south pole, else 0; (n,)."""
+        first, run = self._runs
+        return poles_seen(self.mission.camera, self.poses.take(first), self.ground)[run]
+
+    def centres(self) -> tuple[Floats, Floats]:
+        """Latitude and longitude (wrapped) where the cameras' axes meet the ground, degrees, (n,) each.
+
+        `image_centres` has those of cameras whose axis misses it.
+        """
+        poses = self.poses._replace(lon_deg=wrap_lon_deg(self.poses.lon_deg))
+        if self.relief is None:
+            lat, lon = image_centres(self.mission.camera, poses, self.ground)
+        else:
+            lat, lon = self.relief.image_centres(poses, self.height_m)
+        return lat, wrap_lon_deg(lon)
+
+    def outline(self, index: int) -> Outline:
+        """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
+        if self.relief is not None:
+            found = self._outline_on_relief(index)
+            if found is not None:
+                return found
+
+        def made(pose: Poses) -> Outline:
+            yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
+            lat, agl = float(pose.lat_deg[0]), float(pose.agl_m[0])
+            return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), self.ground)
+
+        return self._kept("outlines", index, made)
+
+    def seen(self, index: int, points: ImagePoints) -> tuple[Corners, Floats]:
+        """Ground that a capture sees at image points (k,), and its heights, (1, k); its longitude is wrapped."""
+        pose = self.poses.take(np.array([index]))
+        pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
+        if self.relief is not None:
+            return self.relief.seen(pose, self.height_m[index : index + 1], points)
+        found = exact(self.mission.camera, pose, points, self.ground)
+        return found, np.full(found.lat_deg.shape, self.level_m)
+
+    def view(self, index: int) -> View:
+        """How the picture of a camera frame is made; captures of one row share it.
+
+        Raises
+        ------
+        InvalidInput
+            Of a map frame, which is a window of the source as it is.
+        """
+        if self.relief is not None:
+            return self.traced_view(self.tracing(index))
+        return self._level_view(index)
+
+    def traced_view(self, tracing: Tracing) -> View:
+        """How the picture of a camera frame over relief is made, whose rays are traced.
+
+        Where level ground moves no pixel by more than half of what it may, the other half is left to its view.
+        """
+        zooms, level_m = sampled_zooms(self.mission, self.grid), tracing.level_m
+        if level_m is None:
+            return tracing.view(self.grid, zooms)
+        poses = tracing.scene.poses._replace(agl_m=np.array([tracing.height_m - level_m]))
+        scene = replace(tracing.scene, poses=poses, ground=WGS84.raised(level_m))
+        return self._view_of_level(scene, tracing.tolerance_px / 2.0)
+
+    def tracing(self, index: int, size_px: tuple[int, int] | None = None) -> Tracing:
+        """Rays of one capture to the relief, of its picture or of one of another size.
+
+        Raises
+        ------
+        InvalidInput
+            The ground is level.
+        """
+        relief, size = self.relief, size_px or self.size_px(index)
+        if relief is None:
+            raise InvalidInput("rays over relief: the ground is level")
+        scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        # Share of the tolerance that is left to the rounding of the camera's pose.
+        settling = 2.0**-7
+        return Tracing(
+            *settled(scene, float(self.height_m[index]), self.tolerance_px * settling),
+            relief.heights.surface,
+            relief.lowest_m,
+            self.tolerance_px * (1.0 - settling),
+        )
+
+    def size_px(self, index: int) -> tuple[int, int]:
+        """Width and height of a capture's picture."""
+        return int(self.frames.width_px[index]), int(self.frames.height_px[index])
+
+    def tile_count(self, passes: tuple[Pass, ...]) -> int:
+        """Tiles of all zooms that the camera frames see, each counted once.
+
+        Exact for rows of captures that share their view; nearly so where wind or a grid in UTM gives each capture a
+        view of its own, and there are more than a few hundred.
+        """
+        first, _ = self._runs
+        # Views of turned rows in still air differ by the plane's convergence and by latitude alone: fewer will do.
+        most = 60 if passes and self.mission.wind is None else 500
+        starts, count = first, len(self.poses.lat_deg)
+        if len(first) > most:
+            starts = np.arange(0, count, -(-count // most))
+            starts = np.union1d(starts, [part.first for part in passes]).astype(np.intp)
+        # A pole is infinitely far up or down the map, and no other place lies by a distance from there.
+        moved = np.zeros(count), np.clip(lat_to_v(self.poses.lat_deg), -1.0, 2.0)
+        if self.grid.own is not None:
+            moved = self.grid.own.forward(self.poses.lat_deg, self.poses.lon_deg)
+        seen: NDArray[np.int64] = np.empty(0, np.int64)
+        for start, end in zip(starts.tolist(), np.append(starts[1:], count).tolist()):
+            u, v = (place[start:end] - place[start] for place in moved)
+            keys = self._level_view(start).tile_keys(self.poses.lon_deg[start:end], u, v)
+            seen = np.union1d(seen, keys)
+        return len(seen)
+
+    def _level_view(self, index: int) -> View:
+        """View over the level ground that captures are planned over."""
+        if self.frames.on_map:
+            raise InvalidInput("view of a map frame: its image is a window of the source as it is")
+        size = self.size_px(index)
+        tolerance = self.tolerance_px if self.relief is None else COARSEST_MESH_PX
+
+        def made(pose: Poses) -> View:
+            return self._view_of_level(Scene(self.mission.camera, *size, pose, self.ground), tolerance)
+
+        return self._kept("views", index, made)
+
+    def _view_of_level(self, scene: Scene, tolerance_px: float) -> View:
+        mission = self.mission
+        by_rays = tolerance_px == 0.0 or mission.accuracy.resampling == "lanczos"
+        return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)
+
+    def _outline_on_relief(self, index: int) -> Outline | None:
+        """Outline of a capture; those of its neighbours are worked out with it, and kept."""
+        relief, block = self.relief, index // _OUTLINED
+        kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
+        if relief is not None and block not in kept:
+            part = slice(block * _OUTLINED, (block + 1) * _OUTLINED)
+            found = relief.outlines(self.poses.take(part), self.height_m[part])
+            # Replaced as a whole, as in `_kept`.
+            kept = {**dict(list(kept.items())[1 - _KEPT :]), block: found}
+            self.__dict__["_blocks_of_outlines"] = kept
+        return kept[block][index % _OUTLINED]
+
+    def _kept(self, what: str, index: int, make: Callable[[Poses], Kept]) -> Kept:
+        """Value of a capture's run of poses, made when first asked for; the last few are kept."""
+        first, run = self._runs
+        at = int(run[index])
+        kept: dict[int, Kept] = self.__dict__.get(f"_kept_{what}", {})
+        found = kept.get(at)
+        if found is None:
+            found = make(self.poses.take(first[at : at + 1]))
+            # Replaced as a whole, so that threads may share a plan: at worst one makes anew what another has made.
+            last = dict(list(kept.items())[1 - _KEPT :])
+            self.__dict__[f"_kept_{what}"] = {**last, at: found}
+        return found
