@@ -75,7 +75,7 @@ def test_letter_goes_to_its_entry(desk, window, name):
     assert there.focusProxy() is None
 
 
-def test_letter_presses_its_button(desk, window):
+def test_letter_presses_its_button(desk, ground, window):
     desk.form.edges["north"].setFocus()
     desk.wait(desk.form.edges["north"].hasFocus)
     press_alt(window, IN_THE_PANEL["Draw box"])

@@ -44,7 +44,7 @@ def main() -> int:
     """Capture; 3 where that is refused, as the command says it."""
     kind, place, _ = sys.argv[1:]
     # Who was stopped counts as dead soon, and who only waits for its turn or for a server on a busy machine does not.
-    holding.BEAT_S, holding.DEAD_S = 0.05, 5.0 if is_address(place) else 2.0
+    holding.BEAT_S, holding.DEAD_S = 0.05, 10.0 if is_address(place) else 4.0
     if not kind.startswith("flock"):
         fcntl.flock = _no_locks if kind.startswith("no-locks") else _lost_locks()
     blocks = Blocks(2) if kind.endswith("-blocks") else None
