@@ -250,7 +250,7 @@ def _stopped(case: Case) -> None:
     )
 
 
-@remedy("files.py", "folder {}: is not empty; choose another folder")
+@remedy("storage/files.py", "folder {}: is not empty; choose another folder")
 def _not_empty(case: Case) -> None:
     made(case.tmp_path / "out")
     views = Views.read(case.tmp_path / "out" / "queries" / "air")

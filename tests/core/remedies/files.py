@@ -163,7 +163,7 @@ def _other_pictures(case: Case) -> None:
 # --- files
 
 
-@remedy("files.py", "it is a link to another place; remove it")
+@remedy("storage/files.py", "it is a link to another place; remove it")
 def _link(case: Case) -> None:
     own = case.tmp_path / "journal.jsonl"
     (case.tmp_path / "elsewhere").write_bytes(b"not to be written")
@@ -176,7 +176,7 @@ def _link(case: Case) -> None:
     case.follow("remove it", lambda: files.open_own(own, "ab").close())
 
 
-@remedy("files.py", "it is no regular file; remove it")
+@remedy("storage/files.py", "it is no regular file; remove it")
 def _pipe(case: Case) -> None:
     if not hasattr(os, "mkfifo"):
         pytest.skip("this system has no pipes with a name")
@@ -187,14 +187,14 @@ def _pipe(case: Case) -> None:
     case.follow("remove it", lambda: files.open_own(own, "ab").close())
 
 
-@remedy("files.py", "folder {}: a file is in its place; choose another folder")
+@remedy("storage/files.py", "folder {}: a file is in its place; choose another folder")
 def _file_in_place(case: Case) -> None:
     (case.tmp_path / "file").write_text("")
     case.refused(lambda: files.make_folder(case.tmp_path / "file"))
     case.follow("choose another folder", lambda: files.make_folder(case.tmp_path / "folder"))
 
 
-@remedy("files.py", "folder {}: cannot be made ({}); choose another folder")
+@remedy("storage/files.py", "folder {}: cannot be made ({}); choose another folder")
 def _no_folder(case: Case) -> None:
     (case.tmp_path / "file").write_text("")
     case.refused(lambda: files.make_folder(case.tmp_path / "file" / "below"))
@@ -202,7 +202,7 @@ def _no_folder(case: Case) -> None:
 
 
 @remedy(
-    "files.py",
+    "storage/files.py",
     "folder {}: another run is at work in it; wait until it has ended or choose another folder",
 )
 def _locked(case: Case) -> None:
@@ -243,7 +243,7 @@ def broken_file(case: Case, break_it) -> None:
     case.follow("move it away", moved)
 
 
-@remedy("config.py", "{}: cannot be read ({}); mend it, or move it away")
+@remedy("storage/config.py", "{}: cannot be read ({}); mend it, or move it away")
 def _unreadable(case: Case) -> None:
     def folder_in_place(path):
         path.unlink()
@@ -252,13 +252,13 @@ def _unreadable(case: Case) -> None:
     broken_file(case, folder_in_place)
 
 
-@remedy("config.py", "{}: cannot be read as JSON ({}); mend it, or move it away")
+@remedy("storage/config.py", "{}: cannot be read as JSON ({}); mend it, or move it away")
 def _no_json(case: Case) -> None:
     broken_file(case, lambda path: path.write_text("{"))
 
 
 @remedy(
-    "drawing.py",
+    "external/drawing.py",
     "matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'",
 )
 def _no_matplotlib(case: Case) -> None:
@@ -280,7 +280,9 @@ def extra_brings(extra, package):
 # --- object stores
 
 
-@remedy("stores.py", "addresses of object stores: {} cannot be imported ({}); get it with: pip install {}")
+@remedy(
+    "storage/stores.py", "addresses of object stores: {} cannot be imported ({}); get it with: pip install {}"
+)
 def _no_fsspec(case: Case) -> None:
     with case.monkeypatch.context() as without:
         without.setitem(sys.modules, "fsspec", None)
@@ -288,7 +290,7 @@ def _no_fsspec(case: Case) -> None:
     case.follow("get it with: pip install 'terrainav[cluster]'", lambda: extra_brings("cluster", "fsspec"))
 
 
-@remedy("stores.py", "{}: is not there, or {} is not; make the bucket first")
+@remedy("storage/stores.py", "{}: is not there, or {} is not; make the bucket first")
 def _no_bucket(case: Case) -> None:
     with s3_store(case.monkeypatch) as bucket:
         path = stores.store_path(f"{bucket}2/x")

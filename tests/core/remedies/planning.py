@@ -457,7 +457,7 @@ planned(
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
-    "no_fly.py",
+    "layout/no_fly.py",
     "all {} images lie over no-fly areas; choose another area, or smaller no-fly areas",
     Mission(TWO.parts[0], 120.0, no_fly=(TWO.parts[0],), overlap_along=0.2),
     {
