@@ -98,7 +98,7 @@ class DockForm(QWidget):
         read: dict[str, Any] = {
             **self.area.values(),
             "source": imagery.source.currentData(),
-            "template": imagery.tiles.text(),
+            "template": imagery.template.text(),
             "date": imagery.date.text().strip(),
             "map_types": imagery.ticked(),
             "hidden": self.marks.hidden(),
@@ -122,7 +122,7 @@ class DockForm(QWidget):
             self.area.set_state(state)
             self.imagery.choose_source(state.source)
             self.imagery.enter_map_types(state.map_types)
-            self.imagery.tiles.setText(state.template)
+            self.imagery.template.setText(state.template)
             self.imagery.date.setText(state.date)
             for group in self.groups:
                 group.forget_unread()
@@ -194,7 +194,7 @@ class DockForm(QWidget):
         area = self.area = named(AreaEntries(self.marks), "area_group")
         self.edges, self.draw_box = area.edges, area.draw_box
         imagery = self.imagery = named(ImageryEntries(self.marks, sources), "imagery_group")
-        self.source, self.template, self.date = imagery.source, imagery.tiles, imagery.date
+        self.source, self.template, self.date = imagery.source, imagery.template, imagery.date
         self.key, self.map_types, self.show_on_map = imagery.key, imagery.map_types, imagery.show_on_map
         camera = self.camera_group = CameraEntries(self.marks, cameras)
         self.camera, self.fov, self.aspect = camera.camera, camera.fov, camera.aspect

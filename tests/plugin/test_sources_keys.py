@@ -436,7 +436,7 @@ def test_new_kind_reaches_the_list_by_its_line_alone(desk, monkeypatch):
     assert (state.source, state.template) == (URL_TEMPLATE, "stac:https://h/c")
     desk.choose(desk.form.source, URL_TEMPLATE)
     for address, dated in (("https://h/{z}/{x}/{y}", False), ("stac:https://h/c", True)):
-        desk.form.imagery.tiles.setText(address)
+        desk.form.imagery.template.setText(address)
         assert desk.form.imagery._date_field.isVisibleTo(desk.form.imagery) == dated
 
 
