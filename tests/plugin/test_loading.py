@@ -24,8 +24,6 @@ from tests.plugin.steps import COARSE, PATIENCE_MS, SMALL_BOX
 from tests.support.datasets import write_dataset
 
 PLUGIN = "terrainav"
-#: What is left behind by one round is left by each of them.
-ROUNDS = 10
 
 
 def settle():
@@ -174,10 +172,12 @@ def test_census_sees_a_loaded_plugin(unloaded, iface):
     assert names_of_the_plugin(iface)
 
 
-def test_nothing_is_left_behind(unloaded, iface):
+# What is left behind by one round is left by each of them.
+@pytest.mark.parametrize("rounds", [4, pytest.param(10, marks=pytest.mark.thorough)])
+def test_nothing_is_left_behind(unloaded, iface, rounds):
     assert names_of_the_plugin(iface) == []
     before = census(iface)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         load()
         settle()
         assert qgis.utils.unloadPlugin(PLUGIN)
