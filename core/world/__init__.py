@@ -11,9 +11,7 @@ scene      what lies at some samples, shared by all styles
 objects    buildings and trees
 heights    how high the ground is, and what stands on it
 styles     the pictures: satellite, roadmap, terrain
-floes      pack ice: floes of several sizes, and the leads between them
 ice        where ice stays about the poles, and the rock, crevasses and drifts on it
-stations   houses and runways on the ice
 caps       the pictures about the poles, ice over the landscape
 source     the world as a function of position, and as a source of tiles
 """

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from .climate import height
-from .floes import floes
 from .lattice import Array, bits, mix, salt, signed
 from .paint import clip01, ramp
 from .region import COARSE, coarse_fields, smoothstep
@@ -17,8 +16,18 @@ from .styles import speckle
 
 _TABLE, _TABLE_STEP_M = 1 << 16, 0.025
 _PERIOD_M = _TABLE * _TABLE_STEP_M
-_DRIFTS = ((64.0, 0.8), (27.0, 0.8), (11.0, 0.7), (4.6, 0.6), (1.9, 0.5), (0.8, 0.45), (0.35, 0.4))
-"""Spacing in metres and strength of the bands of which snow drifts are made."""
+_DRIFTS = (
+    (256.0, 1.0),
+    (128.0, 0.9),
+    (64.0, 0.8),
+    (27.0, 0.8),
+    (11.0, 0.7),
+    (4.6, 0.6),
+    (1.9, 0.5),
+    (0.8, 0.45),
+    (0.35, 0.4),
+)
+"""Spacing in metres and strength of the bands of snow drifts: sastrugi, and ridges of the ice below them."""
 _DRIFT_ANGLE, _CREVASSE_ANGLE = 0.52, 2.05
 _CREVASSE_SPACING_M, _CREVASSE_HALF_M = 51.2, (1.0, 7.0)
 _LENS_LEVEL, _CREVASSE_MEAN = 18, 0.07
@@ -40,7 +49,7 @@ def _warmth(f: dict[str, Array]) -> Array:
 
 
 def packed(f: dict[str, Array]) -> Array:
-    """Share of the sea that floes cover where ice stays, 0..1."""
+    """Share of the sea that pack ice covers where ice stays, 0..1."""
     return smoothstep(0.16, 0.05, _warmth(f)) * np.float32(0.97)
 
 
@@ -73,7 +82,7 @@ class Ice:
 
     @cached_property
     def sea(self) -> Array | None:
-        """Coverage by the sea, under floes or not."""
+        """Coverage by the sea, under pack ice or not."""
         return self.scene.sea
 
     @cached_property
@@ -143,10 +152,9 @@ class Ice:
             east * np.float32(cosine) + south * np.float32(sine) + np.float32(start), np.float32
         )
 
-    @cached_property
-    def floes(self) -> tuple[Array, Array, Array]:
-        """Coverage by floes, by ice that has grown between them, and lightness of the floes, about 1."""
-        return floes(self.scene, self.speckle, self.region.smooth(packed, self.samples))
+    def pack(self) -> Array:
+        """Share of the sea that pack ice covers."""
+        return np.asarray(self.region.smooth(packed, self.samples))
 
 
 def _taken(table: Array, along_m: Array) -> Array:

@@ -82,11 +82,6 @@ def cell_hash(salts: int | Array, level: int, i: Array, j: Array) -> NDArray[np.
     return mix(key ^ np.asarray(salts, dtype=np.uint32))
 
 
-def unit(h: Array) -> NDArray[np.float32]:
-    """Map ``uint32`` hashes to float32 in [0, 1)."""
-    return (h >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
-
-
 def signed(h: Array) -> NDArray[np.float32]:
     """Map ``uint32`` hashes to float32 in [-1, 1)."""
     return h.view(np.int32).astype(np.float32) * np.float32(2.0**-31)
