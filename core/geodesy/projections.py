@@ -8,14 +8,17 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pyproj import CRS, Geod, Proj, Transformer
 
 from ..arrays import Floats
 from .ellipsoid import WGS84, sin_cos
 from .reference import read_reference
+
+if TYPE_CHECKING:
+    # Imported where it is called: level plans on the Web-Mercator map project nothing.
+    from pyproj import CRS, Geod, Proj
 
 #: Rounding of positions in degrees and of projections, metres; 4 nm were observed.
 NOISE_M = 5e-8
@@ -125,11 +128,17 @@ def _stereographic(lat_deg: float) -> tuple[Proj, float]:
     return project, float(project(0.0, lat_deg)[1])
 
 
+def _new_projection(**definition: Any) -> Proj:
+    from pyproj import Proj
+
+    return Proj(**definition)
+
+
 class _Projections(threading.local):
     """Cache of projections, which take 0.4 ms to make and may be used by one thread at a time."""
 
     def __init__(self) -> None:
-        self.get = lru_cache(maxsize=8)(Proj)
+        self.get = lru_cache(maxsize=8)(_new_projection)
 
 
 _PROJECTIONS = _Projections()
@@ -168,6 +177,8 @@ class Transformation:
     """
 
     def __init__(self, crs: CRS) -> None:
+        from pyproj import Transformer
+
         self._proj = Transformer.from_crs("EPSG:4326", crs, always_xy=True)
         unit = float(crs.axis_info[0].unit_conversion_factor)
         #: Full turn, where coordinates are angles, and rounding, in the CRS's unit.
@@ -254,4 +265,6 @@ def geodesic_ends(
 
 
 def _geod() -> Geod:
+    from pyproj import Geod
+
     return Geod(a=WGS84.a_m, b=WGS84.b_m)
