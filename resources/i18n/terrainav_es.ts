@@ -9375,6 +9375,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery here, the provider says ({0}: {1})</source>
+        <translation>no hay imágenes aquí, según el proveedor ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery here: an image of one colour, rgb({0}, {1}, {2})</source>
+        <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
         <source>{0:,} bytes, more than the {1:,} of {2}x{3} px at most</source>
         <translation>{0:,} bytes, más de los {1:,} que puede tener una imagen de {2}x{3} px</translation>
     </message>
@@ -9811,16 +9821,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
-        <source>no imagery here, the provider says ({0}: {1})</source>
-        <translation>no hay imágenes aquí, según el proveedor ({0}: {1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/placeholder.py"/>
-        <source>no imagery here: an image of one colour, rgb({0}, {1}, {2})</source>
-        <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/placeholder.py"/>
         <source>no imagery here: the provider's placeholder image</source>
         <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
     </message>
@@ -9950,42 +9950,42 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} bandas: deben ser de 1 a {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>it does not say where its pixels lie: it has no geotransform and no world file</source>
         <translation>no dice dónde están sus píxeles: no tiene geotransformación ni archivo world</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632</source>
         <translation>no indica ningún sistema de referencia de coordenadas: diga cuál, por ejemplo con gdal_edit.py -a_srs EPSG:32632</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>its centre does not lie on the Web-Mercator map</source>
         <translation>su centro no está en el mapa Web Mercator</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>its centre lies beyond what {0} reaches</source>
         <translation>su centro queda fuera del alcance de {0}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>its coordinate reference system, {0}, is not one of maps: say which, for example with gdal_edit.py -a_srs EPSG:32632</source>
         <translation>su sistema de referencia de coordenadas, {0}, no es de mapas: diga cuál, por ejemplo con gdal_edit.py -a_srs EPSG:32632</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>its geotransform {0} places no pixel</source>
         <translation>su geotransformación {0} no sitúa ningún píxel</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>its pixels are as wide as the whole map, or have no width there</source>
         <translation>sus píxeles son tan anchos como todo el mapa, o no tienen anchura en él</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/place.py"/>
+        <location filename="../../core/imagery/raster/georeference.py"/>
         <source>only ground control points place it: make a map of it first, with gdalwarp</source>
         <translation>solo lo sitúan puntos de control: haga antes un mapa con él, con gdalwarp</translation>
     </message>
@@ -10561,26 +10561,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>teselas de {0}, que no describe</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/source.py"/>
-        <source>tile {0}/{1}/{2}</source>
-        <translation>tesela {0}/{1}/{2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/source.py"/>
-        <source>zoom {0}: {1} has {2} to {3}</source>
-        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/source.py"/>
-        <source>{0}: beyond the edge of the map</source>
-        <translation>{0}: más allá del borde del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/source.py"/>
-        <source>{0}: is no tile of {1} px</source>
-        <translation>{0}: no es una tesela de {1} px</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/staticmap.py"/>
         <source>URL signing secret: is not URL-safe base64, as the Google Cloud console shows it</source>
         <translation>secreto de firma de URL: no es base64 para URL, como lo muestra la consola de Google Cloud</translation>
@@ -10626,97 +10606,117 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>plano {0}: debe tener crs, y west, north, width y height como números</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template</source>
         <translation>plantilla de URL</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template with subdomains {0}-{1}: the first comes after the last</source>
         <translation>plantilla de URL con subdominios {0}-{1}: el primero va después del último</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: an unmatched brace</source>
         <translation>plantilla de URL {0}: una llave sin su pareja</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or {{{2}}} alone)</source>
         <translation>plantilla de URL {0}: sin {1}; necesita {{z}}, {{x}} e {{y}} (o {{-y}}, o solo {{q}} o {{{2}}})</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: {1} in its host; a key goes to a host that is written out</source>
         <translation>plantilla de URL {0}: {1} en su servidor; una clave solo va a un servidor escrito por completo</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: {{s}} without subdomains to put there</source>
         <translation>plantilla de URL {0}: {{s}} sin subdominios que poner</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: {{{1}}} is for {2}</source>
         <translation>plantilla de URL {0}: {{{1}}} es para {2}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>URL template {0}: {{{1}}} is unknown; known are {2}</source>
         <translation>plantilla de URL {0}: {{{1}}} es desconocido; se conocen {2}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>a source with a plane of its own</source>
         <translation>una fuente con un plano propio</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>no</source>
         <translation>ningún</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>set {0}={1} if the key is for it</source>
         <translation>defina {0}={1} si la clave es para él</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>tile {0}/{1}/{2}</source>
+        <translation>tesela {0}/{1}/{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>tiles of the Web-Mercator map</source>
         <translation>teselas del mapa Web Mercator</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>write {0}={{key}} and set TERRAINAV_KEY</source>
         <translation>escriba {0}={{key}} y defina TERRAINAV_KEY</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>zoom {0}: {1} has {2} to {3}</source>
+        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0} for {1}: holds a key in {2!r}, which would end up in files</source>
         <translation>{0} de {1}: contiene una clave en {2!r}, que acabaría en archivos</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0} for {1}: holds a user name; no credentials may stand in it</source>
         <translation>{0} de {1}: contiene un nombre de usuario; no puede llevar credenciales</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0} of an invalid host or port: must be as in https://tiles.example:8080/</source>
         <translation>{0} con un servidor o puerto no válido: debe ser como en https://tiles.example:8080/</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0} of {1} scheme: must start with http:// or https://</source>
         <translation>{0} con esquema {1}: debe empezar por http:// o https://</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0} with spaces or control characters: must have none, or spaces written as %20</source>
         <translation>{0} con espacios o caracteres de control: no debe tenerlos, o los espacios deben escribirse como %20</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/template.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>{0}: beyond the edge of the map</source>
+        <translation>{0}: más allá del borde del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>{0}: is no tile of {1} px</source>
+        <translation>{0}: no es una tesela de {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
         <source>{0}: {1} is not sent there, because a file names this host and not you</source>
         <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted</translation>
     </message>

@@ -21,7 +21,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.relief.modelled.modelled import Heights
+from terrainav.core.mission.relief.modelled import Heights
 from terrainav.core.mission.settings import mission_from, resolve
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated

@@ -17,7 +17,7 @@ from terrainav.core.geodesy.mercator import lat_to_v, lon_to_u
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.imagery.opening import SourceOptions
 from terrainav.core.mission.parts import Terrain
-from terrainav.core.mission.relief.modelled.modelled import Heights
+from terrainav.core.mission.relief.modelled import Heights
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import TEST, TRAIN
 from terrainav.core.pairs.places import Place
