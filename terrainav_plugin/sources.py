@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
-    from ..core.mission.relief.modelled import Heights
+    from ..core.mission.relief.ground import Heights
     from .network.transport import QgisTransport
 
 WORLD = "world"

@@ -22,7 +22,7 @@ from ..mission.imageries import NamedImagery
 from ..mission.inside import captures_inside, of_captures
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
-from ..mission.relief.modelled import Heights
+from ..mission.relief.ground import Heights
 from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 

@@ -12,7 +12,6 @@ import numpy as np
 from ..arrays import Floats, Numbers
 from ..dataset.dataset import ImageSet, read_dataset
 from ..geodesy.ellipsoid import WGS84
-from ..geodesy.footprint import exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.areas.area import ground_m2
 from ..mission.plan import Plan
@@ -104,12 +103,8 @@ def queries_of(root: Path, worked_out: BenchmarkPlan, parts: list[str]) -> Queri
 def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
     """Ground in the middle of images, degrees, its longitude wrapped."""
     middle, poses = ((0.0, 0.0),), plan.poses.take(index)
-    if plan.relief is None:
-        seen = exact(plan.mission.camera, poses, middle, plan.ground)
-    else:
-        seen, _ = plan.relief.seen(
-            poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg)), plan.height_m[index], middle
-        )
+    poses = poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))
+    seen, _ = plan.relief.seen(poses, plan.height_m[index], middle)
     return seen.lat_deg[:, 0], wrap_lon_deg(seen.lon_deg[:, 0])
 
 

@@ -171,7 +171,7 @@ class Making:
 
     def parts(self, index: int) -> list[Part]:
         """Parts that the picture of a capture is made of."""
-        if self._plan.relief is None:
+        if self._plan.relief.is_level:
             return parts_of(self._plan, self._source, index)
         if index not in self._tiles:
             self._tiles[index] = np.array(tiles_of(self._plan, index), np.int32).reshape(-1, 3)
@@ -215,7 +215,7 @@ class Making:
         users: Counter[Window] = Counter()
         with ThreadPoolExecutor(self._workers, "terrainav-trace") as threads:
             # Over relief every picture is traced to tell, so all processors do.
-            ahead = threads.map if self._plan.relief is not None else map
+            ahead = threads.map if not self._plan.relief.is_level else map
             for start in range(0, len(order), _TRACED_AT_ONCE):
                 for parts in ahead(self.parts, order[start : start + _TRACED_AT_ONCE]):
                     users.update({part.window for part in parts})

@@ -240,14 +240,14 @@ def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
         ("RESAMPLING", shot.kernel),
         ("SKY_SHARE", repr(figure(shot.view.sky_share))),
         ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
-        *((("HEIGHTS", plan.relief.attribution),) if plan.relief is not None else ()),
+        *((("HEIGHTS", plan.relief.attribution),) if not plan.relief.is_level else ()),
         *((("MISSING_HEIGHTS", "interpolated"),) if _interpolates(plan) else ()),
     )
 
 
 def _interpolates(plan: Plan) -> bool:
     """Whether heights may be interpolated: how many are is known for the area alone, and not for what images see."""
-    return plan.relief is not None and plan.mission.terrain.holes == INTERPOLATE
+    return not plan.relief.is_level and plan.mission.terrain.holes == INTERPOLATE
 
 
 def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:
@@ -278,7 +278,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         image_width, image_height = (
             np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]
         )
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         camera.update(height_m=plan.height_m[at])
         camera.update(facade_share=np.array([row.facade_share for row in rows], np.float64))
     own = plan.grid.own

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..mission.mission import Mission
     from ..mission.parts import Imagery
     from ..mission.plan import Plan
-    from ..mission.relief.modelled import Heights
+    from ..mission.relief.ground import Heights
     from ..pairs.capturing import PairResult
     from ..pairs.planning import PairSettings
 

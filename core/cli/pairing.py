@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..imagery.cache.tile_cache import TileCache
     from ..imagery.opening import NamedSource
     from ..imagery.source import Source
-    from ..mission.relief.modelled import Heights
+    from ..mission.relief.ground import Heights
     from ..pairs.capturing import PairResult
     from ..pairs.places import Place
     from ..pairs.planning import PairPlan, PairSettings

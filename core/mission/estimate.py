@@ -342,7 +342,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
 
 def _trace_s(plan: Plan, costs: Costs) -> float:
     """Following rays over relief, on one core; 0 over level ground."""
-    if plan.relief is None:
+    if plan.relief.is_level:
         return 0.0
     pixels = (plan.frames.width_px * plan.frames.height_px).astype(np.float64)
     cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
@@ -369,12 +369,10 @@ def _polygons(plan: Plan) -> int:
 
 
 def _over_relief(plan: Plan) -> dict[str, Any]:
-    if plan.relief is None and plan.mission.terrain.elevation:
-        return {"level_ground_m": plan.level_m}
-    if plan.relief is None or plan.flown is None:
-        return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
-    filled, interpolated, count = plan.relief.filled
+    if found is None:
+        return {"level_ground_m": plan.level_m} if plan.mission.terrain.elevation else {}
+    filled, interpolated, count = found.filled
     finest, coarsest = (
         plan.mission.camera.ground_size_m(1.0)[0] / width
         for width in (plan.frames.width_px.max(), plan.frames.width_px.min())

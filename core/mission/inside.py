@@ -72,7 +72,7 @@ def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
     """Which captures (n,) of a plan see ground on the imagery of a grid alone, that of the plan or another one."""
     camera = plan.mission.camera
     image_px = int(max(plan.frames.width_px.max(), plan.frames.height_px.max()))
-    if plan.relief is None:
+    if plan.relief.is_level:
         return poses_inside(grid, camera, plan.poses, image_px, plan.ground)
     rim, poses = _rim(camera, image_px), plan.poses
     found = []
@@ -111,7 +111,7 @@ def of_captures(mission: Mission, plan: Plan, kept: Flags) -> Mission:
                 },
             )
         )
-    if plan.relief is not None or mission.wind is not None:
+    if not plan.relief.is_level or mission.wind is not None:
         raise InvalidInput(
             "images within the imagery: of an area over relief or in wind they are not told apart",
             remedy="give points",

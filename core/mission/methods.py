@@ -31,7 +31,7 @@ from .layout.rotated import is_rotated
 from .layout.rows import point_angles_deg
 from .mission import Mission
 from .parts import NORTH, RAYS
-from .relief.modelled import ModelledRelief
+from .relief.ground import Relief
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -255,7 +255,7 @@ TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 
 def choose_methods(
-    mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: ModelledRelief | None = None
+    mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: Relief
 ) -> tuple[Framed, Accuracy]:
     """Frame a mission with the cheapest methods whose bounds sum within its error budget.
 
@@ -274,7 +274,7 @@ def choose_methods(
     if mission.accuracy.frame != "camera":
         outside = _no_map_frame(mission, grid, relief)
         if not outside:
-            flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
+            flown = framed(mission, grid, MapFraming(mission, grid), disturbed, relief)
             check_sizes(flown, mission, grid)
             try:
                 check_windows(flown, mission, grid)
@@ -310,17 +310,17 @@ def choose_methods(
     found, footprint = camera_frame(scene), exact_footprint(scene)
     picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
     others_px = found.bound_px + footprint.bound_px
-    if relief is None:
+    if relief.is_level:
         pixels = choose_pixels(mission, scene, others_px)
     else:
         pixels = Choice(over_relief(scene, mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px))
     made = _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
-    return flown, made if relief is None else replace(made, relief=relief.text())
+    return flown, replace(made, relief=relief.text())
 
 
-def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ModelledRelief | None) -> str:
+def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
     """Why a mission has no map frames whatever its budget; empty where it may have some."""
-    if relief is not None:
+    if not relief.is_level:
         return Message(
             "the ground is from {0:.1f} to {1:.1f} m high, and seen from aside",
             relief.lowest_m,

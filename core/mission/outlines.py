@@ -178,7 +178,7 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
         # The map ends before meridians come so near to each other.
         small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
     # Over relief every edge is bent.
-    return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & (plan.relief is None))
+    return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & plan.relief.is_level)
 
 
 def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:

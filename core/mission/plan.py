@@ -11,7 +11,7 @@ from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
-from ..geodesy.footprint import Corners, ground_corners
+from ..geodesy.footprint import Corners
 from ..geodesy.frames import Windows
 from ..geodesy.mercator import PixelGrid
 from .areas.area import Points, check_area, check_polygons
@@ -25,8 +25,7 @@ from .layout.rotated import Pass, rotated_coverage, rotated_overlap, share_on
 from .layout.rows import Layout, sees_below
 from .methods import Accuracy, choose_methods
 from .mission import Mission
-from .parts import ELLIPSOID
-from .relief.modelled import Flown, Heights, ModelledRelief, check_clearance
+from .relief.ground import Flown, Heights, Relief, level_ground
 from .resolution import Resolution
 from .views import CameraViews
 
@@ -60,8 +59,8 @@ class Plan:
         Of turned or crossed rows; empty for rows along parallels and for points.
     level_m : float
         Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
-    relief : ModelledRelief or None
-        The relief that they are flown over; None where the ground is level.
+    relief : Relief
+        The ground that they are flown over.
     flown : Flown or None
         How high they are over that.
     parts : tuple of int
@@ -82,10 +81,10 @@ class Plan:
     corners: Corners
     frames: Frames
     accuracy: Accuracy
+    relief: Relief
     nominal: Poses | None = None
     passes: tuple[Pass, ...] = ()
     level_m: float = 0.0
-    relief: ModelledRelief | None = None
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
     left_out: int = 0
@@ -97,7 +96,7 @@ class Plan:
         """Plan of some captures alone, by their indices (k,), whose images are those of this one.
 
         Its images are the same, also where they depend on all captures; its flight, rows and coverage are not. Heights
-        are left out when it is pickled: see `ModelledRelief`.
+        are left out when it is pickled: see `Relief.load`.
         """
         part = replace(
             self,
@@ -221,9 +220,9 @@ class Plan:
             found = rotated_coverage(self.mission, self.passes, self._rectangles)
         else:
             found = coverage(self.mission.area, self.windows, self.grid, self.zoom, self.mission.no_fly)
-        if self.relief is None or self.flown is None or sees_below(self.mission):
+        if sees_below(self.mission):
             return found
-        missed = self.relief.missed_share(self.poses, self.flown.height_m, self.corners)
+        missed = self.relief.missed_share(self.poses, self.height_m, self.corners)
         if not missed:
             return found
         return replace(found, complete=False, uncovered_m2=max(found.uncovered_m2, missed * found.area_m2))
@@ -303,22 +302,21 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         )
     check_area(mission.area)
     check_polygons(mission.no_fly, Message("no-fly areas"), "no_fly")
-    levelled, relief = _over(mission, heights)
+    levelled, relief = _relief_below(mission, heights)
     flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
-    layout, ground = flown.layout, ground_of(levelled)
+    layout = flown.layout
     poses, over = flown.poses, flown.flown
     nominal = None
     if mission.wind is not None:
         nominal = nominal_poses(mission, layout)
-    if over is None or relief is None:
-        corners = ground_corners(mission.camera, poses, ground)
-    else:
+    if over is not None:
         higher = over.height_m - over.ground_m - over.seen_agl_m
         poses = poses._replace(agl_m=poses.agl_m + higher)
         over = over._replace(height_m=over.ground_m + poses.agl_m)
         if nominal is not None:
             nominal = nominal._replace(agl_m=nominal.agl_m + higher)
-        corners = relief.corners(poses, over.height_m)
+    height_m = levelled.flight.ground_height_m + poses.agl_m if over is None else over.height_m
+    corners = relief.corners(poses, height_m)
     return Plan(
         mission=mission,
         grid=grid,
@@ -340,20 +338,14 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     )
 
 
-def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ModelledRelief | None]:
-    """A mission over the level ground that is nearest to what it flies over, and the relief, if there is any."""
+def _relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Relief]:
+    """Ground below a mission, and the mission over the level ground that lies lowest in it."""
     if not mission.terrain.elevation:
-        return mission, None
-    if heights is None:
-        raise InvalidInput(
-            "elevation {0}: the mission is planned without its heights", ", ".join(mission.terrain.elevation)
-        )
-    check_clearance(mission)
-    relief = ModelledRelief(mission, heights)
-    level = mission.with_(ground_height_m=relief.lowest_m)
-    if relief.is_level and mission.terrain.height_above != ELLIPSOID:
-        return level, None
-    return level, relief
+        return mission, level_ground(mission)
+    # Over level ground nothing that traces rays is loaded.
+    from .relief.modelled import relief_below
+
+    return relief_below(mission, heights)
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:

@@ -15,7 +15,7 @@ from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
-from ..geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres, outline, poles_seen
+from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
 from ..geodesy.frames import runs_on
 from ..geodesy.mercator import PixelGrid, lat_to_v, wrap_lon_deg
 from ..geodesy.raytracing.tracing import Tracing, settled
@@ -24,7 +24,7 @@ from .layout.frames import Frames, Runs, sampled_zooms
 from .layout.rotated import Pass
 from .methods import COARSEST_MESH_PX
 from .mission import Mission
-from .relief.modelled import ModelledRelief
+from .relief.ground import Relief
 
 Kept = TypeVar("Kept")
 
@@ -46,8 +46,8 @@ class CameraViews:
         Heights of the poses over the WGS 84 ellipsoid.
     level_m : float
         Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
-    relief : ModelledRelief or None
-        The relief that they are flown over; None where the ground is level.
+    relief : Relief
+        The ground that they are flown over.
     tolerance_px : float
         Error that the placing of a picture's pixels may have.
     """
@@ -58,7 +58,7 @@ class CameraViews:
     poses: Poses
     height_m: Floats
     level_m: float
-    relief: ModelledRelief | None
+    relief: Relief
     tolerance_px: float
 
     @property
@@ -82,15 +82,12 @@ class CameraViews:
         `image_centres` has those of cameras whose axis misses it.
         """
         poses = self.poses._replace(lon_deg=wrap_lon_deg(self.poses.lon_deg))
-        if self.relief is None:
-            lat, lon = image_centres(self.mission.camera, poses, self.ground)
-        else:
-            lat, lon = self.relief.image_centres(poses, self.height_m)
+        lat, lon = self.relief.image_centres(poses, self.height_m)
         return lat, wrap_lon_deg(lon)
 
     def outline(self, index: int) -> Outline:
         """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
-        if self.relief is not None:
+        if not self.relief.is_level:
             found = self._outline_on_relief(index)
             if found is not None:
                 return found
@@ -106,10 +103,7 @@ class CameraViews:
         """Ground that a capture sees at image points (k,), and its heights, (1, k); its longitude is wrapped."""
         pose = self.poses.take(np.array([index]))
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
-        if self.relief is not None:
-            return self.relief.seen(pose, self.height_m[index : index + 1], points)
-        found = exact(self.mission.camera, pose, points, self.ground)
-        return found, np.full(found.lat_deg.shape, self.level_m)
+        return self.relief.seen(pose, self.height_m[index : index + 1], points)
 
     def view(self, index: int) -> View:
         """How the picture of a camera frame is made; captures of one row share it.
@@ -119,9 +113,9 @@ class CameraViews:
         InvalidInput
             Of a map frame, which is a window of the source as it is.
         """
-        if self.relief is not None:
-            return self.traced_view(self.tracing(index))
-        return self._level_view(index)
+        if self.relief.is_level:
+            return self._level_view(index)
+        return self.traced_view(self.tracing(index))
 
     def traced_view(self, tracing: Tracing) -> View:
         """How the picture of a camera frame over relief is made, whose rays are traced.
@@ -143,16 +137,14 @@ class CameraViews:
         InvalidInput
             The ground is level.
         """
-        relief, size = self.relief, size_px or self.size_px(index)
-        if relief is None:
-            raise InvalidInput("rays over relief: the ground is level")
+        heights, size = self.relief.heights, size_px or self.size_px(index)
         scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
         # Share of the tolerance that is left to the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
             *settled(scene, float(self.height_m[index]), self.tolerance_px * settling),
-            relief.heights.surface,
-            relief.lowest_m,
+            heights.surface,
+            self.relief.lowest_m,
             self.tolerance_px * (1.0 - settling),
         )
 
@@ -189,7 +181,7 @@ class CameraViews:
         if self.frames.on_map:
             raise InvalidInput("view of a map frame: its image is a window of the source as it is")
         size = self.size_px(index)
-        tolerance = self.tolerance_px if self.relief is None else COARSEST_MESH_PX
+        tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
         def made(pose: Poses) -> View:
             return self._view_of_level(Scene(self.mission.camera, *size, pose, self.ground), tolerance)
@@ -203,11 +195,11 @@ class CameraViews:
 
     def _outline_on_relief(self, index: int) -> Outline | None:
         """Outline of a capture; those of its neighbours are worked out with it, and kept."""
-        relief, block = self.relief, index // _OUTLINED
+        block = index // _OUTLINED
         kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
-        if relief is not None and block not in kept:
+        if block not in kept:
             part = slice(block * _OUTLINED, (block + 1) * _OUTLINED)
-            found = relief.outlines(self.poses.take(part), self.height_m[part])
+            found = self.relief.outlines(self.poses.take(part), self.height_m[part])
             # Replaced as a whole, as in `_kept`.
             kept = {**dict(list(kept.items())[1 - _KEPT :]), block: found}
             self.__dict__["_blocks_of_outlines"] = kept

@@ -30,7 +30,7 @@ from ..geodesy.raytracing.tracing import ElevationModel
 from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..mission.relief.modelled import Heights
+from ..mission.relief.ground import Heights
 from ..numbers import real_number
 from ..picture.heights import heights_of
 from ..storage.files import open_foreign, read_limited
@@ -133,7 +133,7 @@ class CameraImages:
     def of_plan(cls, plan: Plan, index: int, path: Path) -> CameraImages:
         """The image of one of a plan's captures, as far as it sees the ground."""
         poses = plan.poses.take(slice(index, index + 1))
-        if plan.relief is not None:
+        if not plan.relief.is_level:
             poses = poses._replace(agl_m=plan.height_m[index : index + 1])
         size = plan.mission.output.img_size or (
             int(plan.frames.width_px[index]),
@@ -142,8 +142,8 @@ class CameraImages:
         return cls(
             plan.mission.camera,
             poses,
-            plan.ground if plan.relief is None else WGS84,
-            None if plan.relief is None else plan.relief.heights.surface,
+            plan.ground if plan.relief.is_level else WGS84,
+            None if plan.relief.is_level else plan.relief.heights.surface,
             (path,),
             np.array([size[:2]]),
             plan.grid.plane,

@@ -21,7 +21,7 @@ from ..mission.imageries import NamedImagery
 from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
-from ..mission.relief.modelled import Heights, ModelledRelief, no_ground
+from ..mission.relief.ground import Heights, no_ground
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
 from .views import View, reach_m, spiral, standing_poses
@@ -400,8 +400,8 @@ def plan_pairs(
     lat = np.array([place.lat_deg for place in places])
     seen_m = reach_m(lat, settings.views, settings.camera, settings.ground)
     for one in plans.values():
-        if one.relief is not None:
-            seen_m = np.maximum(seen_m, _reach_over_relief_m(one, one.relief, places))
+        if not one.relief.is_level:
+            seen_m = np.maximum(seen_m, _reach_over_relief_m(one, places))
     farthest_m = np.maximum(seen_m, _window_reach_m(plans[SATELLITE]))
     parts = part_places(
         places,
@@ -426,7 +426,7 @@ def _heights_of_places(places: Sequence[Place], heights: Heights) -> Floats:
     return found
 
 
-def _reach_over_relief_m(drone: Plan, relief: ModelledRelief, places: Sequence[Place]) -> Floats:
+def _reach_over_relief_m(drone: Plan, places: Sequence[Place]) -> Floats:
     """Farthest ground from each place, (n,), that the edges of its images see over relief; metres."""
     along = np.linspace(-1.0, 1.0, _ALONG_EDGE)
     edge = [(x, y) for x in along for y in along if max(abs(x), abs(y)) == 1.0]
@@ -434,7 +434,7 @@ def _reach_over_relief_m(drone: Plan, relief: ModelledRelief, places: Sequence[P
     found = np.empty(len(places))
     for index, place in enumerate(places):
         part = slice(index * each, (index + 1) * each)
-        seen, _ = relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
+        seen, _ = drone.relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
         middle = cartesian_m(np.array(place.lat_deg), np.array(place.lon_deg))
         distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
         found[index] = np.where(seen.hit, distance * _BULGE_OVER_RELIEF, np.inf).max()

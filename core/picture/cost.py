@@ -67,7 +67,7 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
     seeing_s = 0.0
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         # Over relief a capture has a view of its own, made to know its tiles and made again to draw it.
         start = time.thread_time()
         plan.views.view(index)

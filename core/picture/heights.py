@@ -10,7 +10,7 @@ from ..errors import TerrAInavError
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
-from ..mission.relief.modelled import Heights
+from ..mission.relief.ground import Heights
 
 #: Name of the embedded landscape.
 _LANDSCAPE = "world"

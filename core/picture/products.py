@@ -79,7 +79,7 @@ def sighting(
     """
     if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.views.size_px(index):
         seen = shot.tracing.sighting
-    elif plan.relief is not None:
+    elif not plan.relief.is_level:
         seen = plan.views.tracing(index, size_px).sighting
     else:
         seen = _over_level(plan, index, size_px)

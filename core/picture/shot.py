@@ -33,7 +33,7 @@ class Shot:
     @cached_property
     def tracing(self) -> Tracing | None:
         """Its rays over relief; None over level ground."""
-        return None if self.plan.relief is None else self.plan.views.tracing(self.index)
+        return None if self.plan.relief.is_level else self.plan.views.tracing(self.index)
 
     @cached_property
     def view(self) -> View:

@@ -297,7 +297,7 @@ def _pictures(
 
 
 def _pixels_error_px(plan: Plan, one: PixelMethod) -> float | None:
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         return positions.relief_error_px(plan, None if one.level else one.tolerance_px)
     # Rays are the camera frame's own positions, whose error is that of the picture.
     return positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0
@@ -317,7 +317,7 @@ class PixelMethod(NamedTuple):
 
 def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
     """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         return _relief_methods(plan, scene)
     others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
     choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)

@@ -137,7 +137,7 @@ class Bench:
         The captures of a row share their view, whose seconds count once a row.
         """
         plan = self.plan
-        rows = len(runs_on(plan.grid, plan.poses)[0]) if plan.relief is None else len(plan)
+        rows = len(runs_on(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
         # What ways have in common that differ by their kernels.
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
         looks = {kind: partial(self._view, kind) for kind in kinds}
@@ -164,7 +164,7 @@ class Bench:
     def _view(self, way: Way) -> View:
         plan = self.plan
         zooms = sampled_zooms(plan.mission, plan.grid)
-        if plan.relief is not None and not way.level:
+        if not plan.relief.is_level and not way.level:
             return replace(plan.views.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px).view(
                 plan.grid, zooms
             )

@@ -178,7 +178,7 @@ def _level_on_relief(plan: Plan, level: Scene, x_px: Floats, y_px: Floats) -> tu
     seen = ImageRays.of(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
     height = np.full(len(x_px), np.nan)
-    if plan.relief is not None and seen.hit.any():
+    if not plan.relief.is_level and seen.hit.any():
         lat, lon = seen.lat_deg[seen.hit], lon_deg + seen.dlon_deg[seen.hit]
         surface = plan.relief.heights.surface.surface(lat, lon, 0.0)
         height[seen.hit] = surface.heights(*surface.position(lat, lon))

@@ -28,7 +28,7 @@ from .shown import open_image
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ...core.mission.relief.modelled import Heights
+    from ...core.mission.relief.ground import Heights
 
 #: Folder in a dataset of the images that are laid on the map one by one.
 ON_MAP_FOLDER = "on-map"

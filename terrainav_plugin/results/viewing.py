@@ -33,7 +33,7 @@ from ..widgets import add_docked
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ...core.mission.relief.modelled import Heights
+    from ...core.mission.relief.ground import Heights
     from ..remote.images import ImageFetcher
     from .shots import CapturedImage, Finder, FootprintLayer, Seen
     from .viewer import Viewer

@@ -21,7 +21,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.relief.modelled import Heights
+from terrainav.core.mission.relief.ground import Heights
 from terrainav.core.mission.settings import mission_from, resolve
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
@@ -119,7 +119,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
             heights = Heights(Bumps(BUMPS_M), Bumps(BUMPS_M))
         few = mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES))
         worked_out = plan(few, grid, heights)
-        if worked_out.relief is not None and not worked_out.frames.on_map:
+        if not worked_out.relief.is_level and not worked_out.frames.on_map:
             if math.prod(worked_out.frames.largest_px) <= MOST_OVER_RELIEF_PX:
                 worked_out.views.view(0)
             worked_out.views.outline(0)

@@ -331,7 +331,7 @@ def _asking_engine() -> Callable[[], bool]:
 def _with_heights(block: Block) -> Plan:
     """Plan of a block, whose relief has its heights again where it comes from another process."""
     plan, options = block.plan, block.source.options
-    if plan.relief is None or plan.relief.heights_m.size:
+    if plan.relief.is_loaded:
         return plan
     asked = SourceOptions(
         seed=plan.mission.imagery.seed,
@@ -343,7 +343,7 @@ def _with_heights(block: Block) -> Plan:
     )
     heights = heights_for(block.terrain, asked)
     if heights is not None:
-        plan.relief.opened(heights, _surface(block.destination, block.run))
+        plan.relief.load(heights, _surface(block.destination, block.run))
     return plan
 
 
@@ -378,7 +378,7 @@ def _array_of(data: bytes) -> NDArray[Any]:
 
 def write_relief(plan: Plan, destination: Path) -> None:
     """Leave the heights of a plan's relief for workers, which need them all for each block."""
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         data = io.BytesIO()
         np.save(data, plan.relief.heights_m, allow_pickle=False)
         write_whole(destination / BLOCKS_FOLDER / RELIEF_FILE, data.getvalue())

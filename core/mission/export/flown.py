@@ -24,8 +24,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..plan import Plan
-from ..relief.modelled import no_ground
-from ..relief.overflown import Overflown
+from ..relief.ground import Route, no_ground
 from .sorties import continuous
 
 #: Between two lines of places.
@@ -108,9 +107,7 @@ class Reader:
             raise no_ground(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
         return [Way(names, lat, lon, height + base)]
 
-    def _over(self, lat: Floats, lon: Floats) -> Overflown:
-        if self._relief is None:
-            raise ValueError("a plan without relief")
+    def _over(self, lat: Floats, lon: Floats) -> Route:
         return self._relief.around(lat, lon, 0.0)
 
     def plan(self, text: str) -> list[Way]:

@@ -64,7 +64,7 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             _heard(path) as failed,
         ):
             _write(ogr, plan, partial, failed)
-            if plan.relief is not None:
+            if not plan.relief.is_level:
                 reader = Reader(plan)
                 reader.check(reader.above_ground([places_of_geopackage(partial)]), path.name)
     except OSError as wrong:

@@ -60,7 +60,7 @@ def check_qgroundcontrol(plan: Plan) -> None:
         if by_distance:
             points, own = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
         turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
-        back = 0 if plan.relief is None else _BACK
+        back = 0 if plan.relief.is_level else _BACK
         if points + own + turned + back + _AROUND > MOST_ITEMS:
             raise InvalidInput(
                 "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
@@ -105,7 +105,7 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     heights = Message(
         "heights are above the take-off point: they are heights above ground only where the ground is level with it"
     )
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         heights = Message(
             "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
             plan.path.base_m,

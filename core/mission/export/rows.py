@@ -38,7 +38,7 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
     left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
     poses = plan.poses._replace(lon_deg=wrap_lon_deg(plan.lon_deg))
     columns = {**poses._asdict(), **plan.windows._replace(left_px=left)._asdict()}
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         columns["height_m"] = plan.height_m
     corner_lon = wrap_lon_deg(plan.corners.lon_deg)
     for part in parts(len(plan)):
@@ -109,7 +109,7 @@ def csv_text(plan: Plan) -> Iterator[str]:
     """Text of the table, in blocks."""
     more = [
         name
-        for name, there in (("time_utc", plan.direct.has_times), ("height_m", plan.relief is not None))
+        for name, there in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level))
         if there
     ]
     names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS)

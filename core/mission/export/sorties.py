@@ -94,13 +94,13 @@ class Sortie:
 
         It is as far above the relief as the lowest capture is above the ground, or as the clearance.
         """
-        if plan.relief is None:
-            return -math.inf
         lat = np.array([self.home[0], self.lat_deg[at]])
         lon = continuous(np.array([self.home[1], self.lon_deg[at]]), float(plan.lon_deg[0]))
-        below = plan.relief.around(lat, lon, 0.0).profile(lat, lon, LocalPlane(float(lat[0]), float(lon[0])))
+        plane = LocalPlane(float(lat[0]), float(lon[0]))
+        profiles = plan.relief.around(lat, lon, 0.0).profiles(lat, lon, plane)
+        highest_m = max((float(below.highest_m.max()) for below in profiles), default=-math.inf)
         above_m = max(plan.mission.terrain.clearance_m, float(plan.meant.agl_m.min()))
-        return float(below.highest_m.max()) + above_m - self.base_m
+        return highest_m + above_m - self.base_m
 
     def runs(self, plan: Plan) -> list[tuple[int, int]]:
         """First and last point of each run of captures of one row, one after the other and none left out."""
@@ -121,7 +121,7 @@ class Sortie:
         found = self.capture < 0
         runs = self.runs(plan)
         found[[end for run in runs for end in run]] = True
-        if plan.relief is None:
+        if plan.relief.is_level:
             return found
         way_m = np.append(0.0, np.cumsum(legs(self.lat_deg, self.lon_deg).distance_m))
         for first, last in runs:
@@ -134,15 +134,16 @@ class Sortie:
         """Points between waypoints that are too far from each other to keep clear of the relief, (k,)."""
         at = np.flatnonzero(found)
         low = np.zeros(len(found), bool)
-        if plan.relief is None or len(at) < 2:
+        if len(at) < 2:
             return low
         lat, height = self.lat_deg[at], self.height_m[at] + self.base_m
         lon = continuous(self.lon_deg[at], float(plan.lon_deg[0]))
-        below = plan.relief.around(lat, lon, 0.0).profile(lat, lon, LocalPlane(float(lat[0]), float(lon[0])))
-        line = height[below.leg] + below.share * (height[below.leg + 1] - height[below.leg])
-        short = below.highest_m + plan.mission.terrain.clearance_m - line > _NOISE_M
-        for leg in np.unique(below.leg[short]).tolist():
-            low[at[leg] : at[leg + 1]] = True
+        plane = LocalPlane(float(lat[0]), float(lon[0]))
+        for below in plan.relief.around(lat, lon, 0.0).profiles(lat, lon, plane):
+            line = height[below.leg] + below.share * (height[below.leg + 1] - height[below.leg])
+            short = below.highest_m + plan.mission.terrain.clearance_m - line > _NOISE_M
+            for leg in np.unique(below.leg[short]).tolist():
+                low[at[leg] : at[leg + 1]] = True
         return low
 
 

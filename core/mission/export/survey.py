@@ -202,7 +202,7 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
 
 
 def _follows_terrain(plan: Plan) -> bool:
-    return plan.relief is not None and plan.mission.terrain.height_above == GROUND
+    return not plan.relief.is_level and plan.mission.terrain.height_above == GROUND
 
 
 def _corners(plan: Plan, sortie: Sortie) -> list[list[float]]:

@@ -137,7 +137,7 @@ def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Flo
     `LINE_POINTS` waypoints it goes through every k-th and through the ends of the rows, and where even those are too
     many, through every k-th.
     """
-    if not plan.path.is_captures or plan.relief is not None:
+    if not plan.path.is_captures or not plan.relief.is_level:
         path = plan.path if sortie is None else plan.path.of(sortie)
         return [(lon, lat, agl) for lon, lat, agl in cut_line(path.lon_deg, path.lat_deg, path.agl_m)]
     meant, count = plan.meant, len(plan)

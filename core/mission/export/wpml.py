@@ -361,7 +361,7 @@ def _rounding_m(plan: Plan, sortie: Sortie) -> list[float]:
     if _by_distance(plan):
         passed &= _rows_by_distance(plan, sortie).between
     found[passed] = _ROUNDING_M
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         way = leg / np.maximum(length, _SHORTEST_PASSED_M)[:, np.newaxis]
         turn = np.linalg.norm(np.diff(way, axis=0), axis=1)
         most = np.floor(2000.0 * _CUT_M / np.maximum(turn, _CUT_M)) / 1000.0

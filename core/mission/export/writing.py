@@ -146,7 +146,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
         return _write_parts(plan, target, ending, replace_parts)
     form = _TEXTS[ending]
     texts = form.text(plan)
-    if plan.relief is not None and form.places is not None:
+    if not plan.relief.is_level and form.places is not None:
         texts = _read_back(plan, target.name, texts, form.places)
     write_whole(target, (text.encode() for text in texts))
     return Exported((target,), () if form.notes is None else form.notes(plan))
@@ -179,7 +179,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
     form = _PARTED[lowered]
     form.check(plan)
     contents = form.contents(plan)
-    if plan.relief is not None:
+    if not plan.relief.is_level:
         contents = _checked(plan, target.name, contents, form.read)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
     parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))

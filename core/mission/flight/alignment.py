@@ -20,7 +20,7 @@ from ..layout.rotated import is_rotated, lay_out_rotated
 from ..mission import Mission
 from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
 from ..plan import Plan, plan
-from ..relief.modelled import Heights
+from ..relief.ground import Heights
 from .motion import legs
 
 #: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -20,8 +20,7 @@ from ..areas.area import Points, Polygon
 from ..layout.no_fly import in_no_fly
 from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief.modelled import ModelledRelief, no_ground
-from ..relief.overflown import Overflown, Profile
+from ..relief.ground import Relief, Route, no_ground
 from .direct import DirectFlight
 from .motion import legs
 
@@ -47,8 +46,6 @@ _SIDE_M, _MOST_PIECES = 1000.0, 256
 _SAME_M, _NOISE_M = 0.01, 1e-3
 #: What points that lift a leg are above the least, metres: else a round hill takes one for every few metres.
 _SPARE_M = 0.5
-#: Metres of legs over relief that are looked at together, for each metre of its cells.
-_AT_ONCE_CELLS = 250_000
 
 
 class Planned(Protocol):
@@ -75,8 +72,8 @@ class Planned(Protocol):
         ...
 
     @property
-    def relief(self) -> ModelledRelief | None:
-        """The relief that they are flown over; None where the ground is level."""
+    def relief(self) -> Relief:
+        """The ground that they are flown over."""
         ...
 
     @property
@@ -178,7 +175,7 @@ def flight_path(plan: Planned) -> FlightPath:
     if further or plan.mission.no_fly:
         return _Maker(plan).path()
     alone = _captures_alone(plan)
-    if plan.relief is None:
+    if plan.relief.is_level:
         return alone
     lifted = _Maker(plan).path()
     return alone if len(lifted) == len(alone) else lifted
@@ -250,9 +247,9 @@ class _Maker:
         self._no_fly = [_near(polygon, middle[1]) for polygon in self._mission.no_fly]
         self._rings = [[np.stack(self._plane.forward(y, x), axis=1) for x, y in one] for one in self._no_fly]
         self._home = self._takeoff(middle[1])
-        self._level_m = float(ground[0])
+        self._is_level = plan.relief.is_level
         self._relief = self._relief_below(plan.relief)
-        self._base_m = self._level_m if self._home is None else self._ground_at_home(self._home)
+        self._base_m = float(ground[0]) if self._home is None else self._ground_at_home(self._home)
         self._into_deg, self._out_deg = self._directions()
         self._ways: dict[tuple[int, bool], tuple[_Points, float]] = {}
         self._track = self._made_track()
@@ -310,9 +307,7 @@ class _Maker:
             )
         return lat, lon
 
-    def _relief_below(self, relief: ModelledRelief | None) -> Overflown | None:
-        if relief is None:
-            return None
+    def _relief_below(self, relief: Relief) -> Route:
         lat, lon = [self._captures.lat], [self._captures.lon]
         for polygon in self._no_fly:
             lon.append(polygon[0][0])
@@ -324,8 +319,6 @@ class _Maker:
         return relief.around(np.concatenate(lat), np.concatenate(lon), room_m)
 
     def _ground_at_home(self, home: tuple[float, float]) -> float:
-        if self._relief is None:
-            return self._level_m
         found = float(self._relief.ground_m(np.array(home[:1]), np.array(home[1:]))[0])
         if math.isnan(found):
             raise no_ground(*home)
@@ -333,16 +326,11 @@ class _Maker:
 
     def _ground_m(self, lat: Floats, lon: Floats) -> Floats:
         """Heights of the ground below points; that of the take-off where there is none."""
-        if self._relief is None:
-            return np.full(len(lat), self._level_m)
         found = self._relief.ground_m(lat, lon)
         return np.where(np.isnan(found), self._base_m, found)
 
     def _least_m(self, lat: Floats, lon: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
         """Least heights that a leg may have over places, and those that points there are given."""
-        if self._relief is None:
-            none = np.full(len(lat), -np.inf)
-            return none, none
         return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
 
     def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
@@ -426,12 +414,12 @@ class _Maker:
 
     def _over_ground(self, points: _Points) -> _Points:
         """Points with further ones where a leg would come too low over the relief."""
-        if self._relief is None or len(points.kind) < 2:
+        if self._is_level or len(points.kind) < 2:
             return points
         agl = self._agl_of(points)
         points = self._raised(points, np.append(agl, agl[-1]))
         added: list[tuple[int, _Points]] = []
-        for below in self._profiles(points):
+        for below in self._relief.profiles(points.lat, points.lon, self._plane):
             least, given = self._kept_m(below.highest_m, below.ground_m, agl[below.leg])
             line = points.height[below.leg]
             line = line + below.share * (points.height[below.leg + 1] - line)
@@ -448,18 +436,6 @@ class _Maker:
         least, given = self._least_m(points.lat, points.lon, agl_m)
         low = (points.capture < 0) & (points.height < least)
         return points._replace(height=np.where(low, given, points.height))
-
-    def _profiles(self, points: _Points) -> Iterator[Profile]:
-        """Relief below legs, of so many at a time as memory is for."""
-        if self._relief is None:
-            return
-        lat, lon = points.lat, points.lon
-        way_m = np.append(0.0, np.cumsum(legs(lat, lon).distance_m))
-        blocks = np.unique(way_m // (_AT_ONCE_CELLS * self._relief.cell_m), return_index=True)[1]
-        for first, last in zip(blocks, np.append(blocks[1:], len(lat) - 1)):
-            if last > first:
-                some = slice(first, last + 1)
-                yield self._relief.profile(lat[some], lon[some], self._plane, int(first))
 
     def _agl_of(self, points: _Points) -> Floats:
         """Height above ground that is asked for on each leg, (m - 1,): the lower one of the captures around it."""
@@ -569,7 +545,7 @@ class _Maker:
         return max(
             (
                 float(self._kept_m(below.highest_m, below.ground_m, agl_m)[1].max())
-                for below in self._profiles(points)
+                for below in self._relief.profiles(points.lat, points.lon, self._plane)
             ),
             default=-math.inf,
         )

@@ -16,7 +16,7 @@ from ...geodesy.frames import Sizes, Windows, quarter_turns, swapped, window_cen
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, u_to_lon, v_to_lat
 from ...geodesy.planes import TurnedPlane
 from ..mission import Mission
-from ..relief.modelled import Flown, ModelledRelief
+from ..relief.ground import Flown, Relief
 from .coverage import Rectangles, unique_tiles
 from .rotated import Pass, rectangles_within, rotated_rectangles
 
@@ -89,8 +89,8 @@ class FramedPlan(Protocol):
         """Level ground that captures are planned over."""
 
     @property
-    def relief(self) -> ModelledRelief | None:
-        """Relief that they are flown over, if any."""
+    def relief(self) -> Relief:
+        """Ground that they are flown over."""
 
     @property
     def flown(self) -> Flown | None:
@@ -257,7 +257,7 @@ class CameraFrames:
     def has_masks(self, plan: FramedPlan) -> bool:
         """Whether pictures may have pixels without ground, or with ground that the source's map does not reach."""
         corners = plan.corners
-        if plan.relief is not None and plan.relief.has_holes:
+        if plan.relief.has_holes:
             return True
         if plan.grid.own is not None:
             return not corners.hit.all()

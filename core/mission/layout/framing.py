@@ -34,8 +34,8 @@ from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..areas.area import Points
 from ..mission import Mission
-from ..parts import FIRST, GROUND, TRACK
-from ..relief.modelled import Flown, ModelledRelief
+from ..parts import FIRST, TRACK
+from ..relief.ground import Flown, Relief
 from .frames import CameraFrames, Frames, MapFrames, finest_zoom_of
 from .no_fly import left_out
 from .polygons import lay_out_polygons
@@ -120,7 +120,7 @@ def framed(
     grid: PixelGrid,
     framing: Framing,
     disturbed: Disturbed,
-    relief: ModelledRelief | None = None,
+    relief: Relief,
 ) -> Framed:
     """Lay a mission out in frames of one kind.
 
@@ -132,7 +132,7 @@ def framed(
     InvalidInput
         As `plan` does.
     """
-    zoom_of = partial(_zoom, mission, framing, relief)
+    zoom_of = partial(_zoom, framing, relief)
     rows = _rows_of(mission, grid, framing, relief)
     placed = rows.first
     zoom = zoom_of(placed.layout)
@@ -145,15 +145,14 @@ def framed(
             placed = rows.place(zoom)
     layout, passes, parts, lost = left_out(mission.no_fly, *placed)
     layout = from_entry(mission, layout, (*parts, *(one.first for one in passes)))
-    flown = None
-    if relief is not None:
-        flown = relief.flown(layout)
+    flown = relief.flown(layout)
+    if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
     still = mission.wind is None and grid.own is None and flown is None
     alike = passes and still and framing.resamples
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
-    frames = framing.frames(layout if relief is None else relief.as_alone(layout, flown), windows, poses)
+    frames = framing.frames(relief.lone(layout, flown), windows, poses)
     return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost)
 
 
@@ -210,7 +209,7 @@ class _RowsAlongParallels:
     mission: Mission
     grid: PixelGrid
     framing: Framing
-    relief: ModelledRelief | None
+    relief: Relief
 
     needs_room: ClassVar[bool] = True
 
@@ -231,7 +230,7 @@ class _RowsAlongParallels:
             return lay_out(part, frames, pixel, relief), ()
 
         placed = PlacedCaptures(*lay_out_polygons(self.mission, of_one))
-        if relief is None or relief.reaches(placed.layout.lat_deg, placed.layout.lon_deg):
+        if relief.covers(placed.layout.lat_deg, placed.layout.lon_deg):
             return placed
         return PlacedCaptures(*lay_out_polygons(self.mission, of_one))
 
@@ -255,7 +254,7 @@ class _RowsInPlane:
     mission: Mission
     grid: PixelGrid
     framing: Framing
-    relief: ModelledRelief | None
+    relief: Relief
 
     @property
     def needs_room(self) -> bool:
@@ -289,7 +288,7 @@ class _RowsInPlane:
         )
 
 
-def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: ModelledRelief | None) -> Placing:
+def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief) -> Placing:
     """Way of placing a mission's captures."""
     if isinstance(mission.area, Points):
         return _SinglePoints(mission, grid)
@@ -326,17 +325,14 @@ def _from_grid_north(mission: Mission, own: ProjectedPlane, layout: Layout) -> L
     return layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
 
 
-def _zoom(mission: Mission, framing: Framing, relief: ModelledRelief | None, layout: Layout) -> int:
+def _zoom(framing: Framing, relief: Relief, layout: Layout) -> int:
     """Zoom of a mission's pictures."""
-    if relief is None or mission.terrain.height_above == GROUND:
-        return framing.zoom(layout)
-    # Heights count from elsewhere: images show what is below them.
-    return framing.zoom(layout._replace(agl_m=relief.flown(layout).seen_agl_m))
+    return framing.zoom(relief.zoomed(layout))
 
 
-def _over_highest(mission: Mission, relief: ModelledRelief | None) -> Mission:
+def _over_highest(mission: Mission, relief: Relief) -> Mission:
     """A mission as high above level ground as it is above the highest that it sees of the relief."""
-    if relief is None:
+    if relief.is_level:
         return mission
     box = mission.area.bounds
     if not isinstance(mission.area, Points):
@@ -345,9 +341,9 @@ def _over_highest(mission: Mission, relief: ModelledRelief | None) -> Mission:
     return mission.with_(agl_m=float(least.min()))
 
 
-def _deepest_share(least: Mission, relief: ModelledRelief | None) -> float:
+def _deepest_share(least: Mission, relief: Relief) -> float:
     """How many times as high as over the highest a mission is over the lowest ground that cameras look aside at."""
-    if relief is None or sees_below(least):
+    if sees_below(least):
         return 1.0
     return max(relief.deepest_m / least.flight.agl_m, 1.0)
 

@@ -81,6 +81,11 @@ class Below(Protocol):
     """Relief below a mission: how high captures are over the highest of what they see."""
 
     @property
+    def is_level(self) -> bool:
+        """Whether there is none."""
+        ...
+
+    @property
     def within_m(self) -> float:
         """Distance within which places are not told apart."""
         ...
@@ -103,7 +108,7 @@ class Below(Protocol):
         ...
 
 
-def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None = None) -> Layout:
+def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> Layout:
     """Places of a mission's captures.
 
     Parameters
@@ -114,8 +119,8 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
     pixel : float
         Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
         leave room for the rounding of their edges.
-    relief : Below or None
-        What rows get tighter over.
+    relief : Below
+        Ground below: rows are tighter where it is higher.
 
     Raises
     ------
@@ -131,10 +136,8 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
     aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
 
     def row_frames(lat_deg: Floats) -> FrameEdges:
-        if relief is None:
-            return frames(lat_deg, np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape))
         least = frames(lat_deg, relief.least_seen_agl_m(lat_deg))
-        if not aside:
+        if relief.is_level or not aside:
             return least
         # What is seen aside lies farther away from higher up: what images from all heights hold.
         most = frames(lat_deg, relief.most_seen_agl_m(lat_deg))
@@ -147,7 +150,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
 
     if mission.flight.layout == "paper":
         return _paper(mission, area, row_frames)
-    if relief is not None and not sees_below(mission):
+    if not (relief.is_level or sees_below(mission)):
         deep = np.float64(relief.deepest_m)
         return _cover(
             mission,
@@ -156,7 +159,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
             pixel,
             deepest=lambda lat_deg: frames(lat_deg, np.broadcast_to(deep, lat_deg.shape)),
         )
-    if relief is None or aside:
+    if relief.is_level or aside:
         return _cover(mission, area, row_frames, pixel)
     return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
 

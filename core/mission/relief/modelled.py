@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.raytracing.surface import Surface
-from ...geodesy.raytracing.tracing import ElevationModel
 from ..areas.area import ANGLES, Box, Points, Polygon, Polygons, parts_of
 from ..areas.area import inside as inside_area
 from ..flight.motion import legs
@@ -26,6 +25,7 @@ from ..layout.coverage import rings_of
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
+from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, no_ground
 from .overflown import Overflown, OverflownInParts, cell_size_m, highest_around, lowest_around
 
 #: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
@@ -51,55 +51,6 @@ _BULGE = 1.05
 _LEVEL_M = 1e-4
 
 
-@dataclass(frozen=True)
-class Heights:
-    """Relief that a mission is flown over: the ground that it follows, and the surface that its cameras see."""
-
-    ground: ElevationModel
-    surface: ElevationModel
-
-
-class Flown(NamedTuple):
-    """Captures over relief, arrays (n,).
-
-    Attributes
-    ----------
-    height_m : array
-        Of the cameras over the WGS 84 ellipsoid.
-    ground_m : array
-        Of the ground below them.
-    seen_agl_m : array
-        Over the highest of what they may see: their images show at least as much as they would from there.
-    """
-
-    height_m: Floats
-    ground_m: Floats
-    seen_agl_m: Floats
-
-
-class ReliefFigures(NamedTuple):
-    """A flight over relief in figures, metres.
-
-    Attributes
-    ----------
-    lowest_m, highest_m : float
-        Of the ground below captures, over the ellipsoid.
-    nearest_m, farthest_m : float
-        From a capture down to the highest and to the lowest that its image may show.
-    clearance_m : float
-        Least height of a capture over everything within the clearance's distance.
-    hidden_share : float
-        Of the area's ground: images hold it, but relief in front of it hides it from all of them.
-    """
-
-    lowest_m: float
-    highest_m: float
-    nearest_m: float
-    farthest_m: float
-    clearance_m: float
-    hidden_share: float
-
-
 class ModelledRelief:
     """What a mission's captures fly over and see, in cells as fine as the area allows.
 
@@ -113,6 +64,8 @@ class ModelledRelief:
     InvalidInput
         No ground at the takeoff, or none at all here; or holes in the area that are to be refused.
     """
+
+    is_level = False
 
     def __init__(self, mission: Mission, heights: Heights) -> None:
         self.mission, self.heights = mission, heights
@@ -147,11 +100,16 @@ class ModelledRelief:
         return {**{name: getattr(self, name) for name in kept}, "_surface": without}
 
     @property
+    def is_loaded(self) -> bool:
+        """Whether the heights are here, which pickling leaves out."""
+        return bool(self._surface.heights_m.size)
+
+    @property
     def heights_m(self) -> NDArray[Any]:
         """Heights of the surface that captures see, as they are known here, (rows, columns)."""
         return self._surface.heights_m
 
-    def opened(self, heights: Heights, heights_m: NDArray[Any]) -> None:
+    def load(self, heights: Heights, heights_m: NDArray[Any]) -> None:
         """Have the heights again where it was unpickled: those that are read for each image, and `heights_m`."""
         self.heights = heights
         self._surface = replace(self._surface, heights_m=heights_m)
@@ -166,8 +124,8 @@ class ModelledRelief:
         for worked_out in _WORKED_OUT:
             self.__dict__.pop(worked_out, None)
 
-    def reaches(self, lat_deg: Floats, lon_deg: Floats) -> bool:
-        """Whether the relief about captures (n,) was known; if not, as their images look far ahead, it is read."""
+    def covers(self, lat_deg: Floats, lon_deg: Floats) -> bool:
+        """Whether the relief about captures (n,) was known; if not, as for images that look far ahead, read it."""
         if _holds(self._ground, lat_deg, lon_deg):
             return True
         lat, lon = (np.concatenate(at) for at in zip(self._ends, (lat_deg, lon_deg)))
@@ -213,7 +171,7 @@ class ModelledRelief:
         return Overflown(self._ground, self._surface, self.mission.terrain.clearance_distance_m)
 
     @property
-    def is_level(self) -> bool:
+    def is_flat(self) -> bool:
         """Whether there is no relief at all, neither in images nor below the ways to and around them."""
         if self._ground.heights_m.size == 0 or self.highest_m - self.lowest_m > _LEVEL_M:
             return False
@@ -507,7 +465,7 @@ class ModelledRelief:
         """Heights of captures; refused where they cannot be kept."""
         mission, terrain = self.mission, self.mission.terrain
         lat, lon = layout.lat_deg, layout.lon_deg
-        self.reaches(lat, lon)
+        self.covers(lat, lon)
         ground = self.ground_m(lat, lon)
         agl = layout.agl_m if isinstance(mission.area, Points) else np.full(len(lat), mission.flight.agl_m)
         wanted, _ = self.wanted_m(lat, lon, agl)
@@ -536,7 +494,13 @@ class ModelledRelief:
             )
         return Flown(height, ground, seen)
 
-    def as_alone(self, layout: Layout, flown: Flown | None) -> Layout:
+    def zoomed(self, layout: Layout) -> Layout:
+        """Captures with the heights that choose their images' zoom: those over the highest ground that they see."""
+        if self.mission.terrain.height_above == GROUND:
+            return layout
+        return layout._replace(agl_m=self.flown(layout).seen_agl_m)
+
+    def lone(self, layout: Layout, flown: Flown | None) -> Layout:
         """Captures with heights over the highest of what each may see; those of points as if flown without the others.
 
         How far others of a table see would lower them, too.
@@ -550,8 +514,10 @@ class ModelledRelief:
         tops = _around(highest_around, self._surface, lat, lon, above * reach)
         return layout._replace(agl_m=height - np.fmax(tops, flown.ground_m))
 
-    def figures(self, poses: Poses, flown: Flown, corners: Corners) -> ReliefFigures:
+    def figures(self, poses: Poses, flown: Flown | None, corners: Corners) -> ReliefFigures:
         """Figures of a flight by its captures (n,) and the corners of their images (n, 4)."""
+        if flown is None:
+            raise ValueError("a flight over relief without its heights")
         lowest = lowest_around(self._surface, self.radius_m)(poses.lat_deg, poses.lon_deg)
         _, near = self._least_m(poses.lat_deg, poses.lon_deg)
         return ReliefFigures(
@@ -561,6 +527,7 @@ class ModelledRelief:
             float(np.nanmax(flown.height_m - lowest)),
             float((flown.height_m - np.where(np.isfinite(near), near, flown.ground_m)).min()),
             self._hidden_share(poses, flown.height_m, corners),
+            self.filled,
         )
 
     def _hidden_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
@@ -675,6 +642,26 @@ class ModelledRelief:
         )
 
 
+def relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Relief]:
+    """Relief that a mission flies over, and the mission over the level ground that lies lowest in it.
+
+    Raises
+    ------
+    InvalidInput
+        A mission with an elevation and without its heights; and as `ModelledRelief` does.
+    """
+    if heights is None:
+        raise InvalidInput(
+            "elevation {0}: the mission is planned without its heights", ", ".join(mission.terrain.elevation)
+        )
+    check_clearance(mission)
+    relief = ModelledRelief(mission, heights)
+    level = mission.with_(ground_height_m=relief.lowest_m)
+    if relief.is_flat and mission.terrain.height_above != ELLIPSOID:
+        return level, level_ground(level)
+    return level, relief
+
+
 def check_clearance(mission: Mission) -> None:
     """Refuse a clearance that is greater than the height that is to be flown at."""
     terrain, agl = mission.terrain, mission.flight.agl_m
@@ -685,21 +672,6 @@ def check_clearance(mission: Mission) -> None:
             agl,
             field="clearance_m",
         )
-
-
-def no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
-    """Error of a place without a height."""
-    return InvalidInput(
-        "no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole",
-        lat_deg,
-        lon_deg,
-        field="elevation",
-        remedy=Message(
-            "name a further source that fills it{0}, or have holes interpolated{1}",
-            OptionName("elevation").in_brackets,
-            OptionName("holes").in_brackets,
-        ),
-    )
 
 
 def _from_to(at: Floats, count: int) -> slice:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,37 +14,15 @@ from ...arrays import Floats, Numbers
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.projections import LocalPlane
 from ...geodesy.raytracing.surface import Surface
+from ..flight.motion import legs
+from .ground import Profile
 
 #: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
 _PIECE_M = 250.0
 #: Cells along a side of the squares that larger areas are read in, and squares that are kept: 200 MB.
 _SIDE_CELLS, _SQUARES = 1024, 16
-
-
-class Profile(NamedTuple):
-    """What lies below straight legs, at nodes (m,) in their order.
-
-    A leg that is as high as this at each node is so between them, too.
-
-    Attributes
-    ----------
-    leg : array of int64
-        Number of the leg.
-    share : array
-        Where on the leg, 0 to 1.
-    lat_deg, lon_deg : array
-    highest_m : array
-        Of the surface there, or within the clearance's distance; minus infinity where there is none.
-    ground_m : array
-        Of the ground; NaN where there is none.
-    """
-
-    leg: Numbers
-    share: Floats
-    lat_deg: Floats
-    lon_deg: Floats
-    highest_m: Floats
-    ground_m: Floats
+#: Cells below the legs whose profile is made at once.
+_CELLS_AT_ONCE = 250_000
 
 
 class Overflown:
@@ -95,6 +72,15 @@ class Overflown:
         if near is not None:
             found = np.fmax(found, near(lat_deg, lon_deg))
         return np.where(np.isnan(found), -np.inf, found)
+
+    def profiles(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane) -> Iterator[Profile]:
+        """Profiles below straight legs from position to position (n,), of as many at a time as memory is for."""
+        way_m = np.append(0.0, np.cumsum(legs(lat_deg, lon_deg).distance_m))
+        blocks = np.unique(way_m // (_CELLS_AT_ONCE * self.cell_m), return_index=True)[1]
+        for first, last in zip(blocks, np.append(blocks[1:], len(lat_deg) - 1)):
+            if last > first:
+                some = slice(first, last + 1)
+                yield self.profile(lat_deg[some], lon_deg[some], plane, int(first))
 
     def profile(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, first: int = 0) -> Profile:
         """Profile below straight legs of a plane from position to position (n,); the first leg has a number.

@@ -120,7 +120,7 @@ def test_captures_of_level_ground_in_a_mission_over_relief_are_made_as_over_leve
     """A lake among hills: no ray is traced for its pictures, which are those of traced rays all the same."""
     lon, lat = TO_DEGREES.transform(WEST + 400.0, NORTH - 330.0)
     made, source = one(files, "lake", x=150.0, agl=60.0, tilt_deg=tilt, also=((lat, lon, 60.0),))
-    assert made.relief is not None
+    assert not made.relief.is_level
     assert not made.views.view(0).samples
     assert made.views.view(0).patches
     assert made.views.view(1).samples

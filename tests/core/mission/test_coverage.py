@@ -30,6 +30,7 @@ from terrainav.core.mission.layout.coverage import Rectangles, gaps, shares
 from terrainav.core.mission.layout.rotated import PlaneArea
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.relief.ground import level_ground
 
 from tests.support.thinning import examples
 
@@ -259,7 +260,7 @@ def test_rows_of_very_different_heights_are_all_placed():
         return map_frame_edges(Camera(), Poses.level(lat_deg, np.zeros_like(lat_deg), agl_m))
 
     mission = Mission(Box(80, 0, -80, 0.01), 1e5, overlap_across=0.9)
-    placed = layout.lay_out(mission, frames, 0.0)
+    placed = layout.lay_out(mission, frames, 0.0, level_ground(mission))
     _, _, top, bottom = frames(placed.lat_deg, placed.agl_m)
     assert (np.diff(placed.row) == 1).all()
     assert top[0] <= lat_to_v(np.array(80.0))
