@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.command import command
 
-BOX = "35.150_-89.900_35.146_-89.895_60"
+BOX = "35.150_-89.900_35.1475_-89.8965_60"
 
 
 @pytest.fixture
