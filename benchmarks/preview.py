@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 COUNTS = (1_200, 12_000, 120_000, 1_200_000)
 PATIENCE_S = 120.0
 #: What the preview does on the main thread: all that the event loop, the map and the panel call.
-OWN_STEPS = ("show", "_follow", "_look", "_deliver", "_fill_on", "_forget")
+OWN_STEPS = ("show", "_follow", "_look", "_deliver", "_fill_next", "_forget")
 #: The published mission's middle, and degrees a capture takes there at 120 m.
 LAT_DEG, LON_DEG, STEP_LAT_DEG, STEP_LON_DEG = 35.1375, -89.8615, 0.00098, 0.00158
 #: Steps of the wheel from the whole mission down to single images, at most.
@@ -75,7 +75,7 @@ def measure(count: int, folder: Path) -> Figures:
     from terrainav.core.mission.plan import plan
     from terrainav.terrainav_plugin.map.mission_group import MissionGroup
     from terrainav.terrainav_plugin.preview.preview import Preview
-    from terrainav.terrainav_plugin.sources import costs_of, grid_of
+    from terrainav.terrainav_plugin.sources import mission_grid, request_costs
 
     side = count**0.5 / 2.0
     north, south = LAT_DEG + side * STEP_LAT_DEG, LAT_DEG - side * STEP_LAT_DEG
@@ -85,8 +85,8 @@ def measure(count: int, folder: Path) -> Figures:
     iface.newProject(False)
     project.setCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
     start = time.perf_counter()
-    planned = plan(mission, grid_of(mission))
-    estimate(planned, costs_of(mission.imagery.source))
+    planned = plan(mission, mission_grid(mission))
+    estimate(planned, request_costs(mission.imagery.source))
     plan_s = time.perf_counter() - start
 
     steps = Steps()

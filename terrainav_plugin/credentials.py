@@ -10,7 +10,7 @@ from .i18n import tr
 _BASIC, _HEADER = "Basic", "APIHeader"
 
 
-def key_in(authcfg: str) -> str | None:
+def read_key(authcfg: str) -> str | None:
     """API key: the password of a Basic configuration, or the value of an API header; None where there is none.
 
     Asks for the master password where QGIS has not been given it; on the main thread.
@@ -26,7 +26,7 @@ def key_in(authcfg: str) -> str | None:
     return config.config("password") or None
 
 
-def problem_with(authcfg: str, is_key: bool) -> str:
+def credential_problem(authcfg: str, is_key: bool) -> str:
     """What keeps a run from using a configuration, in words; empty for nothing. On the main thread.
 
     Parameters
@@ -52,7 +52,7 @@ def problem_with(authcfg: str, is_key: bool) -> str:
         return tr(
             "QGIS's authentication database is locked: press Capture again and enter its master password"
         )
-    if is_key and key_in(authcfg) is None:
+    if is_key and read_key(authcfg) is None:
         return tr(
             "authentication configuration {id} holds no key: choose a Basic one with the key as password"
         ).format(id=authcfg)

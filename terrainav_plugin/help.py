@@ -60,7 +60,7 @@ def show_help(topic: str = "") -> None:
     if not url.isLocalFile():
         QDesktopServices.openUrl(url)
         return
-    GuideWindow.show_at(url)
+    GuideWindow.show_page(url)
 
 
 def close_help() -> None:
@@ -93,7 +93,7 @@ class GuideWindow(QTextBrowser):
         self._fit_soon = single_shot(self._fit, self, _PAUSE_MS)
 
     @classmethod
-    def show_at(cls, url: QUrl) -> None:
+    def show_page(cls, url: QUrl) -> None:
         """Bring the window to the front, with the guide at the fragment of ``url``."""
         if not _OPEN:
             from qgis.utils import iface
@@ -103,7 +103,7 @@ class GuideWindow(QTextBrowser):
         # Shown first: only then it has the width that pictures and headings take their places by.
         window.show()
         window.load(Path(url.toLocalFile()))
-        window.go_to(url.fragment())
+        window.show_heading(url.fragment())
         window.raise_()
         window.activateWindow()
 
@@ -162,7 +162,7 @@ class GuideWindow(QTextBrowser):
         self.load(self._path)
         bar.setValue(round(share * bar.maximum()))
 
-    def go_to(self, topic: str) -> None:
+    def show_heading(self, topic: str) -> None:
         """Scroll to a heading, named as links name it; to the beginning where there is none."""
         block = self.document().begin()
         while block.isValid():
@@ -184,7 +184,7 @@ class GuideWindow(QTextBrowser):
                     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
                     return
                 self.load(path)
-            self.go_to(link.fragment())
+            self.show_heading(link.fragment())
         elif link.scheme() in ("http", "https"):
             QDesktopServices.openUrl(link)
 

@@ -36,7 +36,7 @@ _REMOTE_DRIVE = 4
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 
-def folder_of(text: str) -> Path:
+def entered_folder(text: str) -> Path:
     """Folder that a user has entered; one that begins with nobody's ``~name`` is taken as it stands."""
     path = Path(text.strip())
     try:
@@ -62,7 +62,7 @@ def is_remote(folder: str | os.PathLike[str]) -> bool:
     return bool(above) and max(above)[1].startswith(_SERVED)
 
 
-def place_of(path: Path) -> str:
+def path_key(path: Path) -> str:
     """What two ways of writing the same path have in common."""
     return os.path.normcase(os.path.realpath(path))
 

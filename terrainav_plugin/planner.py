@@ -96,24 +96,24 @@ def _plan(
 ) -> PlannedMission | None:
     """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
-    from .sources import costs_of, worked_out
+    from .sources import request_costs, worked_out
 
     steps = worked_out(mission, find_grid)
     return (
         None
         if overtaken()
-        else PlannedMission(mission, steps, estimate(steps, costs_of(mission.imagery.source)))
+        else PlannedMission(mission, steps, estimate(steps, request_costs(mission.imagery.source)))
     )
 
 
 def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     """Time the methods of a plan, last of all. Runs on the planner's thread."""
     from ..core.picture.cost import timed_cost
-    from .sources import bands_of
+    from .sources import mission_bands
 
     plan = planned.plan
     if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > _MOST_TIMED_PX:
         return tr("not timed, as the images are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
-    bands = bands_of(planned.mission)
+    bands = mission_bands(planned.mission)
     return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))

@@ -34,7 +34,7 @@ from .panel.form import FormMemory
 from .panel.planning import Planning
 from .panel.runs import RunPanel
 from .panel.source_list import SourceList
-from .paths import exists, folder_of, next_folder, open_in_system
+from .paths import entered_folder, exists, next_folder, open_in_system
 from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
@@ -88,7 +88,7 @@ class Session(QObject):
         self.run_panel = RunPanel(
             self.runs,
             self.dock.run_list,
-            zoom=lambda run: self.zoom_to(run.mission.area.bounds),
+            zoom=lambda run: self.zoom_to_box(run.mission.area.bounds),
             open_folder=lambda run: open_in_system(run.folder),
             clean=lambda run: self.datasets.open(run.folder, CLEAN),
         )
@@ -106,7 +106,9 @@ class Session(QObject):
         self.compare = Compare(self.project, iface)
         self.datasets = Datasets(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
-        self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.looked_at)
+        self.source_list = SourceList(
+            self.project, form.imagery, messages, window, self.background.visible_box
+        )
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()
@@ -164,8 +166,8 @@ class Session(QObject):
         self.dock.setUserVisible(True)
         state = self.state()
         if self.runs.can_start(state):
-            folder = folder_of(state.folder)
-            self.planning.with_plan(
+            folder = entered_folder(state.folder)
+            self.planning.use_plan(
                 lambda planned: self.runs.start(planned, folder, only_failed),
                 tr("Nothing to capture yet."),
                 anew=True,
@@ -174,9 +176,7 @@ class Session(QObject):
     def make_benchmark(self) -> None:
         """Ask for the rest of a benchmark whose queries are the views of the mission that is entered."""
         self.dock.setUserVisible(True)
-        self.planning.with_plan(
-            lambda planned: self.benchmarks.make(planned.mission), tr("No benchmark yet.")
-        )
+        self.planning.use_plan(lambda planned: self.benchmarks.make(planned.mission), tr("No benchmark yet."))
 
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
@@ -184,11 +184,11 @@ class Session(QObject):
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
-        return self.open_project.mission_group(folder_of(self.state().folder))
+        return self.open_project.mission_group(entered_folder(self.state().folder))
 
-    def zoom_to(self, box: Box) -> None:
+    def zoom_to_box(self, box: Box) -> None:
         """Show an area on the map."""
-        self._on_map(lambda: self.background.zoom_to(box))
+        self._on_map(lambda: self.background.zoom_to_box(box))
 
     def settings_changed(self) -> None:
         """Take up what the user has set among QGIS's options."""
@@ -253,7 +253,7 @@ class Session(QObject):
         dock.capture_clicked.connect(self.capture)
         # What is in the panel has been chosen or entered here, or agreed to.
         self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
-        self.planning.planned.connect(self._show_preview_of)
+        self.planning.planned.connect(self._preview_plan)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)
@@ -271,11 +271,11 @@ class Session(QObject):
         runs.test_shot_shown.connect(self.background.zoom_to_layer)
         missions.preview_wanted.connect(self.set_preview)
         missions.reopened.connect(self._show_preview_again)
-        missions.zoom_wanted.connect(self.zoom_to)
+        missions.zoom_wanted.connect(self.zoom_to_box)
         missions.refused.connect(form.show_messages)
         missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
         missions.clean_wanted.connect(lambda folder: self.datasets.open(folder, CLEAN))
-        missions.plan_export.plan_wanted.connect(self.planning.with_plan)
+        missions.plan_export.plan_wanted.connect(self.planning.use_plan)
         missions.plan_export.refused.connect(form.show_messages)
         self.dock.export_plan_clicked.connect(missions.plan_export.ask)
         self.datasets.dataset_wanted.connect(missions.open_dataset)
@@ -300,7 +300,7 @@ class Session(QObject):
 
     # --- the preview
 
-    def _show_preview_of(self, planned: PlannedMission) -> None:
+    def _preview_plan(self, planned: PlannedMission) -> None:
         if not self._previewing:
             return
         self.preview.show(self.group(), planned.mission, planned.plan)
@@ -319,7 +319,7 @@ class Session(QObject):
         self._previewing = on
         seen = on and self.preview.visible
         self.areas.show_previewed(seen)
-        self.dock.show_preview_on(seen)
+        self.dock.set_preview_pressed(seen)
         self.preview_shown.emit(seen)
 
     def _preview_failed(self, error: Exception) -> None:
@@ -341,11 +341,11 @@ class Session(QObject):
 
     def _datasets(self) -> list[Path]:
         """Folders of the datasets captured last, and of the mission in the panel, unless it can only be looked at."""
-        in_panel = folder_of(self.state().folder)
+        in_panel = entered_folder(self.state().folder)
         return [*reversed(self.runs.folders), *([] if why_unchangeable(in_panel) else [in_panel])]
 
     def _capture_into(self, folder: Path) -> None:
-        self.missions.restore_dataset(folder_of(self.state().folder))
+        self.missions.restore_dataset(entered_folder(self.state().folder))
         self.settings.suggested_folder = str(folder)
         self.dock.form.set_state(replace(self.state(), folder=str(folder)))
         self.capture()
@@ -374,7 +374,7 @@ class Session(QObject):
     def _zoom_if_out_of_sight(self, box: Box) -> None:
         """Move the map only where the preview could not be seen: users keep the view they chose."""
         if not is_in_sight(self.iface.mapCanvas(), self.background.rectangle(box)):
-            self.background.zoom_to(box)
+            self.background.zoom_to_box(box)
 
     def _show_hint(self, *_: object) -> None:
         hint = ""

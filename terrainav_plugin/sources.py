@@ -11,7 +11,7 @@ from urllib.parse import quote
 from qgis.core import QgsProject
 
 from ..core.errors import InvalidInput, SourceError
-from .credentials import key_in, problem_with
+from .credentials import credential_problem, read_key
 from .form.mission_form import FormError
 from .i18n import number_text, tr, translate
 from .qgis_source.connections import Connection, connection, is_connection
@@ -37,7 +37,7 @@ WORLD = "world"
 TERRARIUM = "terrarium"
 
 
-def grid_of(mission: Mission) -> PixelGrid:
+def mission_grid(mission: Mission) -> PixelGrid:
     """Pixel grid of a mission's source, on the main thread where QGIS draws it.
 
     Raises
@@ -61,7 +61,7 @@ def grid_of(mission: Mission) -> PixelGrid:
         raise FormError({entry: translate(wrong)}) from wrong
 
 
-def bands_of(mission: Mission) -> Bands:
+def mission_bands(mission: Mission) -> Bands:
     """Bands of the images of a mission whose source is known; what QGIS draws or brings is red, green and blue."""
     from ..core.bands import RGB
 
@@ -71,11 +71,11 @@ def bands_of(mission: Mission) -> Bands:
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
-    """Return what gives `grid_of` on any thread; made on the main thread, which the project's layers belong to."""
+    """Return what gives `mission_grid` on any thread; made on the main thread, which the project's layers belong to."""
     if not (is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source)):
-        return lambda: grid_of(mission)
+        return lambda: mission_grid(mission)
     try:
-        grid = grid_of(mission)
+        grid = mission_grid(mission)
     except FormError as wrong:
         refusal = wrong
 
@@ -97,10 +97,10 @@ def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
     from ..core.mission.plan import plan
 
     grid = find_grid()
-    return plan(mission, grid, heights_for(mission))
+    return plan(mission, grid, mission_heights(mission))
 
 
-def heights_for(mission: Mission) -> Heights | None:
+def mission_heights(mission: Mission) -> Heights | None:
     """Heights of a mission's relief, on any thread; None where it has none.
 
     Raises
@@ -118,13 +118,13 @@ def heights_for(mission: Mission) -> Heights | None:
     options = SourceOptions(
         seed=mission.imagery.seed,
         connections=Settings().connections,
-        transport=transport_for("") if is_fetched else None,
+        transport=source_transport("") if is_fetched else None,
         cache=Settings().tile_cache(),
     )
     return heights_of(mission, options)
 
 
-def costs_of(name: str) -> Costs:
+def request_costs(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
     from ..core.imagery.opening import source_kind
     from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
@@ -141,7 +141,7 @@ def costs_of(name: str) -> Costs:
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)
 
 
-def policy_of(name: str) -> Policy | None:
+def source_policy(name: str) -> Policy | None:
     """What the provider of a source allows; None where there is none, or only its network could tell."""
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
@@ -149,7 +149,7 @@ def policy_of(name: str) -> Policy | None:
     return None if source.is_local else source.stated_policy
 
 
-def snapshot_for(mission: Mission) -> Snapshot | None:
+def mission_snapshot(mission: Mission) -> Snapshot | None:
     """What QGIS is to draw for a mission, as it is now; on the main thread. None for every other source.
 
     Raises
@@ -188,7 +188,7 @@ def open_for_capture(
     return _named(mission.imagery.source, options).open()
 
 
-def transport_for(source: str, connections: int | None = None) -> QgisTransport:
+def source_transport(source: str, connections: int | None = None) -> QgisTransport:
     """Way to the network for a source, with the authentication that the user has chosen for it.
 
     Parameters
@@ -220,9 +220,9 @@ def authcfg_of_requests(source: str) -> str:
     return "" if needs_key(source) else Settings().authcfg(source)
 
 
-def key_of(source: str) -> str | None:
+def source_key(source: str) -> str | None:
     """API key that the user has chosen for a source; on the main thread. None where it needs none."""
-    return key_in(Settings().authcfg(source)) if needs_key(source) else None
+    return read_key(Settings().authcfg(source)) if needs_key(source) else None
 
 
 def credentials_problem(source: str) -> str:
@@ -231,7 +231,7 @@ def credentials_problem(source: str) -> str:
     On the main thread: QGIS asks for its master password where it has not been given it.
     """
     if is_connection(source):
-        return problem_with(connection(source).authcfg, is_key=False)
+        return credential_problem(connection(source).authcfg, is_key=False)
     authcfg, is_key = Settings().authcfg(source), needs_key(source)
     # The command's way to hand a key over holds here as well, for hosts that the user has named with it.
     if is_key and not authcfg:
@@ -240,7 +240,7 @@ def credentials_problem(source: str) -> str:
                 return ""
         except SourceError as wrong:
             return translate(wrong)
-    return problem_with(authcfg, is_key)
+    return credential_problem(authcfg, is_key)
 
 
 def needs_key(source: str) -> bool:

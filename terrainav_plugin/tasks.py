@@ -189,7 +189,7 @@ class LatestWorker(QObject):
             self.failed.emit(error)
 
 
-def reason_of(error: BaseException) -> str:
+def failure_reason(error: BaseException) -> str:
     """Why work has failed: in words, or as Python has it where that should not have happened."""
     return Message(error) if isinstance(error, TerrAInavError) else repr(error)
 

@@ -96,7 +96,7 @@ def named(widget: _Made, name: str, tip: str = "") -> _Made:
     return widget
 
 
-def contents_of(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
+def box_contents(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
     """Widget for all that a group box holds.
 
     Unfolding a group shows all that is right inside it, also what is to be hidden.
@@ -110,7 +110,7 @@ def contents_of(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
 
 def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     """Layout of labelled entries for a group box."""
-    form = growing_form(contents_of(box))
+    form = growing_form(box_contents(box))
     form.setVerticalSpacing(4)
     # With large letters, a label stands above its entry where there is no room for both.
     form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
@@ -650,9 +650,9 @@ class FieldMarks:
 
 def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
     """Take back the letters of a panel that open a menu, which plugins and languages add to, or that come twice."""
-    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
+    taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
     for text, change in list(_texts(panel)):
-        letter = letter_of(text)
+        letter = mnemonic_key(text)
         if letter and letter in taken:
             change(text.replace("&", "", 1))
         taken.add(letter)
@@ -686,7 +686,7 @@ def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
     panel.raise_()
 
 
-def letter_of(text: str) -> str:
+def mnemonic_key(text: str) -> str:
     """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
     return QKeySequence.mnemonic(text).toString()
 

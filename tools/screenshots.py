@@ -335,7 +335,7 @@ def first_mission(stage: Stage) -> None:
     release_map(end)
     stage.plan()
     stage.capture()
-    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
+    stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
     stage.shoot("results.jpg")
     stage.plugin.actions["view_images"].trigger()
     viewing = stage.session.viewing
@@ -439,7 +439,7 @@ def orthomosaic(stage: Stage) -> None:
     stage.form.attitude.unfold()
     stage.preview()
     stage.capture()
-    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
+    stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
     # The background shows the same ground.
     for layer in QgsProject.instance().mapLayers().values():
         if layer.name() in ("Captured images", "Synthetic (offline)"):
@@ -608,7 +608,7 @@ def cleaning(stage: Stage) -> None:
     # Over the mission's panel, and no more of the map than it has to be.
     corner = stage.dock.mapToGlobal(stage.dock.rect().topRight())
     part.window.move(corner.x() - part.window.width() - 4, corner.y() + 4)
-    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
+    stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
     # The mission comes to stand in the part of the map that the window leaves free.
     free_px = part.window.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
     extent = stage.canvas.extent()

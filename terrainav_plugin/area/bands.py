@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import QLabel
 from ...core.mission.areas.area import Area
 from ..compat import POINT, POLYGON
 from ..plain import plain_label
-from .outline import AreaOutline, Corner, turns_to
+from .outline import AreaOutline, Corner, count_turns
 
 
 class BandColours(NamedTuple):
@@ -98,7 +98,7 @@ class AreaMark(QObject):
         """Turns around the Earth between the area and the middle of the view; 0 in maps without such turns."""
         if self.area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
-        return turns_to(self.area, self._canvas.extent().center().x())
+        return count_turns(self.area, self._canvas.extent().center().x())
 
     def _draw(self) -> None:
         self._drawn_on = self._turn()

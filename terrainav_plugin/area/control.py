@@ -17,16 +17,16 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, parts_of
 from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
-from ..form.area import FormError, area_words, entered_area, entered_no_fly, with_area
+from ..form.area import FormError, area_words, entered_area, entered_no_fly, replace_area
 from ..form.mission_form import takeoff, takeoff_text
 from ..form.state import FormState
 from ..i18n import tr, translate
-from ..map.canvas import canvas_rectangle, is_in_sight, lon_lat_of, show_extent
+from ..map.canvas import canvas_lon_lat, canvas_rectangle, is_in_sight, show_extent
 from ..messages import Messages
 from ..paths import symbol
 from ..tasks import single_shot
 from .bands import NO_FLY_COLOURS, AreaMark
-from .corners import as_polygons, pointed, with_hole, with_polygon
+from .corners import as_polygons, cut_hole, join_polygon, pointed
 from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog, PosesDialog
 from .drawing import PolygonTool
 from .editing import AreaEditing
@@ -36,8 +36,8 @@ from .layers import (
     Reading,
     ReadTask,
     area_file,
-    extent_of,
     flown_lines,
+    layer_extent_area,
     no_fly_file,
     points,
     polygons,
@@ -189,7 +189,7 @@ class AreaControl(QObject):
         tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is unchanged.")))
         self._box_tool.drawn.connect(self._take_drawn)
         self.polygon_tool.drawn.connect(self._take_drawn_polygon)
-        self.hole_tool.accept = lambda hole: with_hole(self._polygons(), hole)
+        self.hole_tool.accept = lambda hole: cut_hole(self._polygons(), hole)
         self.hole_tool.drawn.connect(self._take_hole)
         self.part_tool.drawn.connect(self._take_part)
         self.no_fly_tool.drawn.connect(self._take_no_fly)
@@ -250,7 +250,7 @@ class AreaControl(QObject):
 
     def _take_extent(self, layer: QgsMapLayer) -> None:
         step = tr("extent of {layer}").format(layer=layer.name())
-        if self._enter(lambda: extent_of(layer, self._project), step):
+        if self._enter(lambda: layer_extent_area(layer, self._project), step):
             self._show_on_canvas()
 
     def _take_polygon(self) -> None:
@@ -399,8 +399,8 @@ class AreaControl(QObject):
         dialog = PosesDialog(window, path, self._editing.state())
         with suppress(TerrAInavError):
             # Beyond the CRS of an empty map there is no such place.
-            dialog.start_at(
-                *lon_lat_of(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
+            dialog.set_origin(
+                *canvas_lon_lat(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
             )
         step = tr("poses of {file}").format(file=Path(path).name)
         self._open(dialog, lambda: self.read(step, lambda: pose_file(path, dialog.how())))
@@ -459,11 +459,11 @@ class AreaControl(QObject):
         return found
 
     def _take_hole(self, hole: Polygon) -> None:
-        self._enter(lambda: with_hole(self._polygons(), hole), tr("cut a hole"))
+        self._enter(lambda: cut_hole(self._polygons(), hole), tr("cut a hole"))
         self.tool.start()
 
     def _take_part(self, polygon: Polygon) -> None:
-        self._enter(lambda: with_polygon(self._polygons(), polygon), tr("add a polygon"))
+        self._enter(lambda: join_polygon(self._polygons(), polygon), tr("add a polygon"))
         self.tool.start()
 
     def _take_no_fly(self, polygon: Polygon) -> None:
@@ -533,7 +533,7 @@ class AreaControl(QObject):
     def _show_dragged(self, area: Area) -> None:
         """Show the numbers of what is still being dragged."""
         state = self._editing.state()
-        self._entries.show_edges(with_area(state, area))
+        self._entries.show_edges(replace_area(state, area))
         self._entries.show_words(
             area_words(area, state.agl_unit),
             not isinstance(area, Box),
@@ -551,10 +551,10 @@ class AreaControl(QObject):
         except InvalidInput as wrong:
             self._messages.warning(translate(wrong))
             return
-        if not (is_in_sight(self._canvas, rectangle) and self._shows_some_of(area)):
+        if not (is_in_sight(self._canvas, rectangle) and self._is_any_visible(area)):
             show_extent(self._canvas, rectangle, _MARGIN)
 
-    def _shows_some_of(self, area: Area) -> bool:
+    def _is_any_visible(self, area: Area) -> bool:
         """Whether any point is in view, which may lie between points; areas of ground are where their bounds are."""
         if not isinstance(area, Points):
             return True

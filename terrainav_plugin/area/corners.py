@@ -10,7 +10,7 @@ from ...core.errors import InvalidInput
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
 from ..compat import POLYGON
 from ..i18n import tr
-from .outline import Corner, kept_lat, polygon_geometry, rings_of
+from .outline import Corner, area_rings, kept_lat, polygon_geometry
 
 #: A ring has no fewer corners.
 LEAST_CORNERS = 3
@@ -37,7 +37,7 @@ def pointed(lon_deg: float, lat_deg: float) -> Position:
     return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
 
 
-def with_corner_moved(
+def move_corner(
     area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float
 ) -> Polygon | Polygons:
     """Area with one corner moved by degrees, no further than images go."""
@@ -49,13 +49,13 @@ def with_corner_moved(
     return _changed(area, corner, move)
 
 
-def with_corner_added(
+def insert_corner(
     area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_deg: float
 ) -> Polygon | Polygons:
     """Area with another corner on the edge after one."""
 
     def add(ring: list[Position]) -> None:
-        ring.insert(corner.at + 1, pointed(_near(lon_deg, ring[corner.at][0]), lat_deg))
+        ring.insert(corner.at + 1, pointed(_nearest_turn(lon_deg, ring[corner.at][0]), lat_deg))
 
     return _changed(area, corner, add)
 
@@ -68,12 +68,12 @@ def without_corner(area: Polygon | Polygons, corner: Corner) -> Polygon | Polygo
     InvalidInput
         It has only three on that ring, or its outline would cross itself.
     """
-    if len(rings_of(area)[corner.part][corner.ring]) <= LEAST_CORNERS:
+    if len(area_rings(area)[corner.part][corner.ring]) <= LEAST_CORNERS:
         raise InvalidInput(tr("a polygon needs at least 3 corners"))
     return checked(area, _changed(area, corner, lambda ring: ring.pop(corner.at)))
 
 
-def with_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
+def cut_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
     """Area with a hole in it.
 
     Raises
@@ -81,7 +81,7 @@ def with_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
     InvalidInput
         The hole is not inside one polygon, beside its other holes.
     """
-    shapes = rings_of(area)
+    shapes = area_rings(area)
     for rings in shapes:
         (ring,) = _on_turn_of(rings, hole.rings)
         if polygon_geometry(rings).contains(polygon_geometry([ring])):
@@ -92,15 +92,15 @@ def with_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
 
 def without_hole(area: Polygon | Polygons, part: int, hole: int) -> Polygon | Polygons:
     """Area without one of its holes, which are numbered as rings are, from 1."""
-    shapes = rings_of(area)
+    shapes = area_rings(area)
     del shapes[part][hole]
     return _area(shapes)
 
 
-def with_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygons:
+def join_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygons:
     """Area with one more polygon; those that it overlaps are joined with it."""
     shapes, outline = [], [list(ring) for ring in polygon.rings]
-    for rings in rings_of(area):
+    for rings in area_rings(area):
         joined = _joined(rings, _on_turn_of(rings, outline))
         if joined is None:
             shapes.append(rings)
@@ -111,14 +111,14 @@ def with_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygo
 
 def without_polygon(area: Polygons, part: int) -> Polygon | Polygons:
     """Area without one of its polygons."""
-    shapes = rings_of(area)
+    shapes = area_rings(area)
     del shapes[part]
     return _area(shapes)
 
 
-def place_in(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tuple[int, int] | None:
+def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tuple[int, int] | None:
     """Polygon that a place is in, and the ring around it: 0 on its ground, from 1 in a hole; None outside of all."""
-    for part, rings in enumerate(rings_of(area)):
+    for part, rings in enumerate(area_rings(area)):
         west = min(lon for lon, _ in rings[0])
         at = QgsPointXY(west + (lon_deg - west) % 360.0, lat_deg)
         if not polygon_geometry(rings[:1]).contains(at):
@@ -145,13 +145,13 @@ def checked(before: Polygon | Polygons, after: Polygon | Polygons) -> Polygon | 
 
 def is_sound(area: Polygon | Polygons) -> bool:
     """Whether no outline crosses itself or another of the same polygon."""
-    return all(polygon_geometry(rings).isGeosValid() for rings in rings_of(area))
+    return all(polygon_geometry(rings).isGeosValid() for rings in area_rings(area))
 
 
 def _changed(
     area: Polygon | Polygons, corner: Corner, change: Callable[[list[Position]], object]
 ) -> Polygon | Polygons:
-    shapes = rings_of(area)
+    shapes = area_rings(area)
     change(shapes[corner.part][corner.ring])
     return _area(shapes)
 
@@ -179,10 +179,10 @@ def _on_turn_of(
     rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]
 ) -> list[list[Position]]:
     """Rings of another polygon, their longitudes on the turn of the world of a polygon."""
-    turn = _near(others[0][0][0], rings[0][0][0]) - others[0][0][0]
+    turn = _nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
 
 
-def _near(lon_deg: float, other_deg: float) -> float:
+def _nearest_turn(lon_deg: float, other_deg: float) -> float:
     """Longitude on the turn that is nearest to another."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)

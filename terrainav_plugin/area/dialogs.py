@@ -28,7 +28,7 @@ from ...core.poses.settings import (
 )
 from ...core.units import LENGTHS_M
 from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
-from ..form.fields import choices_of, label_of, tip_of
+from ..form.fields import field_choices, field_label, field_tip
 from ..form.state import FormState, in_metres
 from ..i18n import number_text, tr
 from ..map.mission_group import preview_layers
@@ -332,14 +332,14 @@ class LineDialog(LayerDialog):
         )
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         camera = field_named(LineFlight, "fixed_camera")
-        self.fixed_camera = tick("fixed_camera", label_of(camera), tip_of(camera))
+        self.fixed_camera = tick("fixed_camera", field_label(camera), field_tip(camera))
         self.speed.setValue(self._state.airspeed_m_per_s)
         self.interval.setValue(_INTERVAL_S)
         self.agl.setValue(self._state.agl)
         choose(self.unit, self._state.agl_unit)
         self.bank.setValue(LineFlight.bank_deg)
         for name, entry in (("speed_m_per_s", self.speed), ("bank_deg", self.bank)):
-            self.form.addRow(label_of(field_named(LineFlight, name)), entry)
+            self.form.addRow(field_label(field_named(LineFlight, name)), entry)
             entry.valueChanged.connect(lambda _: self.show_layer(self.chosen()))
         self.form.addRow(self.fixed_camera)
         self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
@@ -370,7 +370,7 @@ def number_entry(field: Field, name: str = "") -> NumberBox:
     decimals = 0 if field.kind is int else field.unit.decimals
     least = field.least if field.least is not None else 10.0**-decimals
     most = field.most if field.most is not None else _MOST
-    return spin(name or field.name, least, most, decimals, field.unit.suffix, tip_of(field))
+    return spin(name or field.name, least, most, decimals, field.unit.suffix, field_tip(field))
 
 
 class PosesDialog(QDialog):
@@ -402,7 +402,7 @@ class PosesDialog(QDialog):
         choose(self.format, likely_format(path))
         self._show_format()
 
-    def start_at(self, lon_deg: float, lat_deg: float) -> None:
+    def set_origin(self, lon_deg: float, lat_deg: float) -> None:
         """Begin with a local frame at a place."""
         self.origin_lat.setValue(lat_deg)
         self.origin_lon.setValue(lon_deg)
@@ -453,7 +453,7 @@ class PosesDialog(QDialog):
         has_times = file_format != "kitti"
         self.times.clear()
         self.times.addItem(tr("as in the file"), "")
-        for value, label in choices_of(field_named(PoseFile, "times")) if has_times else ():
+        for value, label in field_choices(field_named(PoseFile, "times")) if has_times else ():
             if value == WITHOUT_TIMES or file_format in COUNTED_FORMATS:
                 self.times.addItem(label, value)
         for entry in (self.times, self.restart):
@@ -466,10 +466,10 @@ class PosesDialog(QDialog):
     def _add_frame(self) -> None:
         fields = {name: field_named(PoseFile, name) for name in ("format", "origin", "body", "world")}
         self.format, self.body, self.world = (
-            combo(name, choices_of(fields[name]), tip_of(fields[name]))
+            combo(name, field_choices(fields[name]), field_tip(fields[name]))
             for name in ("format", "body", "world")
         )
-        tip = tip_of(fields["origin"])
+        tip = field_tip(fields["origin"])
         self.origin_lat = spin("origin_lat", -90.0, 90.0, DEGREES, " °", tip)
         self.origin_lon = spin("origin_lon", -180.0, 180.0, DEGREES, " °", tip)
         ground = field_named(PoseFile, "ground_height_m")
@@ -481,18 +481,18 @@ class PosesDialog(QDialog):
             ("body", self.body),
             ("world", self.world),
         ):
-            self.form.addRow(label_of(fields[name]), entry)
+            self.form.addRow(field_label(fields[name]), entry)
 
     def _add_heights(self) -> None:
         agl, ground = (field_named(PoseFile, name) for name in ("agl_m", "ground_height_m"))
         self.by_file = named(
-            QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", tip_of(ground)
+            QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", field_tip(ground)
         )
-        self.by_value = named(QRadioButton(tr("&Height of all")), "by_value", tip_of(agl))
-        self.ground = spin("ground", ground.least, ground.most, 3, ground.unit.suffix, tip_of(ground))
+        self.by_value = named(QRadioButton(tr("&Height of all")), "by_value", field_tip(agl))
+        self.ground = spin("ground", ground.least, ground.most, 3, ground.unit.suffix, field_tip(ground))
         self.ground.let_be_left_out(ground.least - 1.0)
         self.ground.enter(None)
-        self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", tip_of(agl))
+        self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", field_tip(agl))
         self.agl.setValue(self._state.agl)
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         choose(self.unit, self._state.agl_unit)
@@ -504,7 +504,7 @@ class PosesDialog(QDialog):
 
     def _add_sampling(self) -> None:
         nadir = field_named(PoseFile, "nadir")
-        self.nadir = tick("nadir", label_of(nadir), tip_of(nadir))
+        self.nadir = tick("nadir", field_label(nadir), field_tip(nadir))
         self.interval: NumberBox = spin(
             "interval", 0.001, _MOST_INTERVAL, 3, "", tr("From image to image, the first at the beginning")
         )
@@ -522,13 +522,13 @@ class PosesDialog(QDialog):
             tr("Give the first position the time of Start; otherwise times are those of the file"),
         )
         times, flight = (field_named(PoseFile, name) for name in ("times", "flight"))
-        self.times = combo("times", (), tip_of(times))
+        self.times = combo("times", (), field_tip(times))
         self.times.setMinimumContentsLength(len(tr("as in the file")))
-        self.flight: NumberBox = spin("flight", flight.least, flight.most, 0, "", tip_of(flight))
+        self.flight: NumberBox = spin("flight", flight.least, flight.most, 0, "", field_tip(flight))
         self.flight.let_be_left_out(flight.least - 1.0)
         self.flight.enter(None)
-        self.form.addRow(label_of(times), self.times)
-        self.form.addRow(label_of(flight), self.flight)
+        self.form.addRow(field_label(times), self.times)
+        self.form.addRow(field_label(flight), self.flight)
         self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
         self.form.addRow(self.nadir)
         self.form.addRow(self.restart)

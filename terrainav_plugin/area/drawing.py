@@ -27,7 +27,7 @@ from ..units import METRES, area_text, length_text
 from .bands import AREA_COLOURS, BandColours, PointerText, area_band, corner_band
 from .corners import LEAST_CORNERS, pointed
 from .layers import polygon_of_rings
-from .outline import place_at
+from .outline import point_lon_lat
 
 #: Corners nearer to the one before than this are the same: the two clicks of a double click.
 _SAME_PX = 2.0
@@ -157,7 +157,7 @@ class PolygonTool(TemporaryTool):
         point = self.toMapCoordinates(at)
         if self._corners and self._pixels(self._corners[-1], point) < _SAME_PX:
             return
-        if place_at(point, self._crs, QgsProject.instance()) is None:
+        if point_lon_lat(point, self._crs, QgsProject.instance()) is None:
             self._refuse(tr("this place is outside the map"))
         elif not _is_simple([*self._corners, point]):
             self._refuse(tr("the outline would cross itself"))
@@ -206,7 +206,7 @@ class PolygonTool(TemporaryTool):
 
     def _length_m(self, start: QgsPointXY, end: QgsPointXY) -> float:
         """Metres on the ground; 0 where the CRS has no such place."""
-        places = [place_at(point, self._crs, QgsProject.instance()) for point in (start, end)]
+        places = [point_lon_lat(point, self._crs, QgsProject.instance()) for point in (start, end)]
         if None in places:
             return 0.0
         (lon0, lat0), (lon1, lat1) = places

@@ -15,8 +15,8 @@ from ..form.area import (
     entered_area,
     entered_no_fly,
     no_fly_text,
-    with_area,
-    with_coordinates,
+    paste_coordinates,
+    replace_area,
 )
 from ..form.state import FormState
 from ..form.text import looks_like_coordinates
@@ -90,11 +90,11 @@ class AreaEditing(QObject):
         InvalidInput
             An area with values outside their domain.
         """
-        self._set(with_area(self._read(), area, agl_m), step, joined)
+        self._set(replace_area(self._read(), area, agl_m), step, joined)
 
     def set_coordinates(self, text: str) -> None:
         """Enter coordinates in words; raises FormError for the field ``north``."""
-        self._set(with_coordinates(self._read(), text), tr("paste coordinates"))
+        self._set(paste_coordinates(self._read(), text), tr("paste coordinates"))
         self.coordinates_entered.emit()
 
     def set_no_fly(self, polygons: tuple[Polygon, ...], step: str) -> None:

@@ -22,7 +22,7 @@ from ..form.text import inserted, short_degrees
 from ..i18n import number_text, tr
 from ..paths import icon
 from ..plain import shown_plain
-from ..widgets import FieldMarks, ShortLine, contents_of, named, row, tool_button
+from ..widgets import FieldMarks, ShortLine, box_contents, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
 from .no_fly import NoFlyMenu
@@ -191,7 +191,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     def _lay_out(self, marks: FieldMarks) -> None:
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
-        grid = QGridLayout(contents_of(self))
+        grid = QGridLayout(box_contents(self))
         grid.setHorizontalSpacing(6)
         # As on a map: north above, south below, west left, east right.
         places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}

@@ -26,7 +26,7 @@ def same_area(one: FormState, other: FormState) -> bool:
     return all(getattr(one, name) == getattr(other, name) for name in _AREA)
 
 
-def _changed_beside(one: FormState, other: FormState) -> tuple[str, ...]:
+def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
     """Entries beside the area in which two states differ, with those that go with them."""
     return tuple(
         name
@@ -110,12 +110,12 @@ class AreaHistory(QObject):
             if not same_area(before, self._last):
                 self.stack.clear()
             return
-        if _changed_beside(before, self._last) or not same_area(before, self._last):
+        if _changed_entries(before, self._last) or not same_area(before, self._last):
             self.stack.push(_Step(*step, before, self._last, self))
 
     def enter(self, wanted: FormState, present: FormState) -> None:
         """Enter the area of a state, and what the step changed beside it."""
-        names = _AREA + _changed_beside(wanted, present)
+        names = _AREA + _changed_entries(wanted, present)
         self._entering = True
         try:
             self._write(replace(self._read(), **{name: getattr(wanted, name) for name in names}))

@@ -45,7 +45,7 @@ from ...core.text.plain import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr, translate
-from ..map.canvas import LON_LAT, box_of, check_earthly
+from ..map.canvas import LON_LAT, check_earthly, rectangle_box
 from ..tasks import Task
 from .xml import xml_elements
 
@@ -102,7 +102,7 @@ class PointFields(NamedTuple):
     m_per_unit: float = 1.0
 
 
-def polygons_of(
+def read_polygons(
     features: Iterable[QgsFeature],
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
@@ -154,7 +154,7 @@ def polygon_of_rings(
     name: str,
     tolerance_m: float = EDGE_TOLERANCE_M,
 ) -> Polygon:
-    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `polygons_of`.
+    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `read_polygons`.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def polygon_of_rings(
     )
 
 
-def points_of(
+def read_points(
     features: Iterable[QgsFeature],
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
@@ -212,7 +212,7 @@ def points_of(
     return Points(tuple(poses), **{what: tuple(values) for what, values in own.items()})
 
 
-def lines_of(
+def read_lines(
     features: Iterable[QgsFeature],
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
@@ -274,7 +274,7 @@ def polygons(layer: QgsVectorLayer, project: QgsProject, only_selected: bool = T
     # A snapshot: the layer itself belongs to the main thread.
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if only_selected else QgsFeatureRequest()
-    return lambda task: Found(polygons_of(source.getFeatures(request), crs, context, task.isCanceled))
+    return lambda task: Found(read_polygons(source.getFeatures(request), crs, context, task.isCanceled))
 
 
 def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, project: QgsProject) -> Reading:
@@ -284,7 +284,7 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
     request = _selected(layer) if only_selected else QgsFeatureRequest()
 
     def read(task: Task) -> Found:
-        found = points_of(source.getFeatures(request), crs, context, fields, task.isCanceled)
+        found = read_points(source.getFeatures(request), crs, context, fields, task.isCanceled)
         return Found(found, found.poses[0][2])
 
     return read
@@ -293,16 +293,16 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
 def flown_lines(
     layer: QgsVectorLayer, flight: LineFlight, agl_m: float, start_s: float, project: QgsProject
 ) -> Reading:
-    """Reader of the lines of a layer, see `of_lines`, flown one after the other."""
+    """Reader of the lines of a layer, see `line_reader`, flown one after the other."""
 
     def flown(lines: list[Floats]) -> Found:
         found = fly(lines, flight, start_s)
         return Found(found.points, agl_m, flown_words(found))
 
-    return of_lines(layer, agl_m, flown, project)
+    return line_reader(layer, agl_m, flown, project)
 
 
-def of_lines(
+def line_reader(
     layer: QgsVectorLayer, agl_m: float, made: Callable[[list[Floats]], Found], project: QgsProject
 ) -> Reading:
     """Reader of what is made of the selected lines of a layer, of all where none is selected."""
@@ -310,12 +310,12 @@ def of_lines(
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
     def read(task: Task) -> Found:
-        return made(lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled))
+        return made(read_lines(source.getFeatures(request), crs, context, agl_m, task.isCanceled))
 
     return read
 
 
-def of_outlines(
+def outline_reader(
     layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject
 ) -> Reading:
     """Reader of what is made of the selected polygons of a layer, each by itself, of all where none is selected."""
@@ -324,7 +324,7 @@ def of_outlines(
 
     def read(task: Task) -> Found:
         features = source.getFeatures(request)
-        shapes = (polygons_of([one], crs, context, task.isCanceled) for one in features)
+        shapes = (read_polygons([one], crs, context, task.isCanceled) for one in features)
         return made([outline for shape in shapes for outline in parts_of(shape)])
 
     return read
@@ -386,7 +386,7 @@ def rectangle_area(
     InvalidInput
         Where the rectangle leaves the domain of the CRS.
     """
-    box = box_of(rectangle, crs, project)
+    box = rectangle_box(rectangle, crs, project)
     if crs.isGeographic():
         return box
     west, south, east, north = (
@@ -404,7 +404,7 @@ def rectangle_area(
     return polygon if box.area_m2() > _MUCH_LARGER * polygon.area_m2() else box
 
 
-def extent_of(layer: QgsMapLayer, project: QgsProject) -> Area:
+def layer_extent_area(layer: QgsMapLayer, project: QgsProject) -> Area:
     """Area of a layer's extent, as `rectangle_area` has it.
 
     Raises
@@ -493,7 +493,7 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
     corners = [first]
     for start, end in zip(ring, ring[1:]):
         for lon, lat in _edge(start, end, place, name):
-            corners.append((_near(lon, corners[-1][0]), lat))
+            corners.append((_nearest_turn(lon, corners[-1][0]), lat))
     if abs(corners[-1][0] - first[0]) > _HALF_TURN_DEG:
         if is_hole:
             raise InvalidInput(
@@ -544,20 +544,20 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
 
 
 def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Position, place: _Places) -> bool:
-    dlon, dlat = _near(there[0], here[0]) - here[0], there[1] - here[1]
+    dlon, dlat = _nearest_turn(there[0], here[0]) - here[0], there[1] - here[1]
     for share in _LOOKED_AT:
         lon, lat = place(
             QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y()))
         )
         wanted = here[0] + share * dlon
-        east = (_near(lon, wanted) - wanted) * math.cos(math.radians(lat))
+        east = (_nearest_turn(lon, wanted) - wanted) * math.cos(math.radians(lat))
         north = lat - (here[1] + share * dlat)
         if math.hypot(east, north) * _M_PER_DEG > place.looked_at_m:
             return False
     return True
 
 
-def _near(lon_deg: float, other_deg: float) -> float:
+def _nearest_turn(lon_deg: float, other_deg: float) -> float:
     """Longitude on the turn that is nearest to another."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)
 

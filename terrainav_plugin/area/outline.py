@@ -24,7 +24,7 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
-from ..map.canvas import lon_lat_of, to_lon_lat
+from ..map.canvas import canvas_lon_lat, to_lon_lat
 from ..map.outlines import around_pole
 
 #: Steps each side is drawn in; sides may be curves on the canvas.
@@ -97,7 +97,7 @@ class AreaOutline:
     ) -> None:
         self._transform = to_lon_lat(crs, project)
         self._is_geographic = crs.isGeographic()
-        self._turn_deg = 360.0 * turns_to(area, near_lon_deg) if crs.isGeographic() else 0.0
+        self._turn_deg = 360.0 * count_turns(area, near_lon_deg) if crs.isGeographic() else 0.0
         self.handles: dict[frozenset[str], QgsPointXY] = {}
         self.sides: dict[str, list[tuple[QgsPointXY, QgsPointXY]]] = {}
         self.corners: dict[Corner, QgsPointXY] = {}
@@ -119,12 +119,12 @@ class AreaOutline:
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
         """Place in the canvas's CRS; None where it has none."""
-        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _beside_pole(lat_deg)))
+        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _clip_pole(lat_deg)))
 
     def project_all(self, places: Sequence[Position]) -> list[QgsPointXY | None]:
         """Places in the canvas's CRS, as `project` has each, in one go."""
         points = QgsGeometry.fromMultiPointXY(
-            [QgsPointXY(lon + self._turn_deg, _beside_pole(lat)) for lon, lat in places]
+            [QgsPointXY(lon + self._turn_deg, _clip_pole(lat)) for lon, lat in places]
         )
         try:
             points.transform(self._transform, Qgis.TransformDirection.Reverse)
@@ -206,7 +206,7 @@ class AreaOutline:
             self.sides[edge] = list(self._segments(walk))
 
     def _place_corners(self, area: Polygon | Polygons) -> None:
-        shapes = rings_of(area)
+        shapes = area_rings(area)
         if (
             area.bounds.span_deg >= _TURN_DEG
             or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS
@@ -248,7 +248,7 @@ class AreaOutline:
                 yield start, end
 
 
-def grip_at(
+def find_grip(
     outline: AreaOutline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
 ) -> frozenset[str]:
     """Edges of a box that a pointer is at: two at a corner, one at a side, none elsewhere.
@@ -276,7 +276,7 @@ def grip_at(
     return frozenset((found[1],)) if found[0] <= reach else frozenset()
 
 
-def corner_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
+def find_corner(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
     """Return the corner of polygons nearest to a point of the canvas and within reach, in its CRS's units."""
     if not outline.corners:
         return None
@@ -286,7 +286,7 @@ def corner_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner |
     return list(outline.corners)[nearest] if distances[nearest] <= reach else None
 
 
-def edge_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
+def find_edge(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
     """Return the edge of polygons nearest to a point of the canvas and within reach, by the corner before it."""
     found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
     if not found:
@@ -300,12 +300,12 @@ def edge_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | N
     return found[nearest][0] if distances[nearest] <= reach else None
 
 
-def place_at(
+def point_lon_lat(
     point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
 ) -> tuple[float, float] | None:
     """Longitude and latitude of a point on the canvas; None where the CRS has none."""
     try:
-        return lon_lat_of(point, crs, project)
+        return canvas_lon_lat(point, crs, project)
     except (InvalidInput, QgsCsException):
         return None
 
@@ -377,19 +377,19 @@ def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float)
     return continuous_box(north, west, south, east)
 
 
-def middle_of(area: Area) -> tuple[float, float]:
+def area_middle(area: Area) -> tuple[float, float]:
     """Longitude and latitude of the middle of an area's box."""
     box = area.bounds
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
-def turns_to(area: Area, lon_deg: float) -> int:
+def count_turns(area: Area, lon_deg: float) -> int:
     """Turns around the Earth from an area's longitudes, which go on beyond 180 from its west, to one."""
     box = area.bounds
     return round((lon_deg - box.west_deg - box.span_deg / 2.0) / _TURN_DEG)
 
 
-def rings_of(area: Polygon | Polygons) -> list[list[list[Position]]]:
+def area_rings(area: Polygon | Polygons) -> list[list[list[Position]]]:
     """Rings of each polygon of an area, as (longitude, latitude) within those of its bounds, which go on beyond 180."""
     if isinstance(area, Polygon):
         return [[list(ring) for ring in area.rings]]
@@ -411,7 +411,7 @@ def _degrees(area: Box | Polygon | Polygons) -> QgsGeometry:
         return QgsGeometry.fromRect(QgsRectangle(*area.edges_deg))
     if isinstance(area, Polygon):
         return polygon_geometry(area.rings)
-    return QgsGeometry.fromMultiPolygonXY([[_closed(ring) for ring in rings] for rings in rings_of(area)])
+    return QgsGeometry.fromMultiPolygonXY([[_closed(ring) for ring in rings] for rings in area_rings(area)])
 
 
 def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
@@ -432,7 +432,7 @@ def _finite(place: QgsPointXY) -> QgsPointXY | None:
     return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
 
 
-def _beside_pole(lat_deg: float) -> float:
+def _clip_pole(lat_deg: float) -> float:
     return min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
 
 

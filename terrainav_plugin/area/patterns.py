@@ -19,14 +19,14 @@ from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
 from ..form.area import entered_area
-from ..form.camera import camera_of
-from ..form.fields import label_of
+from ..form.camera import state_camera
+from ..form.fields import field_label
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
 from .dialogs import DEGREES, LayerDialog, number_entry
-from .layers import Found, Reading, of_lines, of_outlines
+from .layers import Found, Reading, line_reader, outline_reader
 from .menu import AreaAction
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class _Entries:
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
             box.setValue(start.starts_with or 0.0)
             self.boxes[field.name] = box
-            form.addRow(label_of(field), box)
+            form.addRow(field_label(field), box)
 
     def value(self) -> Any:
         """Return the part; raises InvalidInput."""
@@ -109,9 +109,9 @@ class _PatternDialog(LayerDialog):
             which = tr("Its only feature will be used.")
         else:
             which = tr("Nothing is selected in it: all {n} features are taken.").format(n=number_text(count))
-        return f"{which} {self._of_panel()}"
+        return f"{which} {self._panel_values()}"
 
-    def _of_panel(self) -> str:
+    def _panel_values(self) -> str:
         """What is taken from the panel."""
         return tr("Camera and overlaps ({along} %, {across} %) are those of the panel.").format(
             **_percents(self._state)
@@ -130,14 +130,14 @@ class CorridorDialog(_PatternDialog):
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
         agl_m = self._state.agl_m
-        return of_lines(
+        return line_reader(
             self.chosen(),
             agl_m,
             lambda lines: Found(corridor(lines, camera, agl_m, overlaps, wanted), agl_m),
             project,
         )
 
-    def _of_panel(self) -> str:
+    def _panel_values(self) -> str:
         return tr(
             "Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel."
         ).format(height=length_text(self._state.agl_m, self._state.agl_unit), **_percents(self._state))
@@ -157,7 +157,7 @@ class FacadeDialog(_PatternDialog):
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
         left, agl_m = self.left.isChecked(), wanted.lowest_m
-        return of_lines(
+        return line_reader(
             self.chosen(),
             agl_m,
             lambda lines: Found(facade(lines, camera, overlaps, wanted, left=left), agl_m),
@@ -184,7 +184,7 @@ class StructureDialog(_PatternDialog):
         from ...core.poses.patterns import structure
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
-        return of_outlines(
+        return outline_reader(
             self.chosen(),
             lambda outlines: Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m),
             project,
@@ -295,7 +295,7 @@ def _found(points: Any) -> Found:
 
 
 def _camera(state: FormState) -> Camera:
-    camera = camera_of(state)
+    camera = state_camera(state)
     if camera is None:
         raise InvalidInput(tr("the camera is not complete: fix its fields in the panel first"))
     return camera

@@ -22,10 +22,10 @@ from .bands import AreaBands, PointerText, area_band
 from .corners import (
     as_polygons,
     checked,
+    find_polygon,
+    insert_corner,
     is_sound,
-    place_in,
-    with_corner_added,
-    with_corner_moved,
+    move_corner,
     without_corner,
     without_hole,
     without_polygon,
@@ -34,13 +34,13 @@ from .layers import rectangle_area
 from .outline import (
     AreaOutline,
     Corner,
+    area_middle,
     contains,
-    corner_at,
-    edge_at,
-    grip_at,
-    middle_of,
+    find_corner,
+    find_edge,
+    find_grip,
     moved,
-    place_at,
+    point_lon_lat,
     stretched,
 )
 
@@ -305,8 +305,8 @@ class AreaTool(TemporaryTool):
         """Take hold of the area, or of the map beside it."""
         if event.button() != Qt.MouseButton.LeftButton or self._area is None:
             return
-        self._grip, self._held = self._grip_at(event.pos()), self._corner_at(event.pos())
-        edge = None if self._held is not None else self._edge_at(event.pos())
+        self._grip, self._held = self._find_grip(event.pos()), self._find_corner(event.pos())
+        edge = None if self._held is not None else self._find_edge(event.pos())
         if not (self._grip or self._held or edge or self._is_at_area(event.pos())):
             self._panned_from = self.toMapCoordinates(event.pos())
             return
@@ -316,7 +316,7 @@ class AreaTool(TemporaryTool):
         self._pressed_at, self._dragged = event.pos(), self._area
         if edge is not None:
             self._held = Corner(edge.part, edge.ring, edge.at + 1)
-            self._dragged = with_corner_added(self._area, edge, *self._from)
+            self._dragged = insert_corner(self._area, edge, *self._from)
         self._held_in = None if self._held is None else self._dragged
         self._picked = self._held
         self._draw()
@@ -324,12 +324,12 @@ class AreaTool(TemporaryTool):
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
         """Move what is held; otherwise show what would be."""
         if self._panned_from is not None:
-            self._pan_to(event.pos())
+            self._pan_map(event.pos())
         elif self._dragged is None:
             self._show_cursor(event.pos())
         elif event.pos() != self._pressed_at:
             self._pressed_at = None
-            self._drag_to(event.pos())
+            self._drag_box(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
         """Let go; the right button removes a corner, or asks what to do."""
@@ -344,7 +344,7 @@ class AreaTool(TemporaryTool):
             return
         # Not every move is told, and the last one may be missing.
         if event.pos() != self._pressed_at:
-            self._drag_to(event.pos())
+            self._drag_box(event.pos())
         held, is_new = self._held, self._held_in is not self._area
         moved_area, self._dragged, self._from = self._dragged, None, None
         self._held = self._held_in = None
@@ -354,7 +354,7 @@ class AreaTool(TemporaryTool):
         elif held is not None:
             self._take_corner(moved_area, tr("add a corner") if is_new else tr("move a corner"))
             # The pointer is at it still, though nothing has moved since.
-            self._picked = self._corner_at(event.pos())
+            self._picked = self._find_corner(event.pos())
             self._draw()
         else:
             named = self._grip and isinstance(moved_area, Box)
@@ -362,7 +362,7 @@ class AreaTool(TemporaryTool):
 
     # --- inside
 
-    def _drag_to(self, at: QPoint) -> None:
+    def _drag_box(self, at: QPoint) -> None:
         place = self._place(at)
         if place is None or self._area is None or self._from is None:
             return
@@ -370,7 +370,7 @@ class AreaTool(TemporaryTool):
         dlon -= 360.0 * round(dlon / 360.0)
         dlat = place[1] - self._from[1]
         if self._held is not None and self._held_in is not None:
-            self._dragged = with_corner_moved(self._held_in, self._held, dlat, dlon)
+            self._dragged = move_corner(self._held_in, self._held, dlat, dlon)
         elif self._grip and isinstance(self._area, Box):
             self._dragged = stretched(self._area, self._grip, dlat, dlon)
         else:
@@ -419,7 +419,7 @@ class AreaTool(TemporaryTool):
         """Remove the corner at the pointer; elsewhere offer what else can be done with the area."""
         if self._dragged is not None or self._area is None:
             return
-        corner = self._corner_at(event.pos())
+        corner = self._find_corner(event.pos())
         if corner is not None:
             self._remove_corner(corner)
             return
@@ -427,21 +427,21 @@ class AreaTool(TemporaryTool):
         if area is None:
             return
         self._close_menu()
-        self._menu = self._menu_at(area, event.pos())
+        self._menu = self._open_menu(area, event.pos())
         self._menu.popup(self.canvas().viewport().mapToGlobal(event.pos()))
 
-    def _menu_at(self, area: Polygon | Polygons, at: QPoint) -> QMenu:
+    def _open_menu(self, area: Polygon | Polygons, at: QPoint) -> QMenu:
         menu = QMenu(self.canvas())
         menu.setObjectName("edit_area_menu")
-        place, edge = self._place(at), self._edge_at(at)
-        inside = None if place is None else place_in(area, *place)
+        place, edge = self._place(at), self._find_edge(at)
+        inside = None if place is None else find_polygon(area, *place)
         entries: list[tuple[str, str, Callable[[], None]]] = []
         if edge is not None and place is not None:
             entries.append(
                 (
                     "add_corner",
                     tr("Add a &corner here"),
-                    lambda: self._take_corner(with_corner_added(area, edge, *place), tr("add a corner")),
+                    lambda: self._take_corner(insert_corner(area, edge, *place), tr("add a corner")),
                 )
             )
         if isinstance(self._area, Box):
@@ -493,13 +493,13 @@ class AreaTool(TemporaryTool):
         far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
         pixels = _FAR_STEP_PX if far else _STEP_PX
         across, down = (pixels * way for way in _ARROWS[event.key()])
-        lon, lat = middle_of(self._area)
+        lon, lat = area_middle(self._area)
         middle = None if self._outline is None else self._outline.project(lon, lat)
         if middle is None:
             return
         aside = self.toMapCoordinates(QPoint(across, down)) - self.toMapCoordinates(QPoint(0, 0))
         crs = self.canvas().mapSettings().destinationCrs()
-        there = place_at(middle + aside, crs, QgsProject.instance())
+        there = point_lon_lat(middle + aside, crs, QgsProject.instance())
         if there is not None:
             dlon = there[0] - lon
             area = moved(self._area, there[1] - lat, dlon - 360.0 * round(dlon / 360.0))
@@ -507,7 +507,7 @@ class AreaTool(TemporaryTool):
 
     def _place(self, at: QPoint) -> tuple[float, float] | None:
         crs = self.canvas().mapSettings().destinationCrs()
-        return place_at(self.toMapCoordinates(at), crs, QgsProject.instance())
+        return point_lon_lat(self.toMapCoordinates(at), crs, QgsProject.instance())
 
     def _draw(self) -> None:
         area = self._area if self._dragged is None else self._dragged
@@ -519,22 +519,24 @@ class AreaTool(TemporaryTool):
         self._outline = AreaOutline(area, crs, QgsProject.instance(), near)
         self._bands.show(self._outline, with_handles=not isinstance(area, Points), picked=self._picked)
 
-    def _grip_at(self, at: QPoint) -> frozenset[str]:
+    def _find_grip(self, at: QPoint) -> frozenset[str]:
         if self._outline is None:
             return frozenset()
-        return grip_at(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _REACH_PX)
+        return find_grip(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _REACH_PX)
 
-    def _corner_at(self, at: QPoint) -> Corner | None:
+    def _find_corner(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return corner_at(
+        return find_corner(
             self._outline, self.toMapCoordinates(at), _REACH_PX * self.canvas().mapUnitsPerPixel()
         )
 
-    def _edge_at(self, at: QPoint) -> Corner | None:
+    def _find_edge(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return edge_at(self._outline, self.toMapCoordinates(at), _EDGE_PX * self.canvas().mapUnitsPerPixel())
+        return find_edge(
+            self._outline, self.toMapCoordinates(at), _EDGE_PX * self.canvas().mapUnitsPerPixel()
+        )
 
     def _is_at_area(self, at: QPoint) -> bool:
         place = self._place(at)
@@ -549,26 +551,26 @@ class AreaTool(TemporaryTool):
         return self._outline.shape.distance(QgsGeometry.fromPointXY(self.toMapCoordinates(at))) <= reach
 
     def _show_cursor(self, at: QPoint) -> None:
-        grip, corner = self._grip_at(at), self._corner_at(at)
+        grip, corner = self._find_grip(at), self._find_corner(at)
         if corner != self._picked:
             self._picked = corner
             self._draw()
         if grip:
-            self.setCursor(self._cursor_of(grip))
+            self.setCursor(self._grip_cursor(grip))
         elif corner is not None:
             self.setCursor(Qt.CursorShape.PointingHandCursor)
-        elif self._edge_at(at) is not None:
+        elif self._find_edge(at) is not None:
             self.setCursor(Qt.CursorShape.CrossCursor)
         elif self._is_at_area(at):
             self.setCursor(Qt.CursorShape.SizeAllCursor)
         else:
             self.setCursor(Qt.CursorShape.ArrowCursor)
 
-    def _cursor_of(self, grip: frozenset[str]) -> Qt.CursorShape:
+    def _grip_cursor(self, grip: frozenset[str]) -> Qt.CursorShape:
         """Arrows along the way from the box's middle to a handle, as it is seen."""
         if self._area is None or self._outline is None or grip not in self._outline.handles:
             return Qt.CursorShape.SizeAllCursor
-        middle = self._outline.project(*middle_of(self._area))
+        middle = self._outline.project(*area_middle(self._area))
         if middle is None:
             return Qt.CursorShape.SizeAllCursor
         to_pixel = self.canvas().getCoordinateTransform()
@@ -579,7 +581,7 @@ class AreaTool(TemporaryTool):
             return _CURSORS[2 * round(angle / (math.pi / 2.0)) % 4]
         return _CURSORS[(2 * math.floor(angle / (math.pi / 2.0)) + 1) % 4]
 
-    def _pan_to(self, at: QPoint) -> None:
+    def _pan_map(self, at: QPoint) -> None:
         """Bring the place that was taken hold of to the pointer."""
         canvas = self.canvas()
         canvas.setCenter(canvas.center() + (self._panned_from - self.toMapCoordinates(at)))

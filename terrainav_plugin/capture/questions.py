@@ -12,7 +12,7 @@ from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
 from ..i18n import tr, translate
-from ..paths import folder_of, next_folder, place_of
+from ..paths import entered_folder, next_folder, path_key
 from ..remote.copies import why_unchangeable
 from ..settings import Settings
 from ..sources import credentials_problem, terms_problem
@@ -55,7 +55,7 @@ class Questions:
         """Whether a writable folder is chosen; otherwise shows so at the field."""
         if not text.strip():
             message = tr("no folder: choose where to save the images")
-        elif not (message := why_unchangeable(folder_of(text))):
+        elif not (message := why_unchangeable(entered_folder(text))):
             return True
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
@@ -85,7 +85,7 @@ class Questions:
 
     def is_queued(self, mission: Mission, folder: Path, others: list[CaptureRun]) -> bool:
         """Whether one of the runs that are not over captures into the folder already; says so."""
-        found = next((run for run in others if place_of(run.folder) == place_of(folder)), None)
+        found = next((run for run in others if path_key(run.folder) == path_key(folder)), None)
         if found is None:
             return False
         if found.mission == mission:
@@ -107,7 +107,7 @@ class Questions:
             Whether the mission as a whole is to be captured, which can be done in any folder.
         """
         other = next_folder(folder, self._taken())
-        if may_count_on and place_of(folder) == place_of(folder_of(Settings().suggested_folder)):
+        if may_count_on and path_key(folder) == path_key(entered_folder(Settings().suggested_folder)):
             self._capture_into(other)
             return
         self._messages.warning(

@@ -18,7 +18,7 @@ from ..form import mission_form
 from ..form.mission_form import FormError
 from ..i18n import number_text, tr, translate
 from ..settings import Settings
-from ..sources import grid_finder, grid_of, key_of
+from ..sources import grid_finder, mission_grid, source_key
 from .endings import Endings
 from .questions import Questions
 from .run import CaptureRun
@@ -210,7 +210,7 @@ class Runs(QObject):
             return
         try:
             mission = mission_form.test_shot(state, lat_deg, lon_deg)
-            steps = worked_out(mission, lambda: grid_of(mission))
+            steps = worked_out(mission, lambda: mission_grid(mission))
         except FormError as wrong:
             self.refused.emit(wrong.messages)
             self._messages.refused(translate(wrong), tr("No test shot."))
@@ -224,7 +224,7 @@ class Runs(QObject):
         ):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
-            self._add(CaptureRun(steps, folder, key_of(mission.imagery.source), test_shot=True))
+            self._add(CaptureRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
 
     def dismiss(self, run: CaptureRun) -> None:
         """Take a run that is over off the list."""
@@ -261,7 +261,9 @@ class Runs(QObject):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.
-            run = CaptureRun(replace(plan), folder, key_of(mission.imagery.source), only_failed=only_failed)
+            run = CaptureRun(
+                replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed
+            )
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False

@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import pyqtSignal
 from ...core.errors import InvalidInput, OutputError, SourceError
 from ..i18n import tr, translate
 from ..settings import Settings
-from ..sources import heights_for, open_for_capture, snapshot_for, transport_for
+from ..sources import mission_heights, mission_snapshot, open_for_capture, source_transport
 from ..tasks import Task
 
 if TYPE_CHECKING:
@@ -93,12 +93,12 @@ class CaptureTask(Task):
         self.picture: Path | None = None
         self._key = key
         self._test_shot, self._only_failed = test_shot, only_failed
-        self._snapshot = snapshot_for(plan.mission)
+        self._snapshot = mission_snapshot(plan.mission)
         self._with_mosaic = not test_shot
         # Share of capturing in the progress; the mosaic takes the rest, and longer where it is orthorectified.
         self._capture_share = 0.9 if plan.frames.is_north_up else 0.6
         self._connections = Settings().connections
-        self._transport = transport_for(plan.mission.imagery.source)
+        self._transport = source_transport(plan.mission.imagery.source)
         self._stopping = False
         self._failures: FailedImages | None = None
         self._there = self._failed_seen = 0
@@ -178,7 +178,7 @@ class CaptureTask(Task):
         if not self._with_mosaic:
             return
         try:
-            check_mosaics(self.plan, heights_for)
+            check_mosaics(self.plan, mission_heights)
         except (InvalidInput, SourceError) as wrong:
             self.mosaic_refused.emit(translate(wrong))
 
@@ -186,7 +186,7 @@ class CaptureTask(Task):
         from ..dataset.mosaic import build_any_mosaics
 
         try:
-            self.mosaics = build_any_mosaics(self.plan, self.folder, heights_for, self._mosaic_progress)
+            self.mosaics = build_any_mosaics(self.plan, self.folder, mission_heights, self._mosaic_progress)
         except (InvalidInput, SourceError) as wrong:
             # Such as images of a pole, which no map has; they can be looked at one by one.
             self.without_mosaic = translate(wrong)

@@ -17,7 +17,7 @@ from ...core.storage.files import read_limited, write_whole
 from ...core.text.safe_json import parse_json
 from ..i18n import tr
 from ..messages import log
-from ..paths import UNFINISHED, is_remote, place_of
+from ..paths import UNFINISHED, is_remote, path_key
 from ..sources import worked_out
 from ..tasks import Task
 
@@ -172,7 +172,7 @@ def _notes() -> Path:
 
 def _digest(folder: Path) -> str:
     # Of another machine's folder links are not followed: it is asked nothing.
-    place = str(folder) if is_remote(folder) else place_of(folder)
+    place = str(folder) if is_remote(folder) else path_key(folder)
     return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 

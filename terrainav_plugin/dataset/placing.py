@@ -20,8 +20,8 @@ from qgis.PyQt.QtCore import QThread
 
 from ..compat import field
 from ..i18n import tr
-from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
-from ..paths import place_of, style
+from ..map.mission_group import CAPTURED, FAILED, MissionGroup, layer_file
+from ..paths import path_key, style
 from ..plain import escaped_field, image_in_tip, path_inside
 from .layers import OpenedResults, hide_antimeridian, open_raster
 from .mosaic import MosaicRaster
@@ -121,12 +121,12 @@ def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
     OutputError
         Where the file cannot be replaced; layers go on showing what was there.
     """
-    place = place_of(mosaic.path)
+    place = path_key(mosaic.path)
     on_main_thread = QThread.currentThread() == QgsApplication.instance().thread()
     holding = [
         layer
         for layer in (project.mapLayers().values() if on_main_thread else ())
-        if isinstance(layer, QgsRasterLayer) and place_of(file_of(layer)) == place
+        if isinstance(layer, QgsRasterLayer) and path_key(layer_file(layer)) == place
     ]
     sources = [layer.source() for layer in holding]
     try:

@@ -17,7 +17,7 @@ from ...core.storage.files import is_there
 from ..i18n import tr, translate
 from ..map.canvas import show_extent
 from ..paths import open_in_system
-from ..tasks import LatestWorker, reason_of, single_shot
+from ..tasks import LatestWorker, failure_reason, single_shot
 from ..widgets import first_problem
 from .clean_tab import COUNT, CleanTab, no_footprints, read_examples
 from .entropies import read_entropies
@@ -141,7 +141,7 @@ class Cleaning(QObject):
             self._follow()
 
     def _refused(self, error: Exception) -> None:
-        self.panel.show_hint(translate(reason_of(error)))
+        self.panel.show_hint(translate(failure_reason(error)))
 
     # --- what follows the threshold
 
@@ -225,7 +225,7 @@ class Cleaning(QObject):
         )
 
     def _join(self) -> None:
-        self.marks.failed.connect(lambda error: self._messages.warning(translate(reason_of(error))))
+        self.marks.failed.connect(lambda error: self._messages.warning(translate(failure_reason(error))))
         panel = self.panel
         panel.map_type_chosen.connect(self._show_map_type)
         panel.threshold_changed.connect(lambda _bits: self._rested.start())

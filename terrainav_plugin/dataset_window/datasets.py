@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.dataset.folder import MISSION_FILE
 from ...core.storage.files import is_there
-from ..paths import folder_of
+from ..paths import entered_folder
 from ..settings import recent
 from ..widgets import add_floating
 
@@ -104,7 +104,7 @@ class Datasets(QObject):
 
     def _folder_chosen(self, text: str) -> None:
         self.cleaning.panel.forget_focus()
-        self._take(folder_of(text) if text.strip() else None)
+        self._take(entered_folder(text) if text.strip() else None)
 
     def _take(self, folder: Path | None) -> None:
         """Show a dataset as it is now, in the tab that is seen; the others read it when they are."""

@@ -21,7 +21,7 @@ from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, VI
 from ...core.map_types import SATELLITE
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
-from ..paths import exists, folder_of, next_folder, open_in_system
+from ..paths import entered_folder, exists, next_folder, open_in_system
 from ..plain import shown_plain
 from ..widgets import combo, folder_entry, growing_form, named, push_button, wrapped_label
 from .tab import Tab, no_folder
@@ -176,7 +176,7 @@ class ExportTab(Tab):
         if self.folder is not None:
             text = self.target.filePath().strip()
             task = DatasetExportTask(
-                self.folder, folder_of(text) if text else None, self.kind, self.map_type.currentData()
+                self.folder, entered_folder(text) if text else None, self.kind, self.map_type.currentData()
             )
             self.show_result("")
             self._work.start(task, self._done, self.show_result)

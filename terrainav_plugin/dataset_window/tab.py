@@ -7,7 +7,7 @@ from pathlib import Path
 from qgis.PyQt.QtWidgets import QLabel, QWidget
 
 from ..i18n import tr, translate
-from ..tasks import LatestWorker, reason_of
+from ..tasks import LatestWorker, failure_reason
 from ..widgets import wrapped_label
 
 
@@ -31,7 +31,7 @@ class Tab(QWidget):
         self.working = False
         self.hint: QLabel = wrapped_label(f"{name}_hint")
         self.reader = LatestWorker(name)
-        self.reader.failed.connect(lambda error: self.show_refused(translate(reason_of(error))))
+        self.reader.failed.connect(lambda error: self.show_refused(translate(failure_reason(error))))
 
     @property
     def busy(self) -> bool:

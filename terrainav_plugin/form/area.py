@@ -29,8 +29,8 @@ from .text import (
     degrees_text,
     exact_degrees_text,
     parse_degrees,
-    with_decimal_degrees,
-    with_points,
+    to_decimal_degrees,
+    to_decimal_points,
 )
 
 #: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
@@ -51,22 +51,22 @@ class FormError(TerrAInavError):
         self.messages = messages
 
 
-def with_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_text) -> FormState:
+def replace_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_text) -> FormState:
     """State with the edges of ``box``."""
     return replace(state, shape="", **_edges(box, text))
 
 
-def with_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
+def replace_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
     """State with another area, and with its height above ground in metres where it has one."""
     if agl_m is not None and agl_m != state.agl_m:
         state = replace(state, agl=agl_m / LENGTHS_M[state.agl_unit], height_by="agl", camera_gsd=0.0)
     if isinstance(area, Box):
-        return with_box(state, area)
-    state = with_box(state, area.bounds, exact_degrees_text)
+        return replace_box(state, area)
+    state = replace_box(state, area.bounds, exact_degrees_text)
     return replace(state, shape=shape_text(area, state.agl_m))
 
 
-def with_coordinates(state: FormState, text: str) -> FormState:
+def paste_coordinates(state: FormState, text: str) -> FormState:
     """State with pasted coordinates, heights in the state's unit; `area_of_text` says what is understood.
 
     Raises
@@ -75,7 +75,7 @@ def with_coordinates(state: FormState, text: str) -> FormState:
         For the field ``north``, with what is wrong.
     """
     try:
-        return with_area(state, *area_of_text(text, state.agl, state.agl_unit))
+        return replace_area(state, *area_of_text(text, state.agl, state.agl_unit))
     except TerrAInavError as wrong:
         raise FormError({"north": translate(wrong)}) from wrong
 
@@ -90,12 +90,12 @@ def entered_shape(state: FormState) -> Polygon | Polygons | Points | None:
     """
     if not state.shape:
         return None
-    bounds = shape_of(state.shape).bounds
+    bounds = parse_shape(state.shape).bounds
     # Edges that are not those around it have been entered since, and make the area a box.
     edges = _edges(bounds, exact_degrees_text)
     if any(getattr(state, name) != text for name, text in edges.items()):
         return None
-    return area_at(state.shape, state.agl_m)
+    return parse_area(state.shape, state.agl_m)
 
 
 def entered_area(state: FormState) -> Area | None:
@@ -133,7 +133,7 @@ class EnteredShape:
     bounds: Box
     agl_m: float
 
-    def at(self, agl_m: float) -> Polygon | Polygons | Points:
+    def area_at_height(self, agl_m: float) -> Polygon | Polygons | Points:
         """Area when a height is entered: all points have it unless it is the one they were taken with."""
         if not isinstance(self.area, Points) or abs(agl_m - self.agl_m) <= SAME_HEIGHT_M or agl_m <= 0.0:
             return self.area
@@ -152,7 +152,7 @@ def shape_text(area: Area, agl_m: float) -> str:
 
 
 @lru_cache(_KEPT)
-def shape_of(text: str) -> EnteredShape:
+def parse_shape(text: str) -> EnteredShape:
     """Shape of a text; raises InvalidInput where it holds none."""
     try:
         data = parse_json(text)
@@ -171,7 +171,7 @@ def no_fly_text(polygons: tuple[Polygon, ...]) -> str:
 
 
 @lru_cache(_KEPT)
-def no_fly_of(text: str) -> tuple[Polygon, ...]:
+def parse_no_fly(text: str) -> tuple[Polygon, ...]:
     """No-fly areas of a text; raises InvalidInput where it holds none."""
     return area_from_dict({"type": "polygons", "parts": parse_json(text)}).parts if text else ()
 
@@ -179,15 +179,15 @@ def no_fly_of(text: str) -> tuple[Polygon, ...]:
 def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
     """No-fly areas that are entered; none where they cannot be read."""
     try:
-        return no_fly_of(state.no_fly)
+        return parse_no_fly(state.no_fly)
     except InvalidInput:
         return ()
 
 
 @lru_cache(_KEPT)
-def area_at(text: str, agl_m: float) -> Polygon | Polygons | Points:
+def parse_area(text: str, agl_m: float) -> Polygon | Polygons | Points:
     """Area of a text when a height is entered; raises InvalidInput where it holds none."""
-    return shape_of(text).at(agl_m)
+    return parse_shape(text).area_at_height(agl_m)
 
 
 def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | None]:
@@ -198,8 +198,8 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     text : str
         ``north_west_south_east_agl`` or ``lat_lon_agl``, several lines of ``lat lon agl [yaw]``, or a table of poses
         with a header, as `pose_table.read_poses` has it. Commas, semicolons and spaces do as well as underscores, and
-        the height may be left out of one line. Commas before decimals are understood as `with_points` does, and
-        degrees, minutes and seconds with the letter of their hemisphere as `with_decimal_degrees` does.
+        the height may be left out of one line. Commas before decimals are understood as `to_decimal_points` does, and
+        degrees, minutes and seconds with the letter of their hemisphere as `to_decimal_degrees` does.
     agl : float
         Height where the text has none.
     agl_unit : str
@@ -228,7 +228,7 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         points = read_poses(text.splitlines(), agl_unit=agl_unit, agl_m=agl_m)
         return points, points.poses[0][2] if has_heights else None
     try:
-        text = with_decimal_degrees("\n".join(line for _, line in held))
+        text = to_decimal_degrees("\n".join(line for _, line in held))
     except ValueError as wrong:
         raise InvalidInput(
             tr(
@@ -237,7 +237,7 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
             ).format(text=wrong)
         ) from wrong
     try:
-        read = with_points(text).splitlines()
+        read = to_decimal_points(text).splitlines()
     except ValueError as wrong:
         raise InvalidInput(
             tr(

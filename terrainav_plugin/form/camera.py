@@ -36,7 +36,7 @@ _SENSOR_SIZE = ("sensor_width_mm", "sensor_height_mm")
 _CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
 
 
-def camera_of(state: FormState) -> Camera | None:
+def state_camera(state: FormState) -> Camera | None:
     """Camera that a state describes; None where its entries make none."""
     from ...core.errors import InvalidInput
     from ...core.geodesy.camera import Camera
@@ -67,7 +67,7 @@ def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
     return Camera(state.fov_deg, aspect_ratio)
 
 
-def given_by(state: FormState, mode: str, sensor_mm: tuple[float, float] | None = None) -> FormState:
+def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] | None = None) -> FormState:
     """State of the same camera given by ``mode``, for which its numbers are worked out.
 
     Parameters
@@ -76,7 +76,7 @@ def given_by(state: FormState, mode: str, sensor_mm: tuple[float, float] | None 
         Of the camera, where that is known; otherwise full frame is taken.
     """
     plain = replace(state, fov_mode=mode, **_NOTHING_TYPED)
-    camera = camera_of(state)
+    camera = state_camera(state)
     if camera is None or mode == DIAGONAL:
         return plain
     if mode == HORIZONTAL:
@@ -99,7 +99,7 @@ def shown_gsd(state: FormState) -> float:
     """
     if state.height_by == "gsd":
         return state.camera_gsd
-    camera = camera_of(state)
+    camera = state_camera(state)
     if camera is None or not state.agl_m > 0.0 or state.image_px < 1:
         return 0.0
     return in_unit(camera.gsd_m_per_px(state.agl_m, state.image_px), GSD_M[state.agl_unit])
@@ -116,15 +116,15 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
         Before and after the change, of nothing but ``field``.
     """
     if field == "fov_mode":
-        return given_by(_with_those_of(before, now, _CAMERA), now.fov_mode)
+        return convert_camera(_restore_fields(before, now, _CAMERA), now.fov_mode)
     if field == "agl_unit":
-        return in_length_unit(_with_those_of(before, now, ("agl", "camera_gsd", field)), now.agl_unit)
+        return in_length_unit(_restore_fields(before, now, ("agl", "camera_gsd", field)), now.agl_unit)
     if field in _SENSOR_SIZE:
-        now = _with_shape_of_sensor(now)
+        now = _update_aspect(now)
     if field in _CAMERA:
-        now = _with_diagonal(now)
+        now = _update_diagonal(now)
     if field in _CAMERA or field in ("image_px", "camera_gsd", "agl"):
-        now = with_height(now)
+        now = update_height(now)
     return now
 
 
@@ -134,11 +134,11 @@ def in_length_unit(state: FormState, unit: str) -> FormState:
     return replace(state, agl=in_unit(state.agl_m, LENGTHS_M[unit]), camera_gsd=gsd, agl_unit=unit)
 
 
-def with_height(state: FormState) -> FormState:
+def update_height(state: FormState) -> FormState:
     """State with the height that its ground sample distance asks for, where the height follows from that."""
     if state.height_by != "gsd":
         return state if state.camera_gsd == 0.0 else replace(state, camera_gsd=0.0)
-    camera = camera_of(state)
+    camera = state_camera(state)
     if camera is None or not state.camera_gsd > 0.0 or state.image_px < 1:
         return state
     agl_m = camera.agl_m(state.camera_gsd * GSD_M[state.agl_unit], state.image_px)
@@ -154,12 +154,12 @@ def in_unit(value: float, unit: float) -> float:
     return next((count for count in short if in_metres(count, unit) == value), quotient)
 
 
-def _with_those_of(before: FormState, now: FormState, names: Iterable[str]) -> FormState:
+def _restore_fields(before: FormState, now: FormState, names: Iterable[str]) -> FormState:
     """State after a change with some of the fields as they were before it."""
     return replace(now, **{name: getattr(before, name) for name in names})
 
 
-def _with_diagonal(state: FormState) -> FormState:
+def _update_diagonal(state: FormState) -> FormState:
     """State whose diagonal field of view is that of the numbers typed; as it was, where those make no camera."""
     from ...core.errors import InvalidInput
 
@@ -171,7 +171,7 @@ def _with_diagonal(state: FormState) -> FormState:
         return state
 
 
-def _with_shape_of_sensor(state: FormState) -> FormState:
+def _update_aspect(state: FormState) -> FormState:
     """State with the aspect ratio of its sensor, unless that differs by no more than data sheets round away."""
     from ...core.geodesy.lens import SQUARE_PIXELS
 

@@ -7,24 +7,24 @@ from ...core.mission.parts import Imagery
 from ..i18n import begun, translate
 
 
-def label_of(field: Field) -> str:
+def field_label(field: Field) -> str:
     """Title that begins a row, with the mark of its key."""
     return begun(translate(field.label or field.title))
 
 
-def title_of(field: Field) -> str:
+def field_title(field: Field) -> str:
     """Title without a key, and with the unit of numbers as they are typed."""
     unit = translate(field.unit.typed_words or field.unit.words)
     title = begun(translate(field.title))
     return f"{title} ({unit})" if unit else title
 
 
-def sentence_of(field: Field) -> str:
+def field_sentence(field: Field) -> str:
     """What a field does, as a sentence."""
     return begun(translate(field.help)) + "."
 
 
-def tip_of(field: Field) -> str:
+def field_tip(field: Field) -> str:
     """What a field does, its unit and its range; of what is typed in another unit that one alone."""
     numbers = field.kind in (float, int)
     beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
@@ -33,7 +33,7 @@ def tip_of(field: Field) -> str:
     return f"{text} ({shown})" if shown else text
 
 
-def choices_of(field: Field) -> tuple[tuple[str, str], ...]:
+def field_choices(field: Field) -> tuple[tuple[str, str], ...]:
     """Values of a field, each with what people read."""
     return tuple((value, translate(label)) for value, label in field.choices.items())
 

@@ -11,8 +11,8 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
 from ..i18n import number_text, plain_number, tr, translate
-from .area import FormError, edge_deg, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
-from .camera import camera_as_typed, given_by, in_length_unit
+from .area import FormError, edge_deg, entered_shape, no_fly_text, parse_no_fly, replace_box, shape_text
+from .camera import camera_as_typed, convert_camera, in_length_unit
 from .state import (
     BOX_FIELDS,
     DECLARED,
@@ -114,7 +114,7 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     from ...core.mission.areas.area import check_agl
     from ...core.mission.mission import Mission
 
-    state = state.asked_for
+    state = state.effective
     camera = _camera(state, checks)
     if state.agl_m > 0.0:
         checks("agl", lambda: check_agl(state.agl_m))
@@ -129,9 +129,9 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     if not state.map_types:
         checks.messages["map_types"] = tr("no map type: tick one or more")
     for name, value in entries.items():
-        checks(entry_of(name) or _BEYOND, partial(_check, name, value))
+        checks(field_entry(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
-    no_fly = checks("no_fly", lambda: no_fly_of(state.no_fly))
+    no_fly = checks("no_fly", lambda: parse_no_fly(state.no_fly))
     checks.messages.update(
         (name, unread_text(name, text)) for name, text in state.unread if name not in state.hidden
     )
@@ -141,7 +141,7 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         return Mission(area, state.agl_m, camera, wind=wind, no_fly=no_fly, **entries)
     except InvalidInput as wrong:
         # Entries that are right one by one, and do not go together.
-        raise FormError({entry_of(wrong.field) or _BEYOND: translate(wrong)}) from wrong
+        raise FormError({field_entry(wrong.field) or _BEYOND: translate(wrong)}) from wrong
 
 
 def unread_text(name: str, text: str) -> str:
@@ -219,7 +219,7 @@ def _pixels(state: FormState) -> dict[str, Any]:
     }
 
 
-def entry_of(field: str) -> str:
+def field_entry(field: str) -> str:
     """Entry in which a field of a mission is put right; empty where there is none."""
     known = {entry.name for entry in fields(FormState)} - set(WITHOUT_ENTRY)
     entry = _ENTRIES.get(field, field)
@@ -228,7 +228,7 @@ def entry_of(field: str) -> str:
 
 def refused_fields(error: TerrAInavError) -> dict[str, str]:
     """Message at the entry that a refusal is about; empty where it is about no single one."""
-    entry = entry_of(error.field) if error.field else ""
+    entry = field_entry(error.field) if error.field else ""
     return {entry: translate(error)} if entry else {}
 
 
@@ -304,7 +304,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
     return checks("south", lambda: Box(edges["north"], edges["west"], edges["south"], edges["east"]))
 
 
-def state_of(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
+def mission_state(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
     from ...core.imagery.opening import source_kind
 
@@ -330,9 +330,9 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
             turbulence=mission.wind.turbulence,
             wind_seed=None if mission.wind.seed == mission.imagery.seed else mission.wind.seed,
         )
-    state = with_box(state, mission.area.bounds, exact_degrees_text)
+    state = replace_box(state, mission.area.bounds, exact_degrees_text)
     state = replace(state, shape=shape_text(mission.area, state.agl_m))
-    return state if like is None else in_length_unit(given_by(state, like.fov_mode), like.agl_unit)
+    return state if like is None else in_length_unit(convert_camera(state, like.fov_mode), like.agl_unit)
 
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:
@@ -348,13 +348,13 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
     return entries
 
 
-def beyond_text(state: FormState) -> str:
+def extras_text(state: FormState) -> str:
     """What a state's mission says that the panel has no entries for, in words; empty for nothing."""
     said = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
     return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
 
 
-def without_beyond(state: FormState) -> FormState:
+def drop_extras(state: FormState) -> FormState:
     """State with the defaults of what the panel has no entries for."""
     return replace(
         state, wind_seed=None, **{name: ENTERED_AS_DECLARED[name].default for name in WITHOUT_ENTRY}

@@ -12,7 +12,7 @@ from .state import ENTERED_AS_DECLARED, FormState
 from .text import aspect_text
 
 
-def with_preset(state: FormState, preset: Preset, offered: Collection[str] = ()) -> FormState:
+def apply_preset(state: FormState, preset: Preset, offered: Collection[str] = ()) -> FormState:
     """State with the values of a preset.
 
     Parameters
@@ -34,8 +34,8 @@ def without_preset(state: FormState, preset: Preset, before: FormState) -> FormS
     return state if aspect == state.aspect else settled(state, replace(state, aspect=aspect), "aspect")
 
 
-def preset_of(state: FormState, offered: Collection[str] = ()) -> Preset | None:
-    """Preset whose values are entered; None for values of one's own. ``offered`` is as in `with_preset`."""
+def find_preset(state: FormState, offered: Collection[str] = ()) -> Preset | None:
+    """Preset whose values are entered; None for values of one's own. ``offered`` is as in `apply_preset`."""
     return next((preset for preset in PRESETS if _has(state, _entries(preset, offered))), None)
 
 

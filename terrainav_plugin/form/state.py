@@ -159,7 +159,7 @@ class FormState(_Asked):
         return all(getattr(self, name).strip() for name in BOX_FIELDS)
 
     @property
-    def asked_for(self) -> FormState:
+    def effective(self) -> FormState:
         """State with the usual in place of what is hidden."""
         usual = asdict(FormState())
         return replace(self, **{name: usual[name] for name in self.hidden if name in usual})
@@ -198,7 +198,7 @@ def in_metres(count: float, unit_m: float) -> float:
     return float(f"{count * unit_m:.15g}")
 
 
-def with_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:
+def keep_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:
     """State read from widgets, with what was given to them where they still show it.
 
     Spin boxes round to their decimals, and boxes to tick have one order: without this, a mission that is only

@@ -84,7 +84,7 @@ def parse_degrees(text: str, letters: str) -> float:
 
 def parse_place(text: str) -> tuple[float, float]:
     """Read a latitude and a longitude in one text; raises ValueError where it can be read in no way, or in several."""
-    plain = with_points(text.strip().strip(",;"))
+    plain = to_decimal_points(text.strip().strip(",;"))
     if len(plain) > _LONGEST_PLACE:
         raise ValueError(text)
     halves = ((plain[: one.start()], plain[one.end() :]) for one in SEPARATORS.finditer(plain))
@@ -114,7 +114,7 @@ def _is_angle(text: str, letters: str) -> bool:
     return True
 
 
-def with_decimal_degrees(text: str) -> str:
+def to_decimal_degrees(text: str) -> str:
     """Text in which places as other programs write them, ``47°01'30"N 8°30'15"E``, are in decimal degrees.
 
     Raises
@@ -126,10 +126,10 @@ def with_decimal_degrees(text: str) -> str:
     for number, one in enumerate(found):
         if one["letter"].upper() not in (LATITUDE, LONGITUDE)[number % 2]:
             raise ValueError(one[0])
-    return _LETTERED.sub(_in_decimals, text)
+    return _LETTERED.sub(_decimal_text, text)
 
 
-def _in_decimals(found: re.Match[str]) -> str:
+def _decimal_text(found: re.Match[str]) -> str:
     sign = "-" if found["letter"].upper() in "SW" else ""
     return f"{sign}{_angle_deg(found)!r} "
 
@@ -180,7 +180,7 @@ def exact_degrees_text(value: float) -> str:
 
 def short_degrees(text: str) -> str:
     """Text of degrees as their user writes it, with the decimals that mean something: 7 are a centimetre."""
-    plain = with_point(text)
+    plain = to_decimal_point(text)
     _, _, decimals = plain.partition(".")
     if len(decimals) > _DEGREE_DECIMALS and _DECIMAL.fullmatch(plain):
         plain = degrees_text(float(plain))
@@ -203,14 +203,14 @@ def short_aspect(text: str) -> str:
         written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
         long = written and fraction.denominator > _LARGEST_DENOMINATOR
         return as_written(f"{float(fraction):.4g}") if long else text
-    plain = with_point(text)
+    plain = to_decimal_point(text)
     _, point, decimals = plain.partition(".")
     if point and len(decimals) > _RATIO_DECIMALS and _DECIMAL.fullmatch(plain):
         plain = f"{float(plain):.4g}"
     return as_written(plain)
 
 
-def with_point(text: str) -> str:
+def to_decimal_point(text: str) -> str:
     """Text of one number with a point before its decimals; other text as it is."""
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
     found = _DECIMAL.fullmatch(plain)
@@ -222,7 +222,7 @@ def as_written(text: str) -> str:
     return localized(text) if _DECIMAL.fullmatch(text) and "." in text else text
 
 
-def with_points(text: str) -> str:
+def to_decimal_points(text: str) -> str:
     """Text of numbers, of which commas that stand before decimals have become points.
 
     They do so where the user writes decimals with a comma, the text has no point, and something else stands between the
@@ -248,7 +248,7 @@ def looks_like_coordinates(text: str) -> bool:
     if len(_LETTERED.findall(text)) > 1:
         return True
     try:
-        return len(SEPARATORS.split(with_points(text.strip()))) >= _THREE
+        return len(SEPARATORS.split(to_decimal_points(text.strip()))) >= _THREE
     except ValueError:
         return True
 

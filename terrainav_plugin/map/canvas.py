@@ -34,7 +34,7 @@ def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoo
     return QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), project.transformContext())
 
 
-def lon_lat_of(
+def canvas_lon_lat(
     point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
 ) -> tuple[float, float]:
     """Longitude in [-180, 180) and latitude in degrees of a point on the canvas.
@@ -48,7 +48,7 @@ def lon_lat_of(
     return _wrap(lon), lat
 
 
-def box_of(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
+def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
     """Smallest box around a rectangle of the canvas.
 
     The rectangle's outline is walked, since its corners alone miss the bulge of its sides; longitudes are
@@ -197,7 +197,7 @@ class ClickTool(TemporaryTool):
             return
         crs = self.canvas().mapSettings().destinationCrs()
         try:
-            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
+            lon, lat = canvas_lon_lat(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
         except (TerrAInavError, QgsCsException) as wrong:
             self.refused.emit(translate(wrong))
             return

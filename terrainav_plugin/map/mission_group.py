@@ -71,9 +71,13 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
     for group in project.layerTreeRoot().findGroups(True):
         if not group.customProperty(_MISSION):
             continue
-        captured = _layer_in(group, CAPTURED)
-        if captured is not None and captured.providerType() == "ogr" and is_path(str(dataset_of(captured))):
-            group.setCustomProperty(_FOLDER, str(dataset_of(captured)))
+        captured = _child_layer(group, CAPTURED)
+        if (
+            captured is not None
+            and captured.providerType() == "ogr"
+            and is_path(str(layer_dataset(captured)))
+        ):
+            group.setCustomProperty(_FOLDER, str(layer_dataset(captured)))
         folder = _text(group, _FOLDER)
         current = bool(group.customProperty(_CURRENT))
         missions.append(
@@ -108,7 +112,7 @@ def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapL
     """Layers of a type in the mission groups of a project, from the top, each with the title of its group."""
     found = []
     for node in project.layerTreeRoot().findLayers():
-        layer, group = node.layer(), _group_of(node)
+        layer, group = node.layer(), _parent_group(node)
         if group is not None and layer is not None and layer.type() == kind:
             found.append((group.name(), layer))
     return found
@@ -120,28 +124,28 @@ def preview_layers(project: QgsProject) -> list[QgsMapLayer]:
     return [one for one in layers if one.customProperty(ROLE) and one.providerType() == "memory"]
 
 
-def dataset_of(layer: QgsMapLayer) -> Path:
+def layer_dataset(layer: QgsMapLayer) -> Path:
     """Folder of the dataset whose footprints a layer shows."""
-    return file_of(layer).parent
+    return layer_file(layer).parent
 
 
-def file_of(layer: QgsMapLayer) -> Path:
+def layer_file(layer: QgsMapLayer) -> Path:
     """File that a layer shows."""
     # Read as QGIS itself does: what follows a bar may be an option of the layer, or of the folder's name.
     parts = QgsProviderRegistry.instance().decodeUri(layer.providerType(), layer.source())
     return Path(str(parts.get("path") or layer.source()))
 
 
-def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
+def _child_layer(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
     for node in group.findLayers() if group is not None else ():
         layer = node.layer()
         # Groups of other datasets may be inside.
-        if layer is not None and layer.customProperty(ROLE) == role and _group_of(node) is group:
+        if layer is not None and layer.customProperty(ROLE) == role and _parent_group(node) is group:
             return layer
     return None
 
 
-def _group_of(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
+def _parent_group(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
     """Mission group that a layer is in, the nearest one; None for a layer of none."""
     group = node.parent()
     while group is not None and not group.customProperty(_FOLDER):
@@ -235,7 +239,7 @@ class MissionGroup:
 
     def layer(self, role: str) -> QgsMapLayer | None:
         """Layer of the group that shows ``role``, if there is one."""
-        return _layer_in(self.find(), role)
+        return _child_layer(self.find(), role)
 
     def add(self, layer: QgsMapLayer, role: str, index: int) -> QgsLayerTreeLayer:
         """Put a layer into the group, at ``index`` from the top (-1 for the bottom)."""

@@ -114,16 +114,16 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
     if len(rings) == 1 and len(rings[0][0]) <= _PLAIN_CORNERS:
         return geometry
     # A ring cut in two may keep its halves joined along the cut, and one around a pole the way there and back.
-    return geometry if geometry.isGeosValid() else _polygons_of(geometry.makeValid())
+    return geometry if geometry.isGeosValid() else _only_polygons(geometry.makeValid())
 
 
 def around_pole(shape: QgsGeometry) -> QgsGeometry:
     """Polygons in a CRS that has a pole as a point, without the way to it and back that their rings have in degrees."""
     # Once there and back are the same, they bound nothing.
-    return _polygons_of(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
+    return _only_polygons(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
 
 
-def _polygons_of(geometry: QgsGeometry) -> QgsGeometry:
+def _only_polygons(geometry: QgsGeometry) -> QgsGeometry:
     """Geometry without the lines and points that making it valid may have left."""
     if QgsWkbTypes.flatType(geometry.wkbType()) == QgsWkbTypes.Type.GeometryCollection:
         geometry.convertGeometryCollectionToSubclass(POLYGON)

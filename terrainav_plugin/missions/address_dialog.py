@@ -8,7 +8,7 @@ from qgis.PyQt.QtWidgets import QDialog, QLabel, QVBoxLayout, QWidget
 from ...core.errors import InvalidInput
 from ..help import add_help_button
 from ..i18n import tr, translate
-from ..paths import exists, folder_of
+from ..paths import entered_folder, exists
 from ..remote.address import DatasetAddress
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, growing_form, line_edit, named, ok_and_cancel, show_row
@@ -59,7 +59,7 @@ class AddressDialog(QDialog):
     def accept(self) -> None:
         """Take what is entered; stay open where it is no address, and say so."""
         text = self.entry.text().strip()
-        if "://" not in text and text and exists(folder_of(text)):
+        if "://" not in text and text and exists(entered_folder(text)):
             super().accept()
             return
         try:

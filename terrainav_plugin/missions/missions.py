@@ -26,7 +26,7 @@ from ..form.area import FormError
 from ..form.state import BOX_FIELDS, DECLARED
 from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, addresses, mission_layers, saved_missions
-from ..paths import exists, folder_of, is_folder, next_folder
+from ..paths import entered_folder, exists, is_folder, next_folder
 from ..plain import shown_plain
 from ..remote.address import DatasetAddress
 from ..remote.copies import copied_address, copy_dataset, copy_folder, has_images_elsewhere, why_unchangeable
@@ -109,7 +109,7 @@ class DatasetTask(Task):
             return None
 
     def _made_mosaics(self, folder: Path, mission: Mission) -> list[MosaicRaster]:
-        from ..sources import heights_for, worked_out
+        from ..sources import mission_heights, worked_out
 
         places = strangers(source_names(mission))
         if places:
@@ -119,7 +119,7 @@ class DatasetTask(Task):
             return []
         try:
             steps = worked_out(mission, self._find_grids[folder])
-            return build_any_mosaics(steps, folder, heights_for, self.go_on)
+            return build_any_mosaics(steps, folder, mission_heights, self.go_on)
         except TerrAInavError as wrong:
             # The footprints can be had without the source.
             self.left_out = translate(wrong)
@@ -330,7 +330,7 @@ class Missions(QObject):
         dialog = AddressDialog(self._button.window())
         if dialog.exec() == QDialog.DialogCode.Accepted:
             if dialog.address is None:
-                self.open_path(folder_of(dialog.entry.text()))
+                self.open_path(entered_folder(dialog.entry.text()))
             else:
                 self.open_address(dialog.address)
         dialog.deleteLater()
@@ -435,13 +435,13 @@ class Missions(QObject):
 
     def restore_dataset(self, folder: Path) -> None:
         """Have the project know a dataset's own mission again, whatever has been planned in its group since."""
-        mission = _mission_in(folder)
+        mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).remember_mission(mission.to_json())
 
     def gather(self, folder: Path) -> None:
         """Put a dataset and those of the same mission, of other imagery, under one group."""
-        mission = _mission_in(folder)
+        mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).gather(lambda text: _is_same_flight(text, mission))
 
@@ -511,10 +511,10 @@ class Missions(QObject):
         return folder
 
     def _folder(self) -> Path:
-        return folder_of(self._read().folder)
+        return entered_folder(self._read().folder)
 
     def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
-        return mission_form.state_of(mission, str(folder), like=self._read())
+        return mission_form.mission_state(mission, str(folder), like=self._read())
 
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
         from ...core.mission.mission import Mission
@@ -629,7 +629,7 @@ class Missions(QObject):
         )
 
 
-def _mission_in(folder: Path) -> Mission | None:
+def _read_mission(folder: Path) -> Mission | None:
     """Mission of the dataset in a folder; None where there is none that can be read."""
     from ...core.mission.mission import Mission
 

@@ -132,7 +132,7 @@ class PlanExport(QObject):
         )
         if not chosen:
             return
-        path = with_ending(Path(chosen), kind, usual)
+        path = add_ending(Path(chosen), kind, usual)
         # The dialog has asked for the name that it shows, which may have got another ending.
         if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
             return
@@ -215,7 +215,7 @@ def file_filters() -> str:
     return ";;".join(f"{title} (*{ending})" for ending, title in formats().items())
 
 
-def with_ending(path: Path, kind: str, usual: str = ".kml") -> Path:
+def add_ending(path: Path, kind: str, usual: str = ".kml") -> Path:
     """File with the ending of the kind that is chosen in the dialog, unless it has one of a plan's."""
     chosen = next((ending for ending in formats() if f"(*{ending})" in kind), usual)
     own = _ending(path.name)

@@ -56,7 +56,7 @@ _AWAY = frozenset(
 _NOT_A_URL = frozenset([_Error.ProtocolUnknownError, _Error.ProtocolInvalidOperationError])
 
 
-def answer_of(
+def read_answer(
     reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: Callable[[QUrl], bool]
 ) -> Response:
     """Read a reply that has finished.

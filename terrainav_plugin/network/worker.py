@@ -34,7 +34,7 @@ from qgis.PyQt.QtNetwork import (
 
 from ...core.errors import Cancelled
 from ...core.imagery.http.transport import Response, Timeouts, TransportError, too_long, too_many_headers
-from .answers import answer_of, has_too_many_headers
+from .answers import has_too_many_headers, read_answer
 
 #: Requests that a manager of Qt sends to one server at a time, over as many connections; for more there are more.
 PER_MANAGER = 6
@@ -74,7 +74,7 @@ class Terms(NamedTuple):
     private: Mapping[str, str] = {}
     home: tuple[str, str] = ("", "")
 
-    def are_for(self, exchange: PendingRequest) -> bool:
+    def match_server(self, exchange: PendingRequest) -> bool:
         """Whether configuration and private headers are for the server that an exchange asks now."""
         parts = urlsplit(exchange.url)
         scheme, host = self.home
@@ -234,7 +234,7 @@ class NetworkWorker(QObject):
             return
         exchange = self._release(reply)
         try:
-            exchange.end(answer_of(reply, exchange.url, self._terms.max_body_bytes, _has_proxy))
+            exchange.end(read_answer(reply, exchange.url, self._terms.max_body_bytes, _has_proxy))
         except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
             exchange.end(failure)
         finally:
@@ -306,7 +306,7 @@ class NetworkWorker(QObject):
             raise TransportError("the URL is not valid", again=False)
         if url.host() in self._talkative:
             raise too_many_headers()
-        trusted = self._terms.are_for(exchange)
+        trusted = self._terms.match_server(exchange)
         private = self._terms.private if trusted else {}
         request = self._request(url, {**private, **exchange.headers}, self._terms.authcfg if trusted else "")
         exchange.received_bytes = 0
@@ -343,12 +343,12 @@ class NetworkWorker(QObject):
                     "QGIS could not apply the authentication configuration {0}", authcfg, again=False
                 )
         if url.scheme() == "https":
-            request.setSslConfiguration(self._tls_of(request, bool(authcfg)))
+            request.setSslConfiguration(self._tls_configuration(request, bool(authcfg)))
         # Hooks of other plugins and of the user's organisation.
         QgsNetworkAccessManager.instance().preprocessRequest(request)
         return request
 
-    def _tls_of(self, request: QNetworkRequest, authenticated: bool) -> QSslConfiguration:
+    def _tls_configuration(self, request: QNetworkRequest, authenticated: bool) -> QSslConfiguration:
         """Certificates and protocol of QGIS's authentication manager; looked up once a server, because it is slow."""
         server = f"{_host_and_port(request.url())} {authenticated}"
         if server not in self._tls:

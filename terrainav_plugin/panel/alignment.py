@@ -50,7 +50,7 @@ class RowAlignment(QObject):
 
     def align(self, way: str) -> None:
         """Align the rows of what is entered, in one of `parts.ALIGNMENTS`."""
-        self._planning.with_plan(partial(self._look, way), tr("The rows stay as they are."))
+        self._planning.use_plan(partial(self._look, way), tr("The rows stay as they are."))
 
     def _look(self, way: str, planned: PlannedMission) -> None:
         if self.task is not None:
@@ -98,7 +98,9 @@ class AlignTask(Task):
     def work(self) -> None:
         """Look for it."""
         from ...core.mission.flight.alignment import align_rows
-        from ..sources import heights_for
+        from ..sources import mission_heights
 
         mission = self._planned.mission
-        self.found = align_rows(mission, self._planned.plan.grid, heights_for(mission), self._way, self.go_on)
+        self.found = align_rows(
+            mission, self._planned.plan.grid, mission_heights(mission), self._way, self.go_on
+        )

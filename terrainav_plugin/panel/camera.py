@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
-from ..form.camera import camera_of, given_by, with_height
+from ..form.camera import convert_camera, state_camera, update_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect, short_aspect
 from ..i18n import number_text, tr, translate
@@ -137,7 +137,7 @@ class CameraEntries(Entries):
 
     # --- presets and own cameras
 
-    def with_camera(self, state: FormState, choice: CameraChoice) -> FormState:
+    def apply_camera(self, state: FormState, choice: CameraChoice) -> FormState:
         """State with a preset's values, in whichever terms the state has."""
         plain = replace(
             state,
@@ -145,7 +145,7 @@ class CameraEntries(Entries):
             aspect=aspect_text(choice.aspect_ratio),
             image_px=choice.image_px or FormState().image_px,
         )
-        return with_height(given_by(plain, state.fov_mode, choice.sensor_mm))
+        return update_height(convert_camera(plain, state.fov_mode, choice.sensor_mm))
 
     def _fill_chooser(self) -> None:
         self.camera.clear()
@@ -227,7 +227,7 @@ def save_camera(name: str, state: FormState) -> None:
     """
     from ...core.mission.cameras import add_camera
 
-    camera = camera_of(state)
+    camera = state_camera(state)
     if camera is None:
         raise InvalidInput(tr("These values are not a valid camera: fix the highlighted fields, then save."))
     fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)

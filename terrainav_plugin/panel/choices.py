@@ -99,8 +99,8 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
         wrong = "; ".join(map(translate, own.problems.values()))
     except InvalidInput as unreadable:
         wrong = translate(unreadable)
-    choices = [_of_entry(entry) for entry in entries]
-    choices += [_of_connection(name) for name in connection_names()]
+    choices = [_entry_choice(entry) for entry in entries]
+    choices += [_connection_choice(name) for name in connection_names()]
     asked = tr(
         "A service with several layers: choose it, then a layer. The layer is saved with your own sources."
     )
@@ -176,7 +176,7 @@ def limits_html(entry: CatalogueEntry) -> str:
     return f"{text}.<br/>{licence}"
 
 
-def _of_entry(entry: CatalogueEntry) -> SourceChoice:
+def _entry_choice(entry: CatalogueEntry) -> SourceChoice:
     dates = entry.dates
     return SourceChoice(
         entry.name,
@@ -199,7 +199,7 @@ def _group(entry: CatalogueEntry) -> int:
     return CATALOGUE if entry.bounds_deg == WORLD_DEG else REGIONAL
 
 
-def _of_connection(name: str) -> SourceChoice:
+def _connection_choice(name: str) -> SourceChoice:
     try:
         limits = limits_html(connection(XYZ + name).entry())
     except InvalidInput as wrong:

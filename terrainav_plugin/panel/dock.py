@@ -80,7 +80,7 @@ class Dock(QgsDockWidget):
         """Show why there are no figures."""
         self.figures.show_problem(text)
 
-    def show_preview_on(self, on: bool) -> None:
+    def set_preview_pressed(self, on: bool) -> None:
         """Press or release the preview button without asking for a preview."""
         with QSignalBlocker(self.preview):
             self.preview.setChecked(on)

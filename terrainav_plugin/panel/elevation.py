@@ -5,7 +5,7 @@ from __future__ import annotations
 from qgis.core import QgsProject, QgsRasterLayer
 from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
-from ..form.text import as_written, with_point
+from ..form.text import as_written, to_decimal_point
 from ..i18n import tr
 from ..plain import shown_plain
 from ..sources import TERRARIUM, WORLD
@@ -46,7 +46,7 @@ class HeightsLine(WordsLine):
         """Return the sources that are entered, by name where they are by title."""
         names = {title.casefold(): name for title, name in _titled()}
         parts = filter(None, map(str.strip, self.text().split(self._SEPARATOR)))
-        return tuple(names.get(part.casefold(), with_point(part)) for part in parts)
+        return tuple(names.get(part.casefold(), to_decimal_point(part)) for part in parts)
 
     def enter(self, words: tuple[str, ...]) -> None:
         """Enter sources; those that have a title are shown by it."""
@@ -92,12 +92,14 @@ class HeightsLine(WordsLine):
         properties = getattr(project, "elevationProperties", None)
         provider = None if properties is None else properties().terrainProvider()
         terrain = provider.layer() if hasattr(provider, "layer") else None
-        if isinstance(terrain, QgsRasterLayer) and _file_of(terrain):
+        if isinstance(terrain, QgsRasterLayer) and _layer_file(terrain):
             found.append(
-                (tr("Terrain of the project ({name})").format(name=terrain.name()), _file_of(terrain))
+                (tr("Terrain of the project ({name})").format(name=terrain.name()), _layer_file(terrain))
             )
         layers = [layer for layer in project.mapLayers().values() if isinstance(layer, QgsRasterLayer)]
-        found += [(one.name(), _file_of(one)) for one in layers if one.bandCount() == 1 and _file_of(one)]
+        found += [
+            (one.name(), _layer_file(one)) for one in layers if one.bandCount() == 1 and _layer_file(one)
+        ]
         return [*found, *_titled()]
 
     def _choose_file(self) -> None:
@@ -114,6 +116,6 @@ def _titled() -> list[tuple[str, str]]:
     ]
 
 
-def _file_of(layer: QgsRasterLayer) -> str:
+def _layer_file(layer: QgsRasterLayer) -> str:
     """What a layer's heights are read from; empty where the core has no way to it."""
     return str(layer.source()) if layer.providerType() == "gdal" else ""

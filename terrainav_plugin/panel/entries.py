@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from ...core.mission.parts import NORTH, TRACK
-from ..form.fields import choices_of, label_of, tip_of
+from ..form.fields import field_choices, field_label, field_tip
 from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
 from ..i18n import tr
 from ..widgets import (
@@ -220,7 +220,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
 
     def add_declared(self, name: str, widget: QWidget | None = None) -> QWidget:
         """Add the entry of a field that a mission declares, as it is declared; return the row's field."""
-        label = "" if DECLARED[name].kind is bool else label_of(DECLARED[name])
+        label = "" if DECLARED[name].kind is bool else field_label(DECLARED[name])
         return self.add(name, label, widget or declared_widget(name))
 
     def add_two(
@@ -269,22 +269,22 @@ def declared_widget(name: str) -> QWidget:
 
 def declared_choice(name: str) -> QComboBox:
     """Choice among the values of a field."""
-    return combo(name, choices_of(DECLARED[name]), tip_of(DECLARED[name]))
+    return combo(name, field_choices(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_ticks(name: str) -> TicksBox:
     """Boxes for the values of a field that has several at once."""
-    return TicksBox(name, choices_of(DECLARED[name]), tip_of(DECLARED[name]))
+    return TicksBox(name, field_choices(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_tick(name: str) -> QCheckBox:
     """Box to tick, with the title of a field."""
-    return tick(name, label_of(DECLARED[name]), tip_of(DECLARED[name]))
+    return tick(name, field_label(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_line(name: str) -> QLineEdit:
     """Line for the text of a field, or for its words."""
-    tip = tip_of(DECLARED[name])
+    tip = field_tip(DECLARED[name])
     return named(WordsLine(), name, tip) if DECLARED[name].kind is tuple else line_edit(name, tip)
 
 
@@ -293,7 +293,9 @@ def declared_number(name: str) -> NumberBox:
     field, unit = DECLARED[name], DECLARED[name].unit
     is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
     least, most = (0.0 if is_positive else -_MOST, _MOST) if unit.times == 1.0 else (0.0, unit.times)
-    number = spin(name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, tip_of(field))
+    number = spin(
+        name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, field_tip(field)
+    )
     number.times = unit.times
     if field.optional and name in ENTERED_AS_DECLARED:
         number.let_be_left_out(least if field.least is None else field.least - 1.0)

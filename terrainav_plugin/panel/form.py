@@ -24,9 +24,9 @@ from ..area.editing import AreaEditing
 from ..area.entries import AreaEntries
 from ..form.camera import settled
 from ..form.headings import headings
-from ..form.mission_form import beyond_text, without_beyond
-from ..form.presets import preset_of, with_preset, without_preset
-from ..form.state import FormState, with_unchanged
+from ..form.mission_form import drop_extras, extras_text
+from ..form.presets import apply_preset, find_preset, without_preset
+from ..form.state import FormState, keep_unchanged
 from ..settings import Settings
 from ..tasks import single_shot
 from ..widgets import STYLE_SHEET, FieldMarks, named
@@ -90,7 +90,7 @@ class DockForm(QWidget):
 
     def state(self) -> FormState:
         """Return what is entered."""
-        return with_unchanged(self._read(), self._shown, self._given)
+        return keep_unchanged(self._read(), self._shown, self._given)
 
     def _read(self) -> FormState:
         """Return what the widgets say; what they do not show stays as it was given."""
@@ -172,12 +172,12 @@ class DockForm(QWidget):
         scrolls = [box for box in self.boxes if box.scrollOnExpand()]
         for box in scrolls:
             box.setScrollOnExpand(False)
-        self.set_state(with_preset(state, preset, self.imagery.offered()))
+        self.set_state(apply_preset(state, preset, self.imagery.offered()))
         for box in scrolls:
             box.setScrollOnExpand(True)
 
     def _show_preset(self) -> None:
-        preset = preset_of(self.state(), self.imagery.offered())
+        preset = find_preset(self.state(), self.imagery.offered())
         if preset is None:
             self._before_preset = None
         self.presets.show_preset(preset)
@@ -227,8 +227,8 @@ class DockForm(QWidget):
         for group in self.groups:
             group.edited.connect(self._edited)
         self.camera_group.chosen.connect(self._take_camera)
-        self.changed.connect(lambda: self.accuracy.show_more(beyond_text(self.state())))
-        self.accuracy.reset_clicked.connect(lambda: self.set_state(without_beyond(self.state())))
+        self.changed.connect(lambda: self.accuracy.show_more(extras_text(self.state())))
+        self.accuracy.reset_clicked.connect(lambda: self.set_state(drop_extras(self.state())))
 
     def _changed(self) -> None:
         if not self._setting:
@@ -241,7 +241,7 @@ class DockForm(QWidget):
             self.changed.emit()
 
     def _take_camera(self, choice: CameraChoice) -> None:
-        self._enter(self.camera_group.with_camera(self.state(), choice))
+        self._enter(self.camera_group.apply_camera(self.state(), choice))
         self.changed.emit()
 
 
@@ -270,7 +270,7 @@ class Folds:
 
 def set_tab_order(layout: QLayout) -> None:
     """Let the Tab key follow the rows of a layout, and of those inside it."""
-    widgets = list(_in_order(layout))
+    widgets = list(_ordered_widgets(layout))
     for before, after in zip(widgets, widgets[1:]):
         QWidget.setTabOrder(before, after)
 
@@ -304,7 +304,7 @@ class FormMemory(QObject):
         self._settings.form = self._read().to_json()
 
 
-def _in_order(layout: QLayout) -> Iterator[QWidget]:
+def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
     """Widgets that take the keyboard, line by line."""
     for item in _items(layout):
         widget, inner = item.widget(), item.layout()
@@ -313,10 +313,10 @@ def _in_order(layout: QLayout) -> Iterator[QWidget]:
                 yield widget
             inner = widget.layout()
         if inner is not None:
-            yield from _in_order(inner)
+            yield from _ordered_widgets(inner)
         for part in _parts(widget):
             if part.layout() is not None:
-                yield from _in_order(part.layout())
+                yield from _ordered_widgets(part.layout())
 
 
 def _parts(widget: QWidget | None) -> list[QWidget]:

@@ -21,7 +21,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..form.fields import choices_of, label_of
+from ..form.fields import field_choices, field_label
 from ..form.state import ENTERED_AS_DECLARED, URL_TEMPLATE
 from ..i18n import tr
 from ..paths import icon
@@ -228,11 +228,11 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _add_map_types(self) -> None:
         field = ENTERED_AS_DECLARED["map_types"]
-        self.map_types = {name: QCheckBox(label) for name, label in choices_of(field)}
+        self.map_types = {name: QCheckBox(label) for name, label in field_choices(field)}
         for name, check in self.map_types.items():
             check.setObjectName(f"map_type_{name}")
         checks = row(*self.map_types.values())
-        self._form.addRow(label_of(field), self._marks.field("map_types", checks))
+        self._form.addRow(field_label(field), self._marks.field("map_types", checks))
 
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()

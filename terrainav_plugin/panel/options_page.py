@@ -290,7 +290,7 @@ class KeysTable(QTableWidget):
     def fill(self) -> None:
         """Show what is set."""
         chosen = self._settings.authcfgs()
-        titles = {**dict.fromkeys(chosen, ""), **_in_need_of_keys()}
+        titles = {**dict.fromkeys(chosen, ""), **_keyless_titles()}
         self.choosers.clear()
         self.setRowCount(len(titles))
         for line, (name, title) in enumerate(sorted(titles.items(), key=lambda one: one[1] or one[0])):
@@ -397,7 +397,7 @@ def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
     return box, growing_form(box)
 
 
-def _in_need_of_keys() -> dict[str, str]:
+def _keyless_titles() -> dict[str, str]:
     """Titles of the sources that need a key, by name."""
     from ...core.imagery.catalogue import sources
 

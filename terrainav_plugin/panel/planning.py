@@ -13,7 +13,7 @@ from ..form import mission_form
 from ..form.area import FormError
 from ..form.state import BOX_FIELDS
 from ..i18n import tr, translate
-from ..sources import policy_of
+from ..sources import source_policy
 from .figures import readout
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class Planning(QObject):
         self._closed = True
         self._planner.close()
 
-    def with_plan(self, act: Callable[[PlannedMission], None], refusal: str, *, anew: bool = False) -> None:
+    def use_plan(self, act: Callable[[PlannedMission], None], refusal: str, *, anew: bool = False) -> None:
         """Do something with the plan of what is entered now, as soon as there is one.
 
         Parameters
@@ -116,7 +116,7 @@ class Planning(QObject):
         self._asked = mission
         if self.latest is None or self.latest.mission != mission:
             self._dock.figures.show_outdated()
-        timed = not self._cost_of(mission) and self._may_time() and self._when_planned is None
+        timed = not self._mission_cost(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
         return True
 
@@ -159,14 +159,14 @@ class Planning(QObject):
         self._show_figures(planned)
 
     def _show_figures(self, planned: PlannedMission) -> None:
-        cost = self._cost_of(planned.mission)
+        cost = self._mission_cost(planned.mission)
         if not cost and (not self._may_time() or self._when_planned is not None):
             cost = tr("not timed during a capture")
         unit = self._form.state().agl_unit
-        policy = policy_of(planned.mission.imagery.source)
+        policy = source_policy(planned.mission.imagery.source)
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
-    def _cost_of(self, mission: Mission) -> str:
+    def _mission_cost(self, mission: Mission) -> str:
         """What a mission's methods were timed at; empty where that is not known."""
         return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 

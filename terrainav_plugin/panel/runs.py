@@ -96,7 +96,7 @@ class RunPanel(QObject):
             return
         line = self._runs.waiting
         row.show_progress(run.percent, row_text(run, line.index(run) if run in line else 0))
-        row.show_actions(_actions_of(run), run.can_pause, underway=not run.has_ended)
+        row.show_actions(_run_actions(run), run.can_pause, underway=not run.has_ended)
         self._fit()
 
     def _fit(self) -> None:
@@ -203,11 +203,11 @@ class RunRows(QScrollArea):
 
     def sizeHint(self) -> QSize:
         """All rows, up to a few."""
-        return QSize(super().sizeHint().width(), self._height_of(_ROWS))
+        return QSize(super().sizeHint().width(), self._list_height(_ROWS))
 
     def minimumSizeHint(self) -> QSize:
         """One row."""
-        return QSize(super().minimumSizeHint().width(), self._height_of(1))
+        return QSize(super().minimumSizeHint().width(), self._list_height(1))
 
     def _grown(self, _least: int, most: int) -> None:
         """Scroll to a row that has come, once it has its place."""
@@ -215,7 +215,7 @@ class RunRows(QScrollArea):
             self._to_newest = False
             self.verticalScrollBar().setValue(most)
 
-    def _height_of(self, count: int) -> int:
+    def _list_height(self, count: int) -> int:
         width = max(self.viewport().width(), 1)
         heights = [
             row.heightForWidth(width) if row.hasHeightForWidth() else row.sizeHint().height()
@@ -327,7 +327,7 @@ class RunRow(QFrame):
         layout.addWidget(self.bar)
 
 
-def _actions_of(run: CaptureRun) -> set[str]:
+def _run_actions(run: CaptureRun) -> set[str]:
     """What can be done with a run now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}

@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QLabel, QMenu
 
 from ...core.mission.parts import LONGEST_SIDE, SHORTEST
 from ..form.camera import shown_gsd
-from ..form.fields import label_of, tip_of
+from ..form.fields import field_label, field_tip
 from ..form.state import DECLARED, FormState
 from ..form.text import short_place
 from ..i18n import number_text, tr
@@ -117,7 +117,7 @@ class FlightEntries(Entries):
         )
         self.agl.valueChanged.connect(lambda: setattr(self, "height_by", "agl"))
         self.take("agl_unit", self.agl_unit)
-        self.add("agl", label_of(DECLARED["agl"]), self.agl, row(self.agl, self.agl_unit, stretch=0))
+        self.add("agl", field_label(DECLARED["agl"]), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
             "Ground sample distance (GSD) of the camera, straight down, in cm per px (inches with feet). "
             "Height and GSD depend on each other; the one entered last is kept. The estimates show the GSD of "
@@ -149,11 +149,11 @@ class FlightEntries(Entries):
             action.setObjectName(way)
             action.triggered.connect(lambda _checked=False, way=way: self.align_clicked.emit(way))
         self.align.setMenu(menu)
-        label = label_of(DECLARED["row_azimuth_deg"])
+        label = field_label(DECLARED["row_azimuth_deg"])
         self.add("row_azimuth_deg", label, azimuth, row(azimuth, self.align, stretch=0))
         self.add_declared("order")
         self.add_declared("crosshatch")
-        self.add_declared("facing", FacingBox("facing", tip_of(DECLARED["facing"])))
+        self.add_declared("facing", FacingBox("facing", field_tip(DECLARED["facing"])))
         self.add_declared("margin_m")
 
 
@@ -176,7 +176,7 @@ class AttitudeSection(Section):
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
         for name in ("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"):
             self.add_declared(name)
-        self.add_declared("start", StartEntry(tip_of(DECLARED["start"])))
+        self.add_declared("start", StartEntry(field_tip(DECLARED["start"])))
 
 
 class PixelsSection(Section):
@@ -263,12 +263,14 @@ class ReliefSection(Section):
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("relief", tr("Relief"), marks)
         for name in ("elevation", "surface"):
-            line = HeightsLine(name, tip_of(DECLARED[name]))
+            line = HeightsLine(name, field_tip(DECLARED[name]))
             line.setPlaceholderText(
                 tr("level ground") if name == "elevation" else tr("same as the elevation")
             )
             self.take(name, line)
-            self._form.addRow(label_of(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
+            self._form.addRow(
+                field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button))
+            )
         self.add_declared("height_above")
         self.add_declared("climb_m_per_s")
         for name in ("clearance_m", "clearance_distance_m"):
@@ -295,14 +297,14 @@ class RouteSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("route", tr("Flight path"), marks)
-        self.takeoff = named(ShortLine(short_place), "takeoff", tip_of(DECLARED["takeoff"]))
+        self.takeoff = named(ShortLine(short_place), "takeoff", field_tip(DECLARED["takeoff"]))
         self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
         self.takeoff.setClearButtonEnabled(True)
         self.pick_takeoff = tool_button(
             "pick_takeoff", icon("takeoff"), tr("Set take-off point, by a click on the map")
         )
         self.pick_takeoff.clicked.connect(lambda _checked: self.pick_clicked.emit())
-        label = label_of(DECLARED["takeoff"])
+        label = field_label(DECLARED["takeoff"])
         self.add("takeoff", label, self.takeoff, row(self.takeoff, self.pick_takeoff, stretch=0))
         for name in (
             *("entry", "lead_in_m", "turnaround_m", "trigger"),

@@ -115,7 +115,7 @@ class AddSourceDialog(QDialog):
         try:
             entry = add(name, self._data())
         except TerrAInavError as wrong:
-            self.marks.show(_at_field(wrong))
+            self.marks.show(_field_message(wrong))
             return
         if key and entry.key_env is not None:
             Settings().set_authcfg(name, store_key(entry.title, key))
@@ -439,7 +439,7 @@ class AddSourceDialog(QDialog):
                 CatalogueEntry.from_dict(self.name.text().strip() or "own", self._data(), user=True)
             )
         except TerrAInavError as wrong:
-            self.marks.show(_at_field(wrong))
+            self.marks.show(_field_message(wrong))
             return
         place = self._place() or (None, None)
         options = self._options
@@ -515,7 +515,7 @@ class AddSourceDialog(QDialog):
             elif service:
                 check_address(re.sub(r"^\w+:(?=https?:)|#.*", "", url), tr("address"))
         except TerrAInavError as wrong:
-            messages = _at_field(wrong)
+            messages = _field_message(wrong)
             ready = False
         self.test.setEnabled(ready and not busy)
         if name and "name" not in messages:
@@ -676,7 +676,7 @@ def _name_problem(name: str) -> dict[str, str]:
     return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
 
 
-def _at_field(error: TerrAInavError) -> dict[str, str]:
+def _field_message(error: TerrAInavError) -> dict[str, str]:
     """Message at the entry that an error is about, without the name of the source that is being made."""
     inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
     return {_ENTRIES.get(inner.field, "url"): translate(inner)}

@@ -34,7 +34,7 @@ class SourceList(QObject):
     messages : Messages
     window : QWidget
         That dialogs belong to.
-    looked_at : callable
+    visible_box : callable
         What the map shows; None for no place.
     """
 
@@ -44,11 +44,11 @@ class SourceList(QObject):
         imagery: ImageryEntries,
         messages: Messages,
         window: QWidget,
-        looked_at: Callable[[], Box | None],
+        visible_box: Callable[[], Box | None],
     ) -> None:
         super().__init__()
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
-        self._checked_features = looked_at
+        self._checked_features = visible_box
         self._told = ""
         # Layers come and go by the dozen; one look is enough.
         self._soon = single_shot(self.refresh, self)

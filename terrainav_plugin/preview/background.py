@@ -26,7 +26,7 @@ from ...core.mission.areas.area import Box
 from ...core.storage.files import make_folder, partial_file
 from ..form import mission_form
 from ..i18n import tr, translate
-from ..map.canvas import box_of, canvas_rectangle, show_extent
+from ..map.canvas import canvas_rectangle, rectangle_box, show_extent
 from ..map.mission_group import ROLE
 from ..qgis_source.snapshot import is_of_qgis
 from ..settings import Settings
@@ -37,23 +37,11 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
 
-#: Where a first look at the embedded world goes while nothing says where: the fields of the published dataset.
-_FIRST_PLACE = Box(35.16, -89.90, 35.115, -89.823)
 _BACKGROUND = "background"
-#: Room left around the area that is zoomed to, as a share of it.
-_ROOM = 1.2
 #: Most pixels of a picture: a few seconds of drawing, and sharper than the screen until zoomed in twofold.
 _MOST_PX = 20_000_000
-#: Width and height of the picture around an area, in widths and heights of the area.
-_AROUND = 2.0
-#: Shorter side of the picture over its longer, at least.
-_NARROWEST = 0.75
-#: Least width and height in the world's own: even around a small area there is some land to see.
-_LEAST = 2.0**-16
-#: Zooms by which the first image is coarser: a 64th of the pixels.
-_COARSER = 3
-_OPTIONS = ("COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=YCBCR", "TILED=YES")
-_OVERVIEWS = (2, 4, 8, 16, 32)
+#: Room left around the area that is zoomed to, as a share of it.
+_ROOM = 1.2
 
 
 class SourceOnMap(QObject):
@@ -94,13 +82,16 @@ class SourceOnMap(QObject):
     def show(self, then: Callable[[], None] | None = None) -> None:
         """Show what is entered, and zoom to the area; ``then`` is called once it is there, or cannot be shown."""
         state = self._read()
-        area, seen = mission_form.box(state), self._background.looked_at()
+        area, seen = mission_form.box(state), self._background.visible_box()
         map_type = state.map_types[0] if state.map_types else "satellite"
         self._then = then or self._then
         try:
             stay = area is None and seen is not None
             if state.source == WORLD:
-                self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay)
+                # The fields of the published dataset, where nothing is entered and the map shows nothing.
+                self._show_world(
+                    area or seen or Box(35.16, -89.90, 35.115, -89.823), map_type, state.seed, stay
+                )
                 return
             title = self._title()
             if source_kind(state.source).is_file:
@@ -108,10 +99,10 @@ class SourceOnMap(QObject):
             elif not is_of_qgis(state.source):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)
             if not stay:
-                self._background.zoom_to(area)
+                self._background.zoom_to_box(area)
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
-        self._go_on()
+        self._finish()
 
     def close(self) -> None:
         """End for good."""
@@ -127,7 +118,7 @@ class SourceOnMap(QObject):
         task = self._background.world_task(box, map_type, seed, folder)
         title = self._title()
         # The map goes there with the first image that there is, and stays where the user moves it then.
-        self._begin = None if stay else lambda: self._background.zoom_to(box)
+        self._begin = None if stay else lambda: self._background.zoom_to_box(box)
 
         def show(task: WorldTask | None) -> None:
             self._task = None
@@ -138,7 +129,7 @@ class SourceOnMap(QObject):
                 self._show_image(choose_picture(box, map_type, seed), folder, title)
                 if task is not None:
                     task.remove_coarse()
-            self._go_on()
+            self._finish()
 
         if task is None:
             show(None)
@@ -163,9 +154,9 @@ class SourceOnMap(QObject):
                 begin()
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
-        self._go_on()
+        self._finish()
 
-    def _go_on(self) -> None:
+    def _finish(self) -> None:
         """Do what was to be done once the map shows something."""
         then, self._then = self._then, None
         if then is not None:
@@ -241,7 +232,7 @@ class Background:
         """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
         return self._show(name_for_gdal(path), "gdal", title, path)
 
-    def zoom_to(self, box: Box | None) -> None:
+    def zoom_to_box(self, box: Box | None) -> None:
         """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
         if box is None:
             self._when_settled(self._canvas.zoomToFullExtent)
@@ -257,12 +248,14 @@ class Background:
             lambda: show_extent(self._canvas, settings().layerExtentToOutputExtent(layer, extent), _ROOM)
         )
 
-    def looked_at(self) -> Box | None:
+    def visible_box(self) -> Box | None:
         """What the map shows; None for an empty map, or one that shows no place on Earth."""
         if not self._canvas.layers():
             return None
         try:
-            return box_of(self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project)
+            return rectangle_box(
+                self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project
+            )
         except InvalidInput:
             return None
 
@@ -352,8 +345,14 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
             for lat in (box.north_deg, box.south_deg)
         )
         width, height = east - west, south - north
-        half_u = max(width, _NARROWEST * height, _LEAST) * _AROUND / 2.0
-        half_v = max(height, _NARROWEST * width, _LEAST) * _AROUND / 2.0
+        # Shorter side of the picture over its longer, at least.
+        narrowest = 0.75
+        # The picture in widths and heights of the area.
+        around = 2.0
+        # Even around a small area there is some land to see; world fractions.
+        least = 2.0**-16
+        half_u = max(width, narrowest * height, least) * around / 2.0
+        half_v = max(height, narrowest * width, least) * around / 2.0
         middle_u, middle_v = (west + east) / 2.0, (north + south) / 2.0
         west, east, north, south = middle_u - half_u, middle_u + half_u, middle_v - half_v, middle_v + half_v
     grid = PixelGrid()
@@ -368,7 +367,8 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
 
 def coarser(picture: WorldPicture) -> WorldPicture:
     """Tiles of a lower zoom around an image: a few, which are drawn within a moment."""
-    steps = min(_COARSER, picture.zoom)
+    # A 64th of the pixels.
+    steps = min(3, picture.zoom)
     left, top = picture.left >> steps, picture.top >> steps
     right = (picture.left + picture.columns - 1 >> steps) + 1
     bottom = (picture.top + picture.rows - 1 >> steps) + 1
@@ -435,14 +435,21 @@ def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
 
 def _save(pixels: np.ndarray, path: Path, west_m: float, north_m: float, resolution_m: float) -> None:
     _, height, width = pixels.shape
-    raster = gdal.GetDriverByName("GTiff").Create(str(path), width, height, 3, gdal.GDT_Byte, list(_OPTIONS))
+    raster = gdal.GetDriverByName("GTiff").Create(
+        str(path),
+        width,
+        height,
+        3,
+        gdal.GDT_Byte,
+        ["COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=YCBCR", "TILED=YES"],
+    )
     if raster is None:
         raise OutputError("background {0}: cannot be written ({1})", path, gdal.GetLastErrorMsg())
     raster.SetProjection(WEB_MERCATOR_WKT)
     raster.SetGeoTransform((west_m, resolution_m, 0.0, north_m, 0.0, -resolution_m))
     raster.WriteArray(pixels)
     raster.FlushCache()
-    factors = [factor for factor in _OVERVIEWS if max(width, height) // factor >= 256]
+    factors = [factor for factor in (2, 4, 8, 16, 32) if max(width, height) // factor >= 256]
     if factors:
         raster.BuildOverviews("AVERAGE", factors)
     del raster

@@ -19,14 +19,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Least width of a cell on the screen; twice that is never reached.
-_CELL_PX = 8.0
-#: Most cells along a side of the grid.
-_MOST_CELLS = 400
-#: Rectangles counted in one go, to bound memory.
-_BATCH = 1 << 17
-#: Levels of a doubling of the number of images: 8 a doubling, a sixth apart at most.
-_FINE_BITS = 3
 #: A polygon of one closed ring of five corners, in well-known binary.
 _RECTANGLE = np.dtype(
     [("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))]
@@ -48,9 +40,13 @@ class DensityCells(NamedTuple):
     world: PreviewWorld = MERCATOR
 
     @classmethod
-    def over(cls, rect: Rect, px_per_m: float) -> DensityCells:
+    def covering(cls, rect: Rect, px_per_m: float) -> DensityCells:
         """Cells over a part of the world, as fine as can be seen."""
-        width = max(_CELL_PX / px_per_m, rect.longer_m / (_MOST_CELLS - 2))
+        # Of a cell on the screen; twice that is never reached.
+        least_px = 8.0
+        # Along a side of the grid.
+        most_cells = 400
+        width = max(least_px / px_per_m, rect.longer_m / (most_cells - 2))
         world = rect.world
         level = max(math.floor(math.log2(world.size / width)), 0)
         size = world.size / 2.0**level
@@ -74,9 +70,11 @@ def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
     around, size, world = 1 << cells.level, cells.size_m, cells.world
     # What each rectangle covers of rows and columns is the running sum of a few steps at its edges.
     steps = np.zeros((cells.rows + 1) * (cells.columns + 1))
-    for start in range(0, len(boxes.west), _BATCH):
+    # Rectangles counted at once, to bound memory.
+    batch = 1 << 17
+    for start in range(0, len(boxes.west), batch):
         west, south, east, north = (
-            (edge[start : start + _BATCH] - low) / size
+            (edge[start : start + batch] - low) / size
             for edge, low in zip(boxes.edges, 2 * (world.west, world.south))
         )
         low, high = (np.clip(edge - cells.row, 0.0, cells.rows) for edge in (south, north))
@@ -107,7 +105,8 @@ def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, 
 def levels(means: Floats) -> Numbers:
     """Means in steps of a quarter, as whole numbers; of many images in coarser ones, so that there are few."""
     quarters = np.rint(4.0 * means)
-    step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - _FINE_BITS, 0.0)
+    # Eight levels to a doubling of the number of images, a sixth apart at most.
+    step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - 3, 0.0)
     return (np.rint(quarters / step) * step).astype(np.int64)
 
 

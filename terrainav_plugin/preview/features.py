@@ -30,10 +30,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Pieces an edge of the area is drawn in: parallels and meridians, which other CRSs bend.
-_EDGE_PIECES = 64
-#: Least space between legs on the screen: closer ones would hide all else.
-_LEAST_SPACE_PX = 10.0
 #: A flight of up to so many captures is always drawn whole; longer ones have so many corners from afar.
 MOST_CORNERS = 4000
 
@@ -83,7 +79,9 @@ def area_features(plan: Plan) -> list[QgsFeature]:
     if plan.mission.kind != "raster":
         return []
     area = plan.mission.area
-    share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+    # Of each edge: other CRSs bend parallels and meridians.
+    pieces = 64
+    share = np.arange(pieces) / pieces
     plane = plan.grid.plane
     found = []
     for part in parts_of(area):
@@ -114,7 +112,7 @@ class Picked(NamedTuple):
     crowd: Numbers
 
 
-def part_of(plan: Plan, ids: Numbers) -> Plan:
+def plan_part(plan: Plan, ids: Numbers) -> Plan:
     """Plan of some of a plan's captures."""
     windows, corners = plan.windows, plan.corners
     return replace(
@@ -153,7 +151,7 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
     ]
 
 
-def flight_of(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
+def plan_flight(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
     """What an aircraft flies: from capture to capture, or a path that has more than these."""
     return FlightLine(plan, index, clock) if plan.path.is_captures else SortieLines(plan, clock)
 
@@ -184,7 +182,7 @@ class SortieLines:
         """Whether it is to be drawn."""
         return True
 
-    def near(self, _ids: Numbers, _rect: Rect) -> list[QgsFeature]:
+    def legs(self, _ids: Numbers, _rect: Rect) -> list[QgsFeature]:
         """The line of each sortie."""
         return self.whole()
 
@@ -251,9 +249,10 @@ class FlightLine:
             np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if own is None else own.unit_m
         )
         length_m = self._plan.direct.distance_m / shrunk
-        return bool(area_m2 * px_per_m >= _LEAST_SPACE_PX * length_m)
+        # Legs closer than 10 px on the screen would hide everything else.
+        return bool(area_m2 * px_per_m >= 10.0 * length_m)
 
-    def near(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
+    def legs(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
         """Legs of a long flight from or to some captures, and those that cross a part of the world on their way."""
         last = len(self._plan) - 1
         crossing = self._long[self._long_boxes.meets(rect)]

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Narrowest bin in metres, so that the number of a bin of the world fits 64 bits.
-_NARROWEST_BIN_M = 0.1
-
 
 class Rects(NamedTuple):
     """Rectangles of a world in metres, (n,) each: west within it, east beyond its end across the antimeridian."""
@@ -80,7 +77,8 @@ class CaptureIndex:
     def __init__(self, boxes: Rects) -> None:
         self.boxes = boxes
         self.longer_m = boxes.longer_m
-        least = max(float(self.longer_m.min()), _NARROWEST_BIN_M / 2.0)
+        # Bins of 0.1 m at least, so that a bin's number fits into 64 bits.
+        least = max(float(self.longer_m.min()), 0.05)
         size_class = np.floor(np.log2(np.maximum(self.longer_m, least) / least)).astype(np.int64)
         self._levels = [
             _SizeClass(boxes, np.flatnonzero(size_class == number), least * 2.0 ** (number + 1))
@@ -91,10 +89,10 @@ class CaptureIndex:
         return len(self.longer_m)
 
     def count(self, rect: Rect, from_m: float = 0.0) -> int:
-        """At least as many as `within` finds; no capture is looked at."""
+        """At least as many as `find` returns; no capture is looked at."""
         return sum(int((stop - start).sum()) for _, start, stop in self._slices(rect, from_m))
 
-    def within(self, rect: Rect, from_m: float = 0.0) -> Numbers:
+    def find(self, rect: Rect, from_m: float = 0.0) -> Numbers:
         """Captures that share ground with a rectangle, of a longer side of ``from_m`` or more; in flight order."""
         found = [level.ids[_ranges(start, stop)] for level, start, stop in self._slices(rect, from_m)]
         ids = np.sort(np.concatenate([np.empty(0, np.int64), *found]))
@@ -151,11 +149,7 @@ def _ranges(start: Numbers, stop: Numbers) -> Numbers:
     return np.arange(int(counts.sum())) + np.repeat(start - before, counts)
 
 
-#: Pairs of a picture and a place looked at in one go, to bound memory.
-_PAIRS = 1_000_000
-
-
-def shown_by(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
+def count_shown(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
     """How many rectangles show each place, (m,); eastings within the world."""
     order = np.argsort(y_m)
     heights, eastings = y_m[order], x_m[order]
@@ -163,7 +157,11 @@ def shown_by(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
     last = np.searchsorted(heights, boxes.north)
     pairs = np.cumsum(last - first)
     shown = np.zeros(len(order), np.int64)
-    cuts = np.searchsorted(pairs, np.arange(_PAIRS, pairs[-1] if len(pairs) else 0, _PAIRS)).tolist()
+    # To bound memory.
+    pairs_at_once = 1_000_000
+    cuts = np.searchsorted(
+        pairs, np.arange(pairs_at_once, pairs[-1] if len(pairs) else 0, pairs_at_once)
+    ).tolist()
     for begin, end in zip([0, *cuts], [*cuts, len(first)]):
         place = _ranges(first[begin:end], last[begin:end])
         box = np.repeat(np.arange(begin, end), (last - first)[begin:end])

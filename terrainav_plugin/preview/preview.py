@@ -13,21 +13,15 @@ from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 from ..map.mission_group import MissionGroup
 from ..tasks import LatestWorker, crs_named, single_shot
 from .layers import KINDS, field_names
-from .view import MERCATOR, MapView, view_of, world_of
+from .view import MERCATOR, MapView, current_view, preview_world
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
     from .scene import Drawing, PreviewScene
 
-#: Pause in moving the map after which the preview follows.
-_PAUSE_MS = 60
-#: Layers that are hidden by what they would lie upon; the area stays.
-_OVER_RESULTS = ("footprints", "centres", "flight", "density")
 #: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
 MOST_A_STEP = 100
-#: How long styles outlive their layers. The drawing is told to stop within a hundredth of a second.
-_STYLES_KEPT_MS = 30_000
 
 
 class _Overtaken(Exception):
@@ -73,8 +67,8 @@ class Preview(QObject):
         self._visible = True
         self._worker = LatestWorker("preview", self)
         self._worker.failed.connect(self.failed)
-        self._pause = single_shot(self._look, self, _PAUSE_MS)
-        self._turn = single_shot(self._fill_on, self)
+        self._pause = single_shot(self._look, self, 60)
+        self._turn = single_shot(self._fill_next, self)
         project.layersWillBeRemoved["QStringList"].connect(self._keep_styles)
         project.layersRemoved.connect(self._forget)
         project.layerTreeRoot().visibilityChanged.connect(self._look_at_visibility)
@@ -116,10 +110,10 @@ class Preview(QObject):
 
     def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
         """Have a plan drawn; layers that are there already are filled anew, in place."""
-        self._move_to(group)
-        self._plan, self._world, self._drawing = plan, world_of(plan), None
+        self._set_group(group)
+        self._plan, self._world, self._drawing = plan, preview_world(plan), None
         self._filling, self._pieces = False, self._make_layers(mission)
-        self._fill_on()
+        self._fill_next()
         self._look()
 
     def set_footprints_visible(self, visible: bool) -> None:
@@ -174,8 +168,8 @@ class Preview(QObject):
         if self._plan is None:
             self._scene = None
             return
-        view = view_of(self._canvas, self._world)
-        if self._drawing is not None and view is not None and self._drawing.is_right_for(view):
+        view = current_view(self._canvas, self._world)
+        if self._drawing is not None and view is not None and self._drawing.serves(view):
             # On its way may be another view, which has been left meanwhile.
             self._worker.forget()
         else:
@@ -206,9 +200,9 @@ class Preview(QObject):
         # Layers that are still being made are filled after that.
         if self._pieces is None or self._filling:
             self._pieces = self._fill(drawing)
-            self._fill_on()
+            self._fill_next()
 
-    def _fill_on(self) -> None:
+    def _fill_next(self) -> None:
         """Take the next step, and let the application breathe before the one after it."""
         if self._pieces is None:
             return
@@ -292,7 +286,7 @@ class Preview(QObject):
 
     # --- layers
 
-    def _move_to(self, group: MissionGroup) -> None:
+    def _set_group(self, group: MissionGroup) -> None:
         """A mission with another folder has a group of its own."""
         if self._group is not None and not self._group.is_same(group):
             self.remove()
@@ -338,7 +332,8 @@ class Preview(QObject):
     def _nodes(self) -> list[QgsLayerTreeLayer]:
         """Where the layers that hide results are in the layer tree."""
         root = self._project.layerTreeRoot()
-        found = (root.findLayer(self._ids[role]) for role in _OVER_RESULTS if role in self._ids)
+        # The area hides nothing.
+        found = (root.findLayer(layer_id) for role, layer_id in self._ids.items() if role != "area")
         return [node for node in found if node is not None]
 
     def _look_at_visibility(self, *_: object) -> None:
@@ -359,8 +354,8 @@ class Preview(QObject):
             layer = self._project.mapLayer(layer_id)
             styles += [style.clone() for style in (layer.renderer(), layer.labeling()) if style is not None]
         if styles:
-            # Not of this object, which may be closed meanwhile.
-            QTimer.singleShot(_STYLES_KEPT_MS, styles.clear)
+            # Not a timer of this object, which may be closed. A cancelled drawing ends long before these 30 s.
+            QTimer.singleShot(30_000, styles.clear)
 
     def _forget(self, layer_ids: list[str]) -> None:
         """Notice layers that the user has removed; the preview ends with its footprints."""

@@ -15,12 +15,12 @@ from .features import (
     Picked,
     area_features,
     centre_features,
-    flight_of,
     footprint_features,
-    part_of,
+    plan_flight,
+    plan_part,
 )
-from .index import CaptureIndex, Rects, shown_by
-from .view import MERCATOR, Rect, world_of
+from .index import CaptureIndex, Rects, count_shown
+from .view import MERCATOR, Rect, preview_world
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,14 +34,8 @@ if TYPE_CHECKING:
 
 #: Most images drawn one by one: they are put into a layer in one go, which must not be felt.
 MOST_DRAWN = 1000
-#: Bins hold some images that turn out not to be in view; with more than this many nothing is looked at one by one.
-_MOST_TOUCHED = 3 * MOST_DRAWN
 #: So few images are drawn however small they are: from afar there would be nothing to see of them.
 FEW = 100
-#: Longer side of the smallest image that is drawn, on the screen.
-_LEAST_PX = 6.0
-#: Margins drawn around the view, as shares of it, so that small moves need nothing new; the widest that fits is taken.
-_MARGINS = (0.5, 0.2, 0.05, 0.0)
 _DENSITY_MARGIN = 0.25
 #: Share by which an edge of a footprint may bulge out of the rectangle of its corners, and the degrees it holds up to.
 _BULGE, _STRAIGHT_DEG = 0.01, 0.5
@@ -73,7 +67,7 @@ class Drawing(NamedTuple):
     times_ms: tuple[float, float] | None
     bounds: Rect
 
-    def is_right_for(self, view: MapView) -> bool:
+    def serves(self, view: MapView) -> bool:
         """Whether another view needs nothing new."""
         if not self.covers.contains(view.rect) or (not self.all_drawn and self.times_ms != view.times_ms):
             return False
@@ -94,12 +88,12 @@ class PreviewScene:
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
         self.plan = plan
-        self.windows = Rects.wrapped(*plan.edges, world_of(plan))
+        self.windows = Rects.wrapped(*plan.edges, preview_world(plan))
         check()
         self.index = CaptureIndex(self.windows if plan.frames.on_map else _seen(plan, self.windows))
         check()
         self._clock = ExposureTimes(plan)
-        self._flight = flight_of(plan, self.index, self._clock)
+        self._flight = plan_flight(plan, self.index, self._clock)
         self._area = area_features(plan)
         self._whole_flight, self._flight_ends = self._flight.whole(), self._flight.ends()
         self.bounds = _bounds(plan, self.index.boxes)
@@ -110,7 +104,8 @@ class PreviewScene:
         rect = self.bounds if view is None else view.rect
         scale = 1000.0 / rect.longer_m if view is None else view.px_per_m(*_middle(rect, self.bounds))
         times = None if view is None else view.times_ms
-        smallest_m = 0.0 if len(self.plan) <= FEW else _LEAST_PX / scale
+        # Images below 6 px on the screen are shown as density.
+        smallest_m = 0.0 if len(self.plan) <= FEW else 6.0 / scale
         ids, covers, dense_below = self._choose(rect, smallest_m, times)
         check()
         all_drawn = ids is not None and dense_below == 0.0
@@ -124,7 +119,7 @@ class PreviewScene:
             check()
             layers["centres"] = centre_features(picked)
             if all_drawn and not self._flight.is_short:
-                layers["flight"] = self._flight.near(ids, covers)
+                layers["flight"] = self._flight.legs(ids, covers)
         check()
         if not all_drawn:
             covers = rect.grown(_DENSITY_MARGIN) if ids is None else covers
@@ -137,11 +132,13 @@ class PreviewScene:
         """Images to draw one by one, if any; where that is right; and the size below which the rest is density."""
         if rect.is_empty():
             return np.empty(0, np.int64), rect, 0.0
-        for margin in _MARGINS:
+        # Margins around the view, so that small moves need nothing new; the widest that fits.
+        for margin in (0.5, 0.2, 0.05, 0.0):
             covers = rect.grown(margin)
-            if self.index.count(covers, smallest_m) > _MOST_TOUCHED:
+            # Bins also hold images out of view; of more than three times as many, none is looked at.
+            if self.index.count(covers, smallest_m) > 3 * MOST_DRAWN:
                 continue
-            ids = self.index.within(covers, smallest_m)
+            ids = self.index.find(covers, smallest_m)
             if len(ids) <= MOST_DRAWN:
                 smaller = smallest_m > 0.0 and self._has_below(smallest_m, covers)
                 if len(ids) or not smaller:
@@ -153,7 +150,7 @@ class PreviewScene:
         if float(self.index.longer_m.min()) >= size_m:
             return False
         return self.index.count(rect) > self.index.count(rect, size_m) or bool(
-            (self.index.longer_m[self.index.within(rect)] < size_m).any()
+            (self.index.longer_m[self.index.find(rect)] < size_m).any()
         )
 
     def _flown(self, rect: Rect, times: tuple[float, float] | None) -> Numbers | None:
@@ -167,7 +164,7 @@ class PreviewScene:
         return ids[self.index.boxes.take(ids).meets(rect.grown(_DENSITY_MARGIN))]
 
     def _picked(self, ids: Numbers) -> Picked:
-        part = part_of(self.plan, ids)
+        part = plan_part(self.plan, ids)
         clock = self._clock
         return Picked(
             part,
@@ -182,24 +179,24 @@ class PreviewScene:
         if not len(ids):
             return np.empty(0, np.int64)
         x, y = self.windows.take(ids).middles
-        others = self.index.within(Rect(x.min(), y.min(), x.max(), y.max(), self.windows.world))
-        return shown_by(self.windows.take(others), x, y)
+        others = self.index.find(Rect(x.min(), y.min(), x.max(), y.max(), self.windows.world))
+        return count_shown(self.windows.take(others), x, y)
 
     def _dense(self, rect: Rect, scale: float, below_m: float) -> list[QgsFeature]:
-        cells = DensityCells.over(rect, scale)
+        cells = DensityCells.covering(rect, scale)
         if self._density is None or self._density[0] != (cells, below_m):
             windows = self.windows
             if math.isfinite(below_m):
                 windows = windows.take(np.flatnonzero(self.index.longer_m < below_m))
             elif self.index.count(rect) < len(self.plan) // 4:
-                windows = windows.take(self.index.within(rect))
+                windows = windows.take(self.index.find(rect))
             self._density = (cells, below_m), density_features(levels(mean_images(windows, cells)), cells)
         return self._density[1]
 
 
 def _crowd(boxes: Rects) -> Numbers:
     """How many of some rectangles lie over the middle of each."""
-    return shown_by(boxes, *boxes.middles)
+    return count_shown(boxes, *boxes.middles)
 
 
 def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
@@ -263,15 +260,9 @@ def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
     return Rects(west - margin, south - margin, east + margin, north + margin, windows.world)
 
 
-#: Least radius of the Earth, at the poles: its horizon is the nearest, so the share below makes up for that.
-_EARTH_M = 6_356_752.0
-
-
-#: Added to the horizon, for the ellipsoid's other radii.
-_HORIZON_SHARE = 1.01
-
-
 def _horizon_deg(height_m: Floats) -> Floats:
     """Degrees to the horizon, at least."""
     height = np.maximum(height_m, 0.0)
-    return np.degrees(np.arccos(_EARTH_M / (_EARTH_M + height))) * _HORIZON_SHARE + 1e-6
+    # The least radius has the nearest horizon; 1 % more covers the ellipsoid's other radii.
+    polar_radius_m = 6_356_752.0
+    return np.degrees(np.arccos(polar_radius_m / (polar_radius_m + height))) * 1.01 + 1e-6

@@ -29,12 +29,8 @@ if TYPE_CHECKING:
 CRS = "EPSG:3857"
 #: Width of the world in metres of that CRS.
 WORLD_M = 2.0 * HALF_WORLD_M
-#: Width of the world of a plan in a CRS of its own, in widths of what its pictures show, at least.
-_ROOM = 4.0
 #: Points a side at which a view in another CRS is looked up: a twentieth of it apart, which is also its margin.
 _SAMPLES = 21
-#: Widest gap in degrees between longitudes looked up in a view that goes around the Earth.
-_AROUND_DEG = 40.0
 
 
 @dataclass(frozen=True)
@@ -81,7 +77,7 @@ class PreviewWorld:
 MERCATOR = PreviewWorld()
 
 
-def world_of(plan: Plan) -> PreviewWorld:
+def preview_world(plan: Plan) -> PreviewWorld:
     """World that a plan is looked at in."""
     own = plan.grid.own
     if own is None:
@@ -96,7 +92,8 @@ def world_of(plan: Plan) -> PreviewWorld:
         reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / own.unit_m
     longest = max(edges[2] - edges[0], edges[3] - edges[1]) + 2.0 * reach
     # A power of two, so that the cells of a density have round sides.
-    size = 2.0 ** math.ceil(math.log2(_ROOM * longest))
+    # The world is at least four times as wide as what the images show.
+    size = 2.0 ** math.ceil(math.log2(4.0 * longest))
     middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
     return PreviewWorld(own.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
 
@@ -200,7 +197,7 @@ class MapView:
         return longest / step / self.units_per_px
 
 
-def view_of(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
+def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
     """What of a world a map canvas shows; None of a canvas that shows nothing yet. On the main thread."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
@@ -215,18 +212,20 @@ def view_of(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | N
     if settings.isTemporal():
         shown = settings.temporalRange()
         times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
-    rect = _in_web_metres(extent, crs, context) if world.wraps else _in_own_metres(extent, to_map, world)
+    rect = (
+        _visible_web_rect(extent, crs, context) if world.wraps else _visible_own_rect(extent, to_map, world)
+    )
     return MapView(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
 
-def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, context: object) -> Rect:
+def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, context: object) -> Rect:
     edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
     if not crs.isValid() or crs.authid() == CRS:
         # Such maps have one world; beside it there is nothing.
         return Rect(*(min(max(edge, -HALF_WORLD_M), HALF_WORLD_M) for edge in edges))
     if crs.isGeographic():
         west, south, east, north = edges
-        return _of_degrees(max(west, -180.0), south, min(east, 180.0), north)
+        return _degree_rect(max(west, -180.0), south, min(east, 180.0), north)
     to_degrees = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem("EPSG:4326"), context)
     to_degrees.setBallparkTransformsAreAppropriate(True)
     places, _ = _looked_up(extent, to_degrees)
@@ -238,13 +237,14 @@ def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, cont
     gaps = [(after - lon, after) for lon, after in zip(lons, [*lons[1:], lons[0] + 360.0])]
     gap, west = max(gaps)
     south, north = min(lats) - margin, max(lats) + margin
-    if gap < _AROUND_DEG:
-        return _of_degrees(-180.0, south, 180.0, north)
+    # With no wider gap than this between longitudes, the view goes around the Earth.
+    if gap < 40.0:
+        return _degree_rect(-180.0, south, 180.0, north)
     margin = (360.0 - gap) / (_SAMPLES - 1)
-    return _of_degrees(west - margin, south, west + 360.0 - gap + margin, north)
+    return _degree_rect(west - margin, south, west + 360.0 - gap + margin, north)
 
 
-def _in_own_metres(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
+def _visible_own_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
     """What of a world that does not wrap is in view; all of it where the view holds places that it has not."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
@@ -277,7 +277,7 @@ def _looked_up(
     return found, len(found) == _SAMPLES**2
 
 
-def _of_degrees(west: float, south: float, east: float, north: float) -> Rect:
+def _degree_rect(west: float, south: float, east: float, north: float) -> Rect:
     def northing(lat_deg: float) -> float:
         lat = math.radians(min(max(lat_deg, -MAX_LAT_DEG), MAX_LAT_DEG))
         return HALF_WORLD_M * math.asinh(math.tan(lat)) / math.pi

@@ -85,7 +85,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     if not features:
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
     if source.wkbType() and all(feature.geometry().type() == POINT for feature in features):
-        from ..area.layers import PointFields, points_of
+        from ..area.layers import PointFields, read_points
 
         fields = {
             f"{name}_field": next(
@@ -102,7 +102,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
         if fields["tilt_field"] and fields["gimbal_pitch_field"]:
             raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
         crs, context = layer_crs(source), run.context.transformContext()
-        points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
+        points = read_points(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
     polygons = _polygons(run, features, source, name)
@@ -168,12 +168,12 @@ def _polygons(
 ) -> tuple[Polygon, ...]:
     """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
     from ...core.mission.areas.area import parts_of
-    from ..area.layers import polygons_of
+    from ..area.layers import read_polygons
 
     crs, context = layer_crs(source), run.context.transformContext()
     if not any(feature.geometry().type() == POLYGON for feature in features):
         raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
     try:
-        return parts_of(polygons_of(features, crs, context, run.feedback.isCanceled))
+        return parts_of(read_polygons(features, crs, context, run.feedback.isCanceled))
     except InvalidInput as wrong:
         raise InvalidInput(tr("{layer}: {problem}").format(layer=name, problem=translate(wrong))) from wrong

@@ -231,10 +231,10 @@ class MakeBenchmark(WithImagery):
         folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
 
         def work(watch: WorkFeedback) -> tuple[BenchmarkPlan, BenchmarkResult | None]:
-            from ..sources import heights_for
+            from ..sources import mission_heights
 
             grids = {name: imagery.grid() for name, imagery in zip(self._named, self._taken)}
-            worked_out = plan_benchmark(self._settings, grids, heights_for(self._settings.queries))
+            worked_out = plan_benchmark(self._settings, grids, mission_heights(self._settings.queries))
             _tell_plan(worked_out, watch)
             return worked_out, None if dry_run else self._made(worked_out, folder, watch, accepted=accepted)
 
@@ -476,10 +476,10 @@ def _reference(run: AlgorithmRun) -> NamedImagery:
 def _source_text(layer: QgsMapLayer) -> str:
     """A raster as named imagery: by its file where it has one, else as a layer of the project."""
     from ...core.mission.imageries import name_of
-    from ..map.mission_group import file_of
+    from ..map.mission_group import layer_file
     from ..qgis_source.snapshot import source_name
 
-    path = file_of(layer)
+    path = layer_file(layer)
     is_file = layer.providerType() == "gdal" and is_there(path)
     return f"{name_of(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
 

@@ -129,7 +129,7 @@ class _Capturing(WithImagery):
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: WorkFeedback) -> list[MosaicRaster]:
         """Mosaics of all map types, as far as there are some."""
         from ..dataset.mosaic import build_any_mosaics
-        from ..sources import heights_for
+        from ..sources import mission_heights
 
         if result.cancelled or not self._with_mosaic:
             return []
@@ -138,7 +138,7 @@ class _Capturing(WithImagery):
             return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
 
         try:
-            return build_any_mosaics(worked_out, result.folder, heights_for, progress)
+            return build_any_mosaics(worked_out, result.folder, mission_heights, progress)
         except (InvalidInput, SourceError) as wrong:
             watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
             return []

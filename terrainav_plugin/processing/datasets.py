@@ -436,7 +436,7 @@ class MakeMosaic(Algorithm):
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Make it."""
         from ..dataset.rectify import write_mosaic
-        from ..sources import heights_for
+        from ..sources import mission_heights
 
         folder, map_type = Path(run.text("DATASET")), run.text("MAP_TYPE").strip()
         target = Path(run.algorithm.parameterAsOutputLayer(run.parameters, "OUTPUT", run.context))
@@ -445,7 +445,7 @@ class MakeMosaic(Algorithm):
         gsd_m = run.number("GSD") if run.is_given("GSD") else None
 
         def work(watch: WorkFeedback) -> Orthomosaic:
-            return write_mosaic(folder, map_type, target, heights_for, watch.progress, gsd_m)
+            return write_mosaic(folder, map_type, target, mission_heights, watch.progress, gsd_m)
 
         made = off_main_thread(work, run.feedback)
         run.feedback.pushInfo(

@@ -45,25 +45,25 @@ class MissionSource:
     """
 
     def __init__(self, mission: Mission, authcfg: str = "", placeholders: tuple[str, ...] = ()) -> None:
-        from ..credentials import key_in, problem_with
+        from ..credentials import credential_problem, read_key
         from ..network.transport import QgisTransport
         from ..settings import Settings, credential_home
-        from ..sources import grid_finder, key_of, needs_key, snapshot_for, transport_for
+        from ..sources import grid_finder, mission_snapshot, needs_key, source_key, source_transport
 
         self._mission, self._placeholders = mission, placeholders
         self.connections = Settings().connections
         is_key = needs_key(mission.imagery.source)
         if authcfg:
-            problem = problem_with(authcfg, is_key)
+            problem = credential_problem(authcfg, is_key)
             if problem:
                 raise InvalidInput(problem)
-        self._key = key_in(authcfg) if authcfg and is_key else key_of(mission.imagery.source)
+        self._key = read_key(authcfg) if authcfg and is_key else source_key(mission.imagery.source)
         self._grid: Callable[[], PixelGrid] = grid_finder(mission)
-        self._snapshot: Snapshot | None = snapshot_for(mission)
+        self._snapshot: Snapshot | None = mission_snapshot(mission)
         self._transport = (
             QgisTransport(self.connections, authcfg=authcfg, home=credential_home(mission.imagery.source))
             if authcfg and not is_key
-            else transport_for(mission.imagery.source, self.connections)
+            else source_transport(mission.imagery.source, self.connections)
         )
 
     def grid(self) -> PixelGrid:

@@ -23,7 +23,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import Flight, utc_time
 from ...core.poses.settings import LineFlight
-from ..form.fields import sentence_of, title_of
+from ..form.fields import field_sentence, field_title
 from ..i18n import tr
 from .algorithm import Algorithm, AlgorithmRun, Words, off_main_thread
 from .areas import layer_crs, layer_features
@@ -68,20 +68,22 @@ class PosesAlongLine(Algorithm):
         for one in (field_named(Flight, "agl_m"), *declared_fields(LineFlight)):
             name = one.name_of_option.upper()
             self.add(
-                QgsProcessingParameterBoolean(name, title_of(one), one.default)
+                QgsProcessingParameterBoolean(name, field_title(one), one.default)
                 if one.kind is bool
                 else number_parameter(name, one, one.starts_with),
-                sentence_of(one),
+                field_sentence(one),
             )
         start = field_named(Flight, "start")
-        self.add(QgsProcessingParameterString("START", title_of(start), start.default), sentence_of(start))
+        self.add(
+            QgsProcessingParameterString("START", field_title(start), start.default), field_sentence(start)
+        )
         self.addParameter(
             QgsProcessingParameterFeatureSink("OUTPUT", tr("Poses"), QgsProcessing.SourceType.TypeVectorPoint)
         )
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Read the lines, and how they are flown."""
-        from ..area.layers import lines_of
+        from ..area.layers import read_lines
 
         self._flight = LineFlight(
             run.number("SPEED"),
@@ -93,7 +95,7 @@ class PosesAlongLine(Algorithm):
         source = self.parameterAsSource(run.parameters, "INPUT", run.context)
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(run.parameters, "INPUT"))
-        self._lines = lines_of(
+        self._lines = read_lines(
             layer_features(source),
             layer_crs(source),
             run.context.transformContext(),

@@ -27,7 +27,7 @@ from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
 from ...core.numbers import integer
 from ...core.resources import read_json
-from ..form.fields import sentence_of, title_of
+from ..form.fields import field_sentence, field_title
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr, translate
 from .areas import area_of_extent, area_of_layer, check_crs, no_fly_of_layer
@@ -65,11 +65,11 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
             if field.name == "source":
                 _add_source(algorithm, listed)
             else:
-                algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
+                algorithm.add(_parameter(field), field_sentence(field), advanced=field.advanced)
     for name, own in _WIND.items():
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
-        algorithm.add(number_parameter(name, field, usual), sentence_of(field), advanced=True)
+        algorithm.add(number_parameter(name, field, usual), field_sentence(field), advanced=True)
     mission = QgsProcessingParameterFile(_FILE, tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
@@ -151,7 +151,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
 
 def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     """Parameter of a field as it is declared."""
-    name, title = _parameter_id(field), title_of(field)
+    name, title = _parameter_id(field), field_title(field)
     if field.choices:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
@@ -199,7 +199,7 @@ def _add_area(algorithm: Algorithm) -> None:
         tr("Polygons where no camera may stand: images planned inside are left out."),
     )
     field = field_named(Flight, "agl_m")
-    algorithm.add(number_parameter("AGL", field, field.starts_with), sentence_of(field))
+    algorithm.add(number_parameter("AGL", field, field.starts_with), field_sentence(field))
     any_type = QgsProcessingParameterField.DataType.Any
     for name, title, text in (
         ("AGL_FIELD", tr("Height field"), tr("Height above ground of each point, metres.")),
@@ -240,7 +240,7 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     field = field_named(Lens, "fov_deg")
     algorithm.add(
         number_parameter("FOV", field, field.default),
-        tr("{help} Where no camera is chosen.").format(help=sentence_of(field)),
+        tr("{help} Where no camera is chosen.").format(help=field_sentence(field)),
     )
     algorithm.add(
         QgsProcessingParameterString(
@@ -276,7 +276,7 @@ def number_parameter(name: str, field: Field, usual: float | None) -> QgsProcess
     kind = _WHOLE if field.kind is int else _REAL
     times = field.unit.times
     shown = None if usual is None else usual * times if times != 1.0 else usual
-    parameter = QgsProcessingParameterNumber(name, title_of(field), kind, shown, usual is None)
+    parameter = QgsProcessingParameterNumber(name, field_title(field), kind, shown, usual is None)
     least = field.least if field.above is None else field.above
     most = field.most if field.below is None else field.below
     if least is not None:

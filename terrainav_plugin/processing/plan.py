@@ -130,14 +130,14 @@ class PlanAlgorithm(Algorithm):
         """Plan, and write what is asked for."""
         from ...core.mission.estimate import estimate
         from ..settings import Settings
-        from ..sources import costs_of
+        from ..sources import request_costs
         from ..sources import worked_out as planned
 
         def work(watch: WorkFeedback) -> tuple[PlanAlgorithm, Summary]:
             if self._align is not None:
                 self._mission = self._aligned(watch)
             worked_out = planned(self._mission, self._grid)
-            costs, connections = costs_of(self._mission.imagery.source), Settings().connections
+            costs, connections = request_costs(self._mission.imagery.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 
         worked_out, summary = off_main_thread(work, run.feedback)
@@ -167,10 +167,10 @@ class PlanAlgorithm(Algorithm):
     def _aligned(self, watch: WorkFeedback) -> Mission:
         """Mission with its rows aligned as asked for; says what that gains."""
         from ...core.mission.flight.alignment import align_rows
-        from ..sources import heights_for
+        from ..sources import mission_heights
 
         found = align_rows(
-            self._mission, self._grid(), heights_for(self._mission), self._align or "", watch.progress
+            self._mission, self._grid(), mission_heights(self._mission), self._align or "", watch.progress
         )
         watch.say(translate(found.text()))
         return self._mission.with_(row_azimuth_deg=found.azimuth_deg)

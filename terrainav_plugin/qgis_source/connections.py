@@ -22,15 +22,11 @@ if TYPE_CHECKING:
 XYZ = "qgis:xyz/"
 #: What stands in the chooser for a service whose layer is still to be chosen; no mission names it.
 SERVICE_PREFIX = "qgis:service/"
-#: The folder of QGIS's browser that holds the connections, by the name of its provider.
-_BROWSER = "XYZ Tiles"
 _SERVICE_KIND = "WMS"
 #: Headers that QGIS keeps with a connection, in its own ways over the versions.
 _HEADER = "http-header:"
 #: Zooms of a connection that states none, as QGIS takes them.
 _USUAL_ZOOM = 18
-#: The tiles' own width is said to be unknown, usual or double.
-_PIXELS = {"1": 256, "2": 512}
 
 
 @dataclass(frozen=True)
@@ -121,7 +117,7 @@ def connection(source: str) -> Connection:
     wanted = source[len(XYZ) :]
     for name, uri in _listed():
         if name == wanted:
-            return connection_of(name, uri)
+            return parse_connection(name, uri)
     raise InvalidInput(
         tr("source {name}: QGIS has no such XYZ connection (any more); choose another source").format(
             name=wanted
@@ -182,7 +178,8 @@ def without_key(url: str) -> tuple[str, str]:
 def _listed() -> list[tuple[str, str]]:
     """Name and data source of each connection."""
     for provider in QgsApplication.dataItemProviderRegistry().providers():
-        if provider.name() == _BROWSER:
+        # Each provider of the browser has a folder of its own; this one holds the connections to XYZ tiles.
+        if provider.name() == "XYZ Tiles":
             root = provider.createDataItem("", None)
             if root is not None:
                 found = [(item.name(), item.uri()) for item in root.createChildren()]
@@ -190,7 +187,7 @@ def _listed() -> list[tuple[str, str]]:
     return []
 
 
-def connection_of(name: str, uri: str) -> Connection:
+def parse_connection(name: str, uri: str) -> Connection:
     """Connection that a data source of QGIS describes; raises InvalidInput where it cannot be used."""
     options = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
     if options.get("username") or options.get("password"):
@@ -206,7 +203,7 @@ def connection_of(name: str, uri: str) -> Connection:
     # QGIS unpacks what is written for a space.
     url, key = without_key(options.get("url", "").replace(" ", "%20"))
     least, most = (_zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
-    tile_px = _PIXELS.get(options.get("tilePixelRatio", ""))
+    tile_px = {"1": 256, "2": 512}.get(options.get("tilePixelRatio", ""))
     headers = {name.title(): value for name, value in headers.items() if value}
     return Connection(
         name,

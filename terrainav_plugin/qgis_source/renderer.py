@@ -41,10 +41,6 @@ LONGEST_JOB_S = 150.0
 _LOOK_S = 0.1
 _CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
-#: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
-_COPIES = 8
-#: Pixels of the coarser grid that QGIS draws contours on, around a block.
-_CONTOUR_MARGIN = 2
 
 
 class Jobs:
@@ -189,7 +185,8 @@ class Pipes:
         self.layer = layer
         self._margin_px = _margin_px(layer.renderer())
         self._idle: SimpleQueue[_Pipe] = SimpleQueue()
-        for _ in range(_COPIES):
+        # One pipe for each connection of a capture; more threads than that wait for one another.
+        for _ in range(8):
             pipe = _copy(layer.pipe())
             self._idle.put(_Pipe(pipe, pipe.last()))
 
@@ -252,7 +249,8 @@ def _margin_px(renderer: QgsRasterRenderer) -> int:
     if isinstance(renderer, QgsHillshadeRenderer):
         return 1
     if isinstance(renderer, QgsRasterContourRenderer):
-        return _CONTOUR_MARGIN * math.ceil(renderer.downscale())
+        # QGIS draws contours on a coarser grid, two pixels of which it reads around a block.
+        return 2 * math.ceil(renderer.downscale())
     return 0
 
 

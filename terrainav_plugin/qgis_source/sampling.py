@@ -28,20 +28,12 @@ from ...core.arrays import Bytes, Floats
 from ...core.picture.resampling import sample
 from .renderer import Jobs, Pipes
 
-#: Well-known binary of a line: byte order, kind, count of points.
-_LINE_STRING = 2
+#: Head of a line in well-known binary: byte order, type (2), number of points.
 _HEADER = struct.Struct("<BII")
-#: PyQGIS lets no other thread run during a call: a few milliseconds' worth.
-_POINTS_IN_ONE_CALL = 4096
 #: Pixels beyond the outermost sample that the widest kernel needs.
 _MARGIN_PX = 2
-#: Pixels of a raster along a side of one of a picture that its mean is taken of: the blocks stay small.
-_MOST_AVERAGED = 8
 #: Kernels by the names of QGIS's resamplers; nearest where a layer has none.
 _KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
-#: QGIS's resampling before styles are applied has more kinds: those that are smoother come nearest to cubic.
-_Method = QgsRasterDataProvider.ResamplingMethod
-_EARLY_KERNELS = {_Method.Nearest: "nearest", _Method.Bilinear: "bilinear"}
 
 
 class SampledWindow(NamedTuple):
@@ -54,10 +46,13 @@ class SampledWindow(NamedTuple):
     height: int
 
 
-def kernel_of(layer: QgsRasterLayer) -> str:
+def enlarging_kernel(layer: QgsRasterLayer) -> str:
     """Kernel that a layer asks for where it is enlarged."""
     if resamples_early(layer):
-        return _EARLY_KERNELS.get(layer.dataProvider().zoomedInResamplingMethod(), "bicubic")
+        # The provider has more methods than these; the smoother ones come nearest to cubic.
+        method = QgsRasterDataProvider.ResamplingMethod
+        exact = {method.Nearest: "nearest", method.Bilinear: "bilinear"}
+        return exact.get(layer.dataProvider().zoomedInResamplingMethod(), "bicubic")
     resampler = layer.resampleFilter().zoomedInResampler() if layer.resampleFilter() else None
     return _KERNELS.get(resampler.type(), "nearest") if resampler is not None else "nearest"
 
@@ -97,7 +92,7 @@ def sampled(
         Premultiplied; alpha is 0 beyond the raster.
     """
     layer, (width, height) = pipes.layer, size
-    x, y = _in_raster(layer, settings, _centres(edges_m, size))
+    x, y = _raster_positions(layer, settings, _centres(edges_m, size))
     inside = (x >= 0.0) & (x < layer.width()) & (y >= 0.0) & (y < layer.height())
     if not inside.any():
         return None
@@ -105,7 +100,7 @@ def sampled(
     shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs)
     columns, rows = x[inside] / cells.factor - cells.left, y[inside] / cells.factor - cells.top
     picture = np.zeros((height * width, 4), np.uint8)
-    kernel = kernel_of(layer)
+    kernel = enlarging_kernel(layer)
     if kernel == "nearest":
         picture[inside] = shown[rows.astype(np.intp), columns.astype(np.intp)]
     else:
@@ -136,8 +131,8 @@ def averaged(
         Premultiplied; alpha is 0 where anything is missing beneath a pixel.
     """
     layer, (width, height) = pipes.layer, size
-    # From far above QGIS itself picks pixels.
-    each = min(factor, _MOST_AVERAGED)
+    # At most 8 pixels of the raster a side, to keep blocks small; beyond that QGIS picks pixels itself.
+    each = min(factor, 8)
     picked = factor // each
     left, top = max(left_px * each, 0), max(top_px * each, 0)
     right = min((left_px + width) * each, -(-layer.width() // picked))
@@ -165,7 +160,9 @@ def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) 
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
-def _in_raster(layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats) -> tuple[Floats, Floats]:
+def _raster_positions(
+    layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats
+) -> tuple[Floats, Floats]:
     """Columns and rows of a raster at points of the picture's CRS; infinite where there is no such place."""
     transform = QgsCoordinateTransform(settings.destinationCrs(), layer.crs(), settings.transformContext())
     if not transform.isShortCircuited():
@@ -178,13 +175,14 @@ def _in_raster(layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats) 
 
 def _transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
     """Points in another CRS by QGIS's own operation, many in one call."""
-    parts = np.array_split(points, -(-len(points) // _POINTS_IN_ONE_CALL))
+    # PyQGIS lets no other thread run during a call: 4096 points take a few milliseconds.
+    parts = np.array_split(points, -(-len(points) // 4096))
     return np.concatenate([_line_transformed(part, transform) for part in parts])
 
 
 def _line_transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
     line = QgsGeometry()
-    line.fromWkb(_HEADER.pack(1, _LINE_STRING, len(points)) + points.astype("<f8").tobytes())
+    line.fromWkb(_HEADER.pack(1, 2, len(points)) + points.astype("<f8").tobytes())
     try:
         line.transform(transform)
     except QgsCsException:

@@ -39,27 +39,17 @@ from ..tasks import crs_named
 from .connections import is_connection
 from .renderer import Pipes
 from .terms import policies
-from .tiles import ServerTiles, TileAddress, address_of
+from .tiles import ServerTiles, TileAddress, tile_address
 
 #: What names of sources begin with that QGIS itself draws.
 PREFIX = "qgis:"
 PROJECT_SOURCE = f"{PREFIX}project"
 _LAYER = f"{PREFIX}layer/"
-#: Role of layers that are backgrounds, which are imagery; the plugin's other layers are its own results.
-_BACKGROUND = "background/"
 #: QGIS's provider of raster files, which are read as they are; others ask a service.
 FILE_PROVIDER = "gdal"
 _MERCATOR = "EPSG:3857"
-#: What a map on the screen has; sizes in millimetres and scales that layers are shown at follow from it.
-DPI = 96
 #: Zooms of what has no resolution of its own.
 _MAX_ZOOM = 22
-#: Zooms of the finest rasters: a millimetre a pixel.
-_HIGHEST_NATIVE_ZOOM = 27
-#: A raster's own resolution may be off a zoom's by the rounding of its file, and is still that zoom's.
-_RESOLUTION_SLACK = 1e-3
-#: Zooms above a raster's own that are served by enlarging, where pictures have its own pixels.
-_ENLARGED_ZOOMS = 6
 #: Where layers have their tiles from, by the layers' ids; None for those without.
 Addresses = dict[str, Optional[TileAddress]]
 
@@ -123,7 +113,7 @@ def layer_choices(project: QgsProject) -> list[LayerChoice]:
     return [whole, *(LayerChoice(source_name(layer), layer.name()) for layer in layers)]
 
 
-def layers_of(name: str, project: QgsProject) -> list[QgsMapLayer]:
+def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
     """Layers of a source, the uppermost first.
 
     Raises
@@ -155,14 +145,14 @@ def layers_of(name: str, project: QgsProject) -> list[QgsMapLayer]:
     return [layer]
 
 
-def title_of(name: str, project: QgsProject) -> str:
+def source_title(name: str, project: QgsProject) -> str:
     """What people call a source."""
-    return tr("Whole map") if name == PROJECT_SOURCE else layers_of(name, project)[0].name()
+    return tr("Whole map") if name == PROJECT_SOURCE else source_layers(name, project)[0].name()
 
 
 def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
-    """Pixel grid of a source; on the main thread. Raises InvalidInput as `layers_of`."""
-    layers = layers_of(name, project)
+    """Pixel grid of a source; on the main thread. Raises InvalidInput as `source_layers`."""
+    layers = source_layers(name, project)
     return _grid(name, layers, _addresses(layers), project)
 
 
@@ -178,14 +168,14 @@ def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: Q
 
 
 def take_snapshot(name: str, project: QgsProject) -> Snapshot:
-    """Copies of what a source shows now; on the main thread. Raises InvalidInput as `layers_of`."""
-    layers = layers_of(name, project)
+    """Copies of what a source shows now; on the main thread. Raises InvalidInput as `source_layers`."""
+    layers = source_layers(name, project)
     addresses, ground = _addresses(layers), _ground(layers)
     grid = _grid(name, layers, addresses, project)
     drawing = layers[: len(layers) - len(ground)]
     return Snapshot(
         name=name,
-        title=title_of(name, project),
+        title=source_title(name, project),
         attribution=_attribution(layers),
         date=_date(layers[0]) if len(layers) == 1 else "",
         grid=grid,
@@ -200,14 +190,16 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
 def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
     """Terms of all providers that a source asks, with the layers' names, as `terms.policies` has them.
 
-    Raises InvalidInput as `layers_of`.
+    Raises InvalidInput as `source_layers`.
     """
-    return policies(layers_of(name, project))
+    return policies(source_layers(name, project))
 
 
 def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
     """Where layers have their tiles from, by the layers' ids."""
-    return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
+    return {
+        layer.id(): tile_address(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers
+    }
 
 
 def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProject) -> Pipes | ServerTiles:
@@ -218,7 +210,8 @@ def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProje
 def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
     for layer in project.layerTreeRoot().layerOrder():
         role = str(layer.customProperty(ROLE) or "")
-        if layer.isValid() and layer.isSpatial() and (not role or role.startswith(_BACKGROUND)):
+        # Backgrounds are imagery; the plugin's other layers are its results.
+        if layer.isValid() and layer.isSpatial() and (not role or role.startswith("background/")):
             yield layer
 
 
@@ -302,7 +295,8 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
     settings.setDestinationCrs(crs)
     settings.setTransformContext(project.transformContext())
     settings.setEllipsoid(project.ellipsoid())
-    settings.setOutputDpi(DPI)
+    # As of a map on the screen: sizes in millimetres and the scales that layers are shown at follow from it.
+    settings.setOutputDpi(96)
     settings.setBackgroundColor(QColor(Qt.GlobalColor.transparent))
     # Pictures meet each other: fills and lines must go on from one to the next.
     for flag in ("Antialiasing", "DrawLabeling", "UseAdvancedEffects", "RenderMapTile"):
@@ -336,7 +330,8 @@ def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
     if own is None:
         return None
     plane, native = own
-    highest = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM)
+    # Pictures in the raster's own pixels can be enlarged by up to 6 zooms.
+    highest = min(native + 6, HIGHEST_ZOOM)
     return PixelGrid(max_zoom=highest, native_zoom=native, extent=place.own_extent(native), plane=plane)
 
 
@@ -348,7 +343,9 @@ def _native_zoom(layer: QgsMapLayer, address: TileAddress | None, project: QgsPr
         stated = None if address is None else address.highest_zoom
         return _MAX_ZOOM if stated is None else min(stated, _MAX_ZOOM)
     share = _mercator_m_per_px(layer, project) / (2.0 * HALF_WORLD_M)
-    return min(max(fitting_zoom(share, 1.0, _RESOLUTION_SLACK), 0), _HIGHEST_NATIVE_ZOOM)
+    # Zoom 27 has a millimetre a pixel, as the finest rasters have.
+    # A file rounds its resolution: 0.1 % off a zoom's still counts as that zoom's.
+    return min(max(fitting_zoom(share, 1.0, 1e-3), 0), 27)
 
 
 def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:

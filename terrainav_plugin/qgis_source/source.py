@@ -31,13 +31,6 @@ from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import ServerTiles
 
-#: Tiles of ground kept for the next pictures that show them (64 MB).
-_KEPT_TILES = 256
-#: Pixels by which a tile that is asked of a service stays clear of its neighbours: without it QGIS asks for them,
-#: too. No pixel's centre comes near another pixel by it.
-_INSET_PX = 1e-3
-#: Pixels around a picture within which features are drawn, for symbols and labels that reach into it.
-_REACH_PX = 128
 #: How layers are laid over what is below them, where nothing else is chosen.
 _COVERING = QPainter.CompositionMode.CompositionMode_SourceOver
 
@@ -87,7 +80,7 @@ class LayerSource:
             return self._on_paper(shown, shown[..., 3] == 0)
         ground = self._ground(part) if self._snapshot.ground else None
         none = np.zeros((part.height_px, part.width_px, 4), np.uint8)
-        shown = self._drawn_over(none if ground is None else ground, part)
+        shown = self._draw_above(none if ground is None else ground, part)
         missing = np.zeros(shown.shape[:2], bool)
         if ground is not None:
             # A service that did not answer leaves holes, which a drawing above must not hide.
@@ -98,13 +91,14 @@ class LayerSource:
             raise PartError("{0} shows nothing here", self.title)
         if _any_blended(self._snapshot.drawing):
             below = self._on_paper(none if ground is None else ground, np.zeros_like(missing))
-            shown = self._drawn_over(np.dstack([below, np.full_like(below[..., :1], 255)]), part)
+            shown = self._draw_above(np.dstack([below, np.full_like(below[..., :1], 255)]), part)
         return self._on_paper(shown, missing)
 
-    def _drawn_over(self, below: Bytes, part: Window) -> Bytes:
+    def _draw_above(self, below: Bytes, part: Window) -> Bytes:
         """Drawings over what is below them, premultiplied."""
         image, settings = to_image(below), self._settings(part)
-        settings.setExtentBuffer(_REACH_PX * self.grid.pixel_size(part.zoom)[0])
+        # Features this near draw symbols and labels that reach into the picture.
+        settings.setExtentBuffer(128 * self.grid.pixel_size(part.zoom)[0])
         self._jobs.draw(image, settings, self._snapshot.drawing)
         return to_array(image)
 
@@ -145,7 +139,8 @@ class LayerSource:
             known = self._tiles.get(tile)
             if known is None:
                 mine = self._tiles[tile] = Future()
-                if len(self._tiles) > _KEPT_TILES:
+                # 64 MB.
+                if len(self._tiles) > 256:
                     self._tiles.popitem(last=False)
             else:
                 self._tiles.move_to_end(tile)
@@ -203,7 +198,8 @@ class LayerSource:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
         if layer.crs() == settings.destinationCrs() and not _is_timed(layer, settings):
-            extent.grow(-_INSET_PX * self.grid.pixel_size(tile.zoom)[0])
+            # Otherwise QGIS asks for the neighbouring tiles, too. No pixel's centre comes near another pixel by it.
+            extent.grow(-1e-3 * self.grid.pixel_size(tile.zoom)[0])
             return pipes.block(extent, size, self._jobs)
         image = blank(*size)
         self._jobs.draw(image, settings, [layer])

@@ -33,11 +33,8 @@ _BARE = re.compile(r"<(\w*url)\b[^<>]*>\s*(?!\w+:/)([^<>\s]+)", re.IGNORECASE)
 _MARKUP = re.compile(r"<!--.*?-->|<!\[CDATA\[|\]\]>", re.DOTALL)
 #: What names a file in a description: text of an element, and values of attributes and of JSON.
 _VALUES = re.compile(r">([^<>]{1,1024})<|\"([^\"<>]{1,1024})\"|'([^'<>]{1,1024})'")
-#: Files that GDAL opens with a raster.
-_BESIDE = (".aux.xml", ".ovr", ".msk")
 #: Files that are looked at for one layer, and one within another.
 _MOST_FILES, _MOST_DEPTH = 10_000, 8
-_HEAD_BYTES = 256
 
 
 def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
@@ -47,17 +44,17 @@ def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
     """
     found: dict[str, tuple[CatalogueEntry, list[str]]] = {}
     for layer in layers:
-        for provider in providers_of(layer):
+        for provider in known_providers(layer):
             found.setdefault(provider.name, (provider, []))[1].append(layer.name())
     terms = [(_share(one.policy, len(names)), ", ".join(names)) for one, names in found.values()]
     limited = [one for one in terms if one[0].bulk_allowed != "yes"]
     return sorted(limited, key=lambda one: (-BULK.index(one[0].bulk_allowed), one[0].max_tiles or 0))
 
 
-def providers_of(layer: QgsMapLayer) -> list[CatalogueEntry]:
+def known_providers(layer: QgsMapLayer) -> list[CatalogueEntry]:
     """Known providers that a layer asks, each once; on the main thread."""
     inner = getattr(layer, "childLayers", list)()
-    found = {one.name: one for child in inner for one in providers_of(child)}
+    found = {one.name: one for child in inner for one in known_providers(child)}
     found.update((one.name, one) for text in _texts(layer) for one in find_providers(text))
     names = _names(layer)
     stamps = tuple((one.mtime, one.size) if one else None for one in map(_regular, names))
@@ -129,7 +126,8 @@ class _Descriptions:
                 inside = (one for one in named if "://" not in one and not one.isdecimal())
                 yield from self.texts((path for one in inside for path in _paths(one, folder)), depth + 1)
         if depth == 0:
-            beside = [name + ending for name in list(self._seen) for ending in _BESIDE]
+            # Files that GDAL opens with a raster.
+            beside = [name + ending for name in list(self._seen) for ending in (".aux.xml", ".ovr", ".msk")]
             yield from self.texts(beside, depth + 1)
 
     def _text(self, name: str) -> str:
@@ -137,7 +135,7 @@ class _Descriptions:
         if name in self._seen or len(self._seen) >= _MOST_FILES or _regular(name) is None:
             return ""
         self._seen.add(name)
-        head = _read(name, _HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n")
+        head = _read(name, 256).lstrip(b"\xef\xbb\xbf \t\r\n")
         if not head.startswith((b"<", b"{", b"[")):
             return ""
         return _read(name, MAX_VRT_BYTES).decode("utf-8", "replace")

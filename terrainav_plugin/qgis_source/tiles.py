@@ -32,7 +32,7 @@ from ...core.errors import InvalidInput
 from ...core.imagery.http.client import NotThere
 from ...core.imagery.source import Window
 from ..i18n import tr
-from .connections import Connection, connection_of
+from .connections import Connection, parse_connection
 from .renderer import to_array, to_image
 
 if TYPE_CHECKING:
@@ -43,13 +43,9 @@ if TYPE_CHECKING:
 
     Pixels = NDArray[np.uint8]
 
-#: QGIS's provider of tiles and other services.
-_PROVIDER = "wms"
 _MERCATOR = "EPSG:3857"
 #: Pixels whose colours are times their alpha.
 _PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
-#: Sets of coloured stages: as many as a capture has connections.
-_COPIES = 8
 
 
 class ServerTiles:
@@ -83,7 +79,7 @@ class ServerTiles:
             headers=connection.headers,
             home=credential_home(connection.url),
         )
-        self._colours = _colours_of(layer)
+        self._colours = _colour_stages(layer)
         self._lock = threading.Lock()
         self._opened: Source | None = None
 
@@ -193,20 +189,20 @@ class TileAddress(NamedTuple):
         """The tiles, of a copy of the layer that is theirs to keep."""
         if self.entry is not None:
             return ServerTiles(copy, lambda: self.entry, self.connection)
-        tiles = ServerTiles(copy, lambda: _of_service(self.service, tiles), self.connection)
+        tiles = ServerTiles(copy, lambda: _service_entry(self.service, tiles), self.connection)
         return tiles
 
 
-def address_of(layer: QgsRasterLayer) -> TileAddress | None:
+def tile_address(layer: QgsRasterLayer) -> TileAddress | None:
     """Where a layer's tiles come from; None where it has none in Web Mercator, or ones that QGIS alone can read."""
-    if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR:
+    if layer.providerType() != "wms" or layer.crs().authid() != _MERCATOR:
         return None
     uri = layer.source()
     words = {key: values[0] for key, values in parse_qs(uri, keep_blank_values=True).items()}
     if words.get("interpretation"):
         return None
     try:
-        known = connection_of(layer.name(), uri)
+        known = parse_connection(layer.name(), uri)
         if words.get("type") == "xyz":
             return TileAddress(known, known.entry())
         if words.get("tileMatrixSet") and words.get("layers") and not words.get("tileDimensions"):
@@ -225,7 +221,7 @@ def address_of(layer: QgsRasterLayer) -> TileAddress | None:
     return None
 
 
-def _of_service(name: str, tiles: ServerTiles) -> CatalogueEntry:
+def _service_entry(name: str, tiles: ServerTiles) -> CatalogueEntry:
     from ...core.imagery.opening import SourceOptions, named_source
 
     connection, transport = tiles._connection, tiles._transport  # noqa: SLF001
@@ -290,12 +286,13 @@ class _Stages:
         return to_array(self._stages[-1].block(1, extent, width, height, feedback).image())
 
 
-def _colours_of(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
+def _colour_stages(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
     """Stages that colour a layer's pixels, one set for each thread; None where they leave pixels as they are."""
     if _is_plain(layer):
         return None
     stages: SimpleQueue[_Stages] = SimpleQueue()
-    for _ in range(_COPIES):
+    # One set for each connection of a capture.
+    for _ in range(8):
         stages.put(_Stages(layer))
     return stages
 

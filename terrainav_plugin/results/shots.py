@@ -19,7 +19,7 @@ from ...core.text.plain import one_line
 from ..dataset.footprints import FootprintFile, file_stamp, polygon_rings
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 from ..i18n import tr, translate
-from ..map.mission_group import dataset_of
+from ..map.mission_group import layer_dataset
 from ..remote.images import DEPTH, Fetched, ImageFetcher
 
 
@@ -40,7 +40,7 @@ class FootprintLayer(NamedTuple):
     @classmethod
     def read(cls, layer: QgsVectorLayer) -> FootprintLayer:
         """Footprints of a layer; on the main thread."""
-        return cls(layer.id(), dataset_of(layer))
+        return cls(layer.id(), layer_dataset(layer))
 
 
 class CapturedImage(NamedTuple):

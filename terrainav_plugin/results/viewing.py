@@ -28,7 +28,7 @@ from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
 from ..remote.trust import elevation_names, strangers
-from ..tasks import LatestWorker, reason_of
+from ..tasks import LatestWorker, failure_reason
 from ..widgets import add_docked
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ _BAND_COLOUR = QColor(240, 140, 30)
 
 def _agreed_heights(mission: Mission) -> Heights | None:
     """Heights of a dataset's mission, which may be somebody else's; raises InvalidInput where nobody has agreed."""
-    from ..sources import heights_for
+    from ..sources import mission_heights
 
     places = strangers(elevation_names(mission))
     if places:
@@ -53,7 +53,7 @@ def _agreed_heights(mission: Mission) -> Heights | None:
                 "“Missions” and allow it"
             ).format(place=one_line(places[0]))
         )
-    return heights_for(mission)
+    return mission_heights(mission)
 
 
 class Viewing(QObject):
@@ -232,7 +232,7 @@ class Viewing(QObject):
             self._zoom()
 
     def _not_laid(self, error: Exception) -> None:
-        self._messages.warning(translate(reason_of(error)))
+        self._messages.warning(translate(failure_reason(error)))
         if self.viewer is not None:
             self.viewer.on_map.setChecked(False)
 
@@ -249,7 +249,7 @@ class Viewing(QObject):
 
     def _refused(self, error: Exception) -> None:
         if self.viewer is not None:
-            self.viewer.show_hint(translate(reason_of(error)))
+            self.viewer.show_hint(translate(failure_reason(error)))
 
     # --- the window and the outline
 

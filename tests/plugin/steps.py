@@ -82,14 +82,14 @@ class Desk:
         self.canvas.setExtent(QgsRectangle(*rectangle))
         self.canvas.waitWhileRendering()
 
-    def zoom_to(self, box):
+    def zoom_to_box(self, box):
         """Have the plugin show an area: the map goes there once it has got its layers, and maybe another CRS."""
 
         def is_there():
             wanted, shown = self.session.background.rectangle(box), self.canvas.extent()
             return shown.contains(wanted) and shown.width() < 3 * wanted.width()
 
-        self.session.zoom_to(box)
+        self.session.zoom_to_box(box)
         self.wait(is_there)
         self.canvas.waitWhileRendering()
 

@@ -17,10 +17,10 @@ from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.form.mission_form import mission, refused_fields, state_of
+from terrainav.terrainav_plugin.form.mission_form import mission, mission_state, refused_fields
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.figures import readout
-from terrainav.terrainav_plugin.sources import grid_of
+from terrainav.terrainav_plugin.sources import mission_grid
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)
 # Whose map frames are wrong by 0.05 px and whose footprints by less.
@@ -81,14 +81,14 @@ def test_figures_hold_every_part_of_the_accuracy(high):
 
 
 def test_cost_is_said_to_come_until_it_is_there():
-    planned = plan(Mission(area=AREA, agl_m=HIGH_M), grid_of(Mission(area=AREA, agl_m=HIGH_M)))
+    planned = plan(Mission(area=AREA, agl_m=HIGH_M), mission_grid(Mission(area=AREA, agl_m=HIGH_M)))
     assert dict(readout(planned, estimate(planned)).details)["Cost"] == "Measuring…"
     assert dict(readout(planned, estimate(planned), cost="nothing").details)["Cost"] == "nothing"
 
 
 def test_horizon_is_said_without_numbers_that_are_none():
     there = Mission(area=Points(((35.0, -90.0, 120.0),)), agl_m=120.0, tilt_deg=85.0)
-    planned = plan(there, grid_of(there))
+    planned = plan(there, mission_grid(there))
     shown = readout(planned, estimate(planned))
     assert "without limit at the horizon" in dict(shown.details)["Terrain"]
     text = shown.why
@@ -143,7 +143,7 @@ def test_map_frame_of_a_tilted_camera_is_refused_at_the_choice(high):
 def test_refusals_of_the_core_belong_to_an_entry(entries, field):
     there = Mission(**{"area": AREA, "agl_m": HIGH_M, **entries})
     with pytest.raises(InvalidInput) as refused:
-        plan(there, grid_of(there))
+        plan(there, mission_grid(there))
     assert list(refused_fields(refused.value)) == [field]
 
 
@@ -196,7 +196,7 @@ def test_wind_moves_and_turns_the_captures(desk):
     assert planned.frames.largest_px == (640, 480)
     assert planned.nominal is not None
     # The preview holds the images in view, and the map may be anywhere.
-    desk.zoom_to(planned.mission.area)
+    desk.zoom_to_box(planned.mission.area)
     desk.click(desk.dock.preview)
     desk.wait_previewed()
     features = list(desk.layer("Planned images").getFeatures())
@@ -256,7 +256,7 @@ POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
 )
 def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
     text = there.to_json()
-    desk.form.set_state(state_of(Mission.from_json(text), str(desk.folder)))
+    desk.form.set_state(mission_state(Mission.from_json(text), str(desk.folder)))
     assert mission(desk.session.state()).to_json() == text
     # Also after a session's end.
     desk.session.memory.write()
@@ -265,7 +265,7 @@ def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
 
 
 def test_one_changed_entry_changes_nothing_else(desk):
-    desk.form.set_state(state_of(EVERYTHING, ""))
+    desk.form.set_state(mission_state(EVERYTHING, ""))
     desk.form.attitude.entries["yaw_deg"].setValue(20.0)
     assert mission(desk.session.state()) == EVERYTHING.with_(yaw_deg=20.0)
     desk.form.map_types["satellite"].setChecked(False)
@@ -273,7 +273,7 @@ def test_one_changed_entry_changes_nothing_else(desk):
 
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
-    desk.form.set_state(state_of(EVERYTHING, ""))
+    desk.form.set_state(mission_state(EVERYTHING, ""))
     assert "maximum number of images: 1000" in desk.form.accuracy.more.text()
     assert "mesh: rays" in desk.form.accuracy.more.text()
     desk.form.accuracy.more.linkActivated.emit("forget")
@@ -284,7 +284,7 @@ def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
 
 
 def test_another_box_takes_the_place_of_a_polygon():
-    state = state_of(Mission(area=POLYGON, agl_m=120.0), "")
+    state = mission_state(Mission(area=POLYGON, agl_m=120.0), "")
     assert mission(state).area == POLYGON
     state = replace(state, north="35.3")
     assert mission(state).area == Box(35.3, -89.9, 35.1, -89.8)
@@ -292,8 +292,8 @@ def test_another_box_takes_the_place_of_a_polygon():
 
 def test_points_are_planned_and_previewed_from_the_panel(desk):
     there = Mission(area=Points(((35.1, -90.0, 100.0), (35.11, -90.0, 200.0))), agl_m=100.0)
-    desk.form.set_state(state_of(there, str(desk.folder)))
-    desk.zoom_to(Box(35.12, -90.02, 35.09, -89.98))
+    desk.form.set_state(mission_state(there, str(desk.folder)))
+    desk.zoom_to_box(Box(35.12, -90.02, 35.09, -89.98))
     desk.click(desk.dock.preview)
     desk.wait_previewed()
     assert desk.session.planned.mission == there
@@ -301,10 +301,10 @@ def test_points_are_planned_and_previewed_from_the_panel(desk):
 
 
 def test_another_height_moves_all_points():
-    state = state_of(Mission(area=Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))), agl_m=100.0), "")
+    state = mission_state(Mission(area=Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))), agl_m=100.0), "")
     assert mission(replace(state, agl=50.0)).area.poses == ((10.0, 20.0, 50.0), (10.01, 20.0, 50.0))
 
 
 def test_seed_of_the_mission_draws_the_background(desk):
-    assert state_of(EVERYTHING, "").seed == 7
+    assert mission_state(EVERYTHING, "").seed == 7
     assert FormState().seed == Mission(area=AREA, agl_m=1.0).imagery.seed

@@ -119,7 +119,7 @@ def pixels_of_file(path):
 
 def frame_map(desk, mission):
     desk.look_at("EPSG:3857", (0, 0, 1, 1))
-    desk.zoom_to(mission.area.bounds)
+    desk.zoom_to_box(mission.area.bounds)
 
 
 @pytest.mark.parametrize("layout", ["folders", "shards"])

@@ -15,10 +15,10 @@ from terrainav.terrainav_plugin.form.area import (
     FormError,
     area_of_text,
     entered_area,
-    with_area,
-    with_coordinates,
+    paste_coordinates,
+    replace_area,
 )
-from terrainav.terrainav_plugin.form.mission_form import mission, state_of
+from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.widgets import ShortLine
 
@@ -121,14 +121,14 @@ def test_clipboard_by_the_menu(desk):
 
 @pytest.mark.parametrize("area", [POLYGON, POINTS, Box(1.0, 179.0, 0.0, -179.0)])
 def test_area_of_a_state_and_back(area):
-    state = with_area(FormState(), area)
+    state = replace_area(FormState(), area)
     assert entered_area(state) == area
     assert mission(FormState.from_json(state.to_json())).area == area
-    assert state_of(mission(state), "").shape == state.shape
+    assert mission_state(mission(state), "").shape == state.shape
 
 
 def test_points_keep_their_heights_until_another_is_entered():
-    state = state_of(Mission(area=POINTS, agl_m=150.0), "")
+    state = mission_state(Mission(area=POINTS, agl_m=150.0), "")
     assert mission(state).area == POINTS
     assert [pose[2] for pose in mission(replace(state, agl=50.0)).area.poses] == [50.0, 50.0]
     # Feet that are shown to four decimals are the same height.
@@ -137,13 +137,13 @@ def test_points_keep_their_heights_until_another_is_entered():
 
 
 def test_edge_that_is_not_the_shapes_makes_a_box():
-    state = replace(with_area(FormState(), POLYGON), north="35.3")
+    state = replace(replace_area(FormState(), POLYGON), north="35.3")
     assert mission(state).area == Box(35.3, -89.9, 35.1, -89.8)
 
 
 def test_shape_that_cannot_be_read_is_marked():
     with pytest.raises(FormError) as refused:
-        mission(replace(with_coordinates(FormState(), AGRICENTER), shape="{"))
+        mission(replace(paste_coordinates(FormState(), AGRICENTER), shape="{"))
     assert set(refused.value.messages) == {"shape"}
 
 
@@ -205,7 +205,7 @@ def test_other_entries_survive_undo(desk):
 def test_another_mission_begins_anew(desk):
     desk.form.area_editing.set_area(POLYGON, "test")
     assert stack(desk).canUndo()
-    desk.form.set_state(state_of(Mission(area=POINTS, agl_m=10.0), str(desk.folder)))
+    desk.form.set_state(mission_state(Mission(area=POINTS, agl_m=10.0), str(desk.folder)))
     assert stack(desk).count() == 0
 
 

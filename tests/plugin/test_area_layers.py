@@ -33,10 +33,10 @@ from terrainav.terrainav_plugin.area.layers import (
     EDGE_TOLERANCE_M,
     PointFields,
     area_file,
-    lines_of,
     no_fly_file,
-    points_of,
-    polygons_of,
+    read_lines,
+    read_points,
+    read_polygons,
 )
 from terrainav.terrainav_plugin.area.xml import xml_elements
 
@@ -67,7 +67,7 @@ def layer_of(kind, crs, wkts, fields="", values=()):
 def polygon(wkt, crs):
     feature = QgsFeature(7)
     feature.setGeometry(QgsGeometry.fromWkt(wkt))
-    return polygons_of([feature], QgsCoordinateReferenceSystem(crs), CONTEXT)
+    return read_polygons([feature], QgsCoordinateReferenceSystem(crs), CONTEXT)
 
 
 def dialog_of(desk):
@@ -573,7 +573,7 @@ def test_points_with_attitude_and_time_by_the_usual_names_of_their_fields(desk, 
 def test_times_may_be_text(value, seconds):
     layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], "&field=at:string(40)", [(value,)])
     fields = PointFields(9.0, time_field="at")
-    assert points_of(layer.getFeatures(), layer.crs(), CONTEXT, fields).times_s == (seconds,)
+    assert read_points(layer.getFeatures(), layer.crs(), CONTEXT, fields).times_s == (seconds,)
 
 
 @pytest.mark.parametrize(
@@ -592,7 +592,7 @@ def test_times_may_be_text(value, seconds):
 def test_bad_attitudes_and_times_are_named_by_feature(fields, words):
     layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], FIELDS, [(181.0, None, "noon")])
     with pytest.raises(InvalidInput, match=re.escape(words)):
-        points_of(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(9.0, **fields))
+        read_points(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(9.0, **fields))
 
 
 @pytest.mark.parametrize(
@@ -610,20 +610,20 @@ def test_bad_points_are_named_by_feature(wkt, values, words):
     layer = layer_of("Point", "EPSG:4326", ["Point (0 0)", wkt], FIELDS, [(9.0, 1.0, "x"), values])
     fields = PointFields(100.0, "height", "heading")
     with pytest.raises(InvalidInput, match=words):
-        points_of(layer.getFeatures(), layer.crs(), CONTEXT, fields)
+        read_points(layer.getFeatures(), layer.crs(), CONTEXT, fields)
 
 
 def test_words_in_a_field_are_no_height():
     layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], FIELDS, [(9.0, 1.0, "tall")])
     with pytest.raises(InvalidInput, match="feature 1: height in “words” is “tall”: must be a number"):
-        points_of(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(1.0, "words"))
+        read_points(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(1.0, "words"))
 
 
 def test_reading_points_can_be_cancelled():
     layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"] * 300)
     asked = []
     with pytest.raises(Cancelled):
-        points_of(
+        read_points(
             layer.getFeatures(),
             layer.crs(),
             CONTEXT,
@@ -684,7 +684,7 @@ def scale_of_utm(x, y):
 def test_sides_of_lines_stay_where_they_are_in_the_layer():
     """A side of 300 km on a polar map, which bends between degrees."""
     layer = layer_of("LineString", "EPSG:3031", ["LineString (500000 500000, 700000 700000)"])
-    (line,) = lines_of(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
+    (line,) = read_lines(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
     assert len(line) > 2
     x, y = Transformer.from_crs(4326, 3031, always_xy=True).transform(line[:, 1], line[:, 0])
     assert np.abs(x - y).max() <= EDGE_TOLERANCE_M
@@ -702,7 +702,7 @@ def test_sides_of_lines_stay_where_they_are_in_the_layer():
 def test_what_is_no_line_is_named(kind, wkts, words):
     layer = layer_of(kind, "EPSG:4326", wkts)
     with pytest.raises(InvalidInput, match=words):
-        lines_of(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
+        read_lines(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
 
 
 def test_line_that_is_too_sharp_is_refused(desk):

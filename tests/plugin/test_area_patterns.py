@@ -14,7 +14,7 @@ from terrainav.core.mission.areas.area import Points, Polygon
 from terrainav.core.poses.patterns import corridor, facade, orbit, structure
 from terrainav.core.poses.settings import Corridor, Orbit, Scan
 from terrainav.terrainav_plugin.form.area import entered_area
-from terrainav.terrainav_plugin.form.camera import camera_of
+from terrainav.terrainav_plugin.form.camera import state_camera
 
 LINE = [(7.4, 46.9), (7.41, 46.9), (7.41, 46.905)]
 RING = [(7.4, 46.9), (7.401, 46.9), (7.401, 46.901), (7.4, 46.901), (7.4, 46.9)]
@@ -132,7 +132,7 @@ def test_random_poses_within_the_imagery_see_no_ground_beyond_it(desk, layers, t
     dialog.inside.setChecked(True)
     found = entered_after(desk, dialog)
     assert len(found.poses) == 30
-    camera = camera_of(desk.session.state())
+    camera = state_camera(desk.session.state())
     reach_m = np.hypot(*camera.half_tangents) * np.array(found.poses)[:, 2]
     lat, lon, _ = np.array(found.poses).T
     # The circle around each image, less what its corners leave out of it at the worst turn.

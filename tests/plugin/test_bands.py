@@ -20,7 +20,7 @@ from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.form.mission_form import FormError
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.entries import WordsLine
-from terrainav.terrainav_plugin.sources import grid_of, open_for_capture
+from terrainav.terrainav_plugin.sources import mission_grid, open_for_capture
 
 from tests.core.imagery.raster.test_bands import NIR, SIDE, about, place, written
 from tests.support.thinning import sampled
@@ -32,7 +32,7 @@ COLUMNS, ROWS = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
 def flown(tmp_path, values, names=(), area=None, **mission):
     asked = Mission(area or about(), 60.0, source=str(written(tmp_path / "r.tif", values, names)), **mission)
     source = open_for_capture(asked, None)
-    worked_out = plan(asked, grid_of(asked))
+    worked_out = plan(asked, mission_grid(asked))
     result = capture(worked_out, source, tmp_path / "out")
     source.close()
     assert not result.failed
@@ -96,7 +96,7 @@ def test_a_mosaic_says_what_the_stored_values_mean(data_type, tmp_path):
     del made
     asked = Mission(about(), 60.0, source=str(path))
     source = open_for_capture(asked, None)
-    worked_out = plan(asked, grid_of(asked))
+    worked_out = plan(asked, mission_grid(asked))
     capture(worked_out, source, tmp_path / "out")
     source.close()
     (mosaic,) = build_mosaics(worked_out, tmp_path / "out", lambda _share: True)
@@ -135,7 +135,7 @@ def test_bands_and_stretch_are_a_mission_s(tmp_path):
 def test_sources_without_bands_refuse_them(options):
     for name in ("world", "qgis:project"):
         with pytest.raises((FormError, InvalidInput)):
-            grid_of(Mission(about(), 60.0, source=name, **options))
+            mission_grid(Mission(about(), 60.0, source=name, **options))
 
 
 def test_the_panel_has_entries_for_bands_and_their_stretch(desk):

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.map.canvas import box_of, box_of_outline, canvas_rectangle
+from terrainav.terrainav_plugin.map.canvas import box_of_outline, canvas_rectangle, rectangle_box
 
 pytestmark = pytest.mark.usefixtures("ground")
 
@@ -164,7 +164,7 @@ def test_box_of_the_rectangle_of_a_box_holds_it(clean_project, crs):
 
     box = Box(35.16, -89.90, 35.115, -89.823)
     there = QgsCoordinateReferenceSystem(crs)
-    found = box_of(canvas_rectangle(box, there, clean_project), there, clean_project)
+    found = rectangle_box(canvas_rectangle(box, there, clean_project), there, clean_project)
     # Rectangles along other axes are larger than what they hold; by no more than the box's own tilt makes them.
     assert -1e-9 < found.north_deg - box.north_deg < 0.01
     assert -1e-9 < box.west_deg - found.west_deg < 0.01
@@ -177,4 +177,4 @@ def test_rectangle_outside_the_crs_is_refused_in_words():
 
     crs = QgsCoordinateReferenceSystem("EPSG:32616")
     with pytest.raises(InvalidInput, match="outside the domain of the project's CRS EPSG:32616"):
-        box_of(QgsRectangle(1e9, 1e9, 2e9, 2e9), crs, QgsProject.instance())
+        rectangle_box(QgsRectangle(1e9, 1e9, 2e9, 2e9), crs, QgsProject.instance())

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QInputDialog, QLineEdit
 from terrainav.core.mission.cameras import camera_shelf, shipped_cameras
-from terrainav.terrainav_plugin.form.camera import given_by, in_unit, settled, shown_gsd
+from terrainav.terrainav_plugin.form.camera import convert_camera, in_unit, settled, shown_gsd
 from terrainav.terrainav_plugin.form.mission_form import mission
 from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState, in_metres
 
@@ -49,7 +49,7 @@ def test_other_terms_never_change_the_camera(modes):
     ],
 )
 def test_numbers_typed_are_the_mission_s_diagonal(mode, entries, half_diagonal):
-    before = given_by(FormState(**BOX), mode)
+    before = convert_camera(FormState(**BOX), mode)
     state = settled(before, replace(before, **entries), next(iter(entries)))
     assert math.tan(math.radians(state.fov_deg) / 2.0) == pytest.approx(half_diagonal, rel=1e-14)
     assert mission(state).camera.fov_deg == state.fov_deg
@@ -60,7 +60,7 @@ def test_numbers_typed_are_the_mission_s_diagonal(mode, entries, half_diagonal):
 
 
 def test_sensor_gives_the_picture_its_shape_where_the_two_differ():
-    before = given_by(FormState(), "sensor")
+    before = convert_camera(FormState(), "sensor")
     rounded = replace(before, sensor_width_mm=6.3, sensor_height_mm=4.7)
     assert settled(before, rounded, "sensor_width_mm").aspect == "4:3"
     other = replace(before, sensor_width_mm=13.2, sensor_height_mm=8.8)

@@ -22,7 +22,7 @@ from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.map.outlines import metres
 from terrainav.terrainav_plugin.preview.layers import field_names
 from terrainav.terrainav_plugin.preview.scene import PreviewScene
-from terrainav.terrainav_plugin.sources import grid_of
+from terrainav.terrainav_plugin.sources import mission_grid
 
 from tests.plugin.test_capture import capture
 
@@ -31,7 +31,7 @@ SMALL = Box(35.14, -89.87, 35.131, -89.856)
 
 def features_of(area, agl_m, **changes):
     there = Mission(area=area, agl_m=agl_m, **changes)
-    planned = plan(there, grid_of(there))
+    planned = plan(there, mission_grid(there))
     drawn = PreviewScene(planned).draw(None).layers["footprints"]
     names = field_names("footprints")
     return planned, [(f.geometry(), dict(zip(names, f.attributes()))) for f in drawn]

@@ -400,7 +400,7 @@ def test_test_shot_is_one_image_on_the_map(prepared):
 
 def test_key_comes_from_the_authentication_database_only(desk):
     from qgis.core import QgsApplication, QgsAuthMethodConfig, QgsSettings
-    from terrainav.terrainav_plugin.credentials import key_in
+    from terrainav.terrainav_plugin.credentials import read_key
 
     manager = QgsApplication.authManager()
     manager.setMasterPassword("only for this test", True)
@@ -411,8 +411,8 @@ def test_key_comes_from_the_authentication_database_only(desk):
     desk.choose(desk.form.source, "google-static")
     desk.form.key.setConfigId(config.id())
     assert desk.session.settings.authcfg("google-static") == config.id()
-    assert key_in(config.id()) == "k3y-of-the-test"
-    assert key_in("") is None
+    assert read_key(config.id()) == "k3y-of-the-test"
+    assert read_key("") is None
     stored = [str(QgsSettings().value(key)) for key in QgsSettings().allKeys()]
     assert not any("k3y-of-the-test" in text for text in stored)
 

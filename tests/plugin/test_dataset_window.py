@@ -10,7 +10,7 @@ import pytest
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QLabel
-from terrainav.terrainav_plugin.widgets import letter_of
+from terrainav.terrainav_plugin.widgets import mnemonic_key
 
 AREA = "35.14_-89.87_35.1365_-89.8645_120"
 VIEWS = ("colmap", "nerfstudio", "tum", "kitti")
@@ -306,8 +306,8 @@ def test_benchmark_tab_opens_processings_windows(desk, window, dataset):
 
 def letters(widget):
     """Letters of what a tab and the window around it show."""
-    found = [letter_of(child.text()) for child in widget.findChildren(QLabel) if child.buddy() is not None]
-    found += [letter_of(child.text()) for child in widget.findChildren(QAbstractButton)]
+    found = [mnemonic_key(child.text()) for child in widget.findChildren(QLabel) if child.buddy() is not None]
+    found += [mnemonic_key(child.text()) for child in widget.findChildren(QAbstractButton)]
     return [letter for letter in found if letter]
 
 

@@ -9,7 +9,13 @@ from terrainav.core.fields import declared_fields, field_named
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.parts import Flight
-from terrainav.terrainav_plugin.form.fields import choices_of, label_of, sentence_of, tip_of, title_of
+from terrainav.terrainav_plugin.form.fields import (
+    field_choices,
+    field_label,
+    field_sentence,
+    field_tip,
+    field_title,
+)
 from terrainav.terrainav_plugin.form.state import DECLARED, ENTERED_AS_DECLARED, WITHOUT_ENTRY, FormState
 
 #: What models and scripts of users name.
@@ -37,22 +43,22 @@ def test_entries_say_what_is_declared(desk):
         if name not in entries or name in ("agl", "fov_deg"):
             continue
         widget = entries[name]
-        assert widget.toolTip().startswith(sentence_of(field)[:-1]), name
+        assert widget.toolTip().startswith(field_sentence(field)[:-1]), name
         if isinstance(widget, QCheckBox):
-            assert widget.text().replace("&", "") == title_of(field)
+            assert widget.text().replace("&", "") == field_title(field)
         if isinstance(widget, QComboBox):
             shown = [(widget.itemData(at), widget.itemText(at)) for at in range(widget.count())]
-            assert tuple(shown) == choices_of(field)
+            assert tuple(shown) == field_choices(field)
         if name in ENTERED_AS_DECLARED:
             assert getattr(FormState(), name) == field.default
 
 
 def test_words_of_a_field():
     agl, tilt = field_named(Flight, "agl_m"), DECLARED["tilt_deg"]
-    assert label_of(agl).replace("&", "") == "Height above ground"
-    assert title_of(agl) == "Height above ground (metres)"
-    assert tip_of(tilt).endswith("90 looks level (degrees, from -180 to 180)")
-    assert tip_of(DECLARED["overlap_along"]).endswith("shows again (percent)")
+    assert field_label(agl).replace("&", "") == "Height above ground"
+    assert field_title(agl) == "Height above ground (metres)"
+    assert field_tip(tilt).endswith("90 looks level (degrees, from -180 to 180)")
+    assert field_tip(DECLARED["overlap_along"]).endswith("shows again (percent)")
 
 
 def test_numbers_that_may_be_left_out_are_entered_as_such(desk):
@@ -97,7 +103,7 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
         if name in ("SOURCE", "START", "DATE", "BANDS", "IMG_SIZE", "IMAGE_PX", "CRS"):
             # A list with sources of the user's own, texts that say nothing where they are empty, a camera's own.
             continue
-        assert parameter.description() == title_of(field)
+        assert parameter.description() == field_title(field)
         usual = list(field.default) if field.name == "map_types" else field.default
         if usual in ((), ""):
             # What stands for nothing is given by leaving it out.

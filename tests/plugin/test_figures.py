@@ -16,7 +16,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.i18n import translate
 from terrainav.terrainav_plugin.panel.figures import readout
-from terrainav.terrainav_plugin.sources import grid_of
+from terrainav.terrainav_plugin.sources import mission_grid
 from terrainav.terrainav_plugin.units import duration_text
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)
@@ -34,7 +34,7 @@ def options_in_messages():
 
 
 def readout_of(mission, costs=OFFLINE, unit="m"):
-    planned = plan(mission, grid_of(mission))
+    planned = plan(mission, mission_grid(mission))
     summary = estimate(planned, costs)
     return summary, readout(planned, summary, unit)
 

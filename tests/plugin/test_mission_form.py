@@ -9,10 +9,10 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.form.mission_form import (
     FormError,
+    drop_extras,
     mission,
-    state_of,
-    with_box,
-    without_beyond,
+    mission_state,
+    replace_box,
 )
 from terrainav.terrainav_plugin.form.mission_form import test_shot as single_shot
 from terrainav.terrainav_plugin.form.state import FormState
@@ -62,14 +62,14 @@ def test_mission_of_a_state_and_back():
     there = mission(state)
     assert there.area == Box(35.16, -89.9, 35.115, -89.823)
     assert there.flight.overlap_along == 0.6
-    assert mission(state_of(there, "/somewhere/x")) == there
+    assert mission(mission_state(there, "/somewhere/x")) == there
 
 
 def test_mission_of_a_template_and_back():
     template = "https://example.org/{z}/{x}/{y}.png"
     there = mission(replace(GOOD, source="url-template", template=f" {template} "))
     assert there.imagery.source == template
-    assert state_of(there, "").template == template
+    assert mission_state(there, "").template == template
 
 
 def test_every_wrong_field_is_named_at_once():
@@ -91,8 +91,8 @@ def test_test_shot_is_one_picture_of_the_first_map_type():
 def test_a_take_off_is_typed_as_a_latitude_and_a_longitude(text):
     made = mission(replace(GOOD, takeoff=text, battery_min=18.0, entry="nearest"))
     assert made.route.takeoff == (35.15, -89.9)
-    assert state_of(made, "").takeoff == "35.15, -89.9"
-    assert mission(state_of(made, "")) == made
+    assert mission_state(made, "").takeoff == "35.15, -89.9"
+    assert mission(mission_state(made, "")) == made
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_a_test_shot_has_no_way_to_it():
 
 
 def test_state_survives_its_settings_text():
-    state = with_box(replace(GOOD, map_types=("terrain",), agl_unit="ft"), Box(1.0, 2.0, 0.5, 3.0))
+    state = replace_box(replace(GOOD, map_types=("terrain",), agl_unit="ft"), Box(1.0, 2.0, 0.5, 3.0))
     assert FormState.from_json(state.to_json()) == state
 
 
@@ -128,7 +128,7 @@ def test_entries_beyond_the_panel_are_taken_out():
     there = mission(state)
     assert (there.imagery.seed, there.output.max_images, there.accuracy.mesh) == (7, 1000, "rays")
     assert there.wind.seed == 99
-    assert mission(without_beyond(state)) == mission(replace(GOOD, wind=True))
+    assert mission(drop_extras(state)) == mission(replace(GOOD, wind=True))
 
 
 def test_a_field_without_an_entry_says_where_it_is_wrong():
@@ -142,10 +142,10 @@ def test_a_field_without_an_entry_says_where_it_is_wrong():
 def test_a_limit_of_the_longest_side_is_an_entry():
     assert mission(GOOD).pixels.max_px is None
     limited = mission(GOOD).with_(max_px=700, image_px=900)
-    state = state_of(limited, "")
+    state = mission_state(limited, "")
     assert (state.max_px, state.image_px) == (700, 900)
     assert mission(state) == limited
-    assert state_of(mission(GOOD), "").max_px is None
+    assert mission_state(mission(GOOD), "").max_px is None
 
 
 def test_entries_that_do_not_count_are_not_in_the_mission():
@@ -156,7 +156,7 @@ def test_entries_that_do_not_count_are_not_in_the_mission():
 def test_mission_opens_in_the_terms_a_person_uses():
     there = mission(GOOD)
     like = replace(GOOD, agl_unit="ft", fov_mode="vertical")
-    state = state_of(there, "", like)
+    state = mission_state(there, "", like)
     assert (state.agl_unit, state.fov_mode) == ("ft", "vertical")
     assert state.fov_typed_deg == there.camera.vertical_fov_deg
     assert mission(state) == there

@@ -7,7 +7,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
-from terrainav.terrainav_plugin.widgets import free_of_menus, letter_of
+from terrainav.terrainav_plugin.widgets import free_of_menus, mnemonic_key
 
 #: Entries of the panel that have a letter: as many as there are letters that no menu has.
 IN_THE_PANEL = {
@@ -29,7 +29,7 @@ def underlined(panel):
     for widget in [*panel.findChildren(QLabel), *panel.findChildren(QAbstractButton)]:
         if isinstance(widget, QLabel) and widget.buddy() is None:
             continue
-        letter = letter_of(widget.text()).rpartition("+")[2]
+        letter = mnemonic_key(widget.text()).rpartition("+")[2]
         if letter:
             assert letter not in found, (widget.text(), found[letter].text())
             found[letter] = widget
@@ -85,14 +85,16 @@ def test_letter_presses_its_button(desk, ground, window):
 
 def test_letters_of_menus_still_open_them(desk, window, iface):
     menus = iface.mainWindow().menuBar()
-    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
+    taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
     assert taken
     assert not taken & {f"Alt+{letter}" for letter in underlined(desk.dock)}
 
 
 def test_other_panels_have_free_letters_too(desk, iface):
     menus = iface.mainWindow().menuBar()
-    taken = {letter_of(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
+    taken = {
+        mnemonic_key(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()
+    }
     desk.session.datasets.open()
     panel = desk.session.datasets.window
     try:

@@ -181,7 +181,7 @@ def test_they_are_part_of_saved_missions_and_of_the_session(desk):
     mission = mission_form.mission(state)
     assert mission.no_fly == (Polygon((RING,)),)
     assert mission.route.takeoff == (35.1, -89.8)
-    again = mission_form.state_of(Mission.from_json(mission.to_json()), state.folder)
+    again = mission_form.mission_state(Mission.from_json(mission.to_json()), state.folder)
     assert (again.no_fly, again.takeoff) == (state.no_fly, state.takeoff)
     assert type(state).from_json(state.to_json()).no_fly == state.no_fly
 

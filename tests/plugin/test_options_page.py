@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QDialogButtonBox
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage, folder_problem
 from terrainav.terrainav_plugin.settings import Settings, credential_name
-from terrainav.terrainav_plugin.sources import transport_for
+from terrainav.terrainav_plugin.sources import source_transport
 
 from tests.plugin.transports import MASTER_PASSWORD, PASSWORD, USER
 
@@ -199,7 +199,7 @@ def test_cache_is_opened_from_the_page_and_its_settings_hold(page, tmp_path, mon
 
 def test_connections_hold_for_requests():
     Settings().connections = 3
-    transport = transport_for("osm")
+    transport = source_transport("osm")
     assert transport._worker._terms.connections == 3
     transport.close()
 

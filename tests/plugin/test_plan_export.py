@@ -76,9 +76,9 @@ def test_plan_for_qgroundcontrol_says_what_it_cannot_hold(desk, tmp_path, choose
     ],
 )
 def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
-    from terrainav.terrainav_plugin.missions.plan_export import with_ending
+    from terrainav.terrainav_plugin.missions.plan_export import add_ending
 
-    assert with_ending(Path(chosen), kind) == Path(written)
+    assert add_ending(Path(chosen), kind) == Path(written)
 
 
 def test_where_a_drone_is_chosen_its_file_is_offered_first(desk, tmp_path, monkeypatch):

@@ -9,7 +9,7 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel, QMenu
 from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
-from terrainav.terrainav_plugin.area.corners import with_polygon
+from terrainav.terrainav_plugin.area.corners import join_polygon
 from terrainav.terrainav_plugin.form.area import entered_area
 
 from tests.plugin.test_area_tool import bands, degrees, pixel
@@ -442,10 +442,10 @@ def test_polygons_that_overlap_are_joined(desk):
 def test_one_more_polygon_across_the_antimeridian_is_on_the_turn_of_the_first():
     west = Polygon((((179.0, 0.0), (179.5, 0.0), (179.5, 1.0), (179.0, 1.0)),))
     over = Polygon((((-181.0, 0.5), (-179.0, 0.5), (-179.0, 0.8), (-181.0, 0.8)),))
-    joined = with_polygon(west, over)
+    joined = join_polygon(west, over)
     assert isinstance(joined, Polygon)
     assert joined.bounds == Box(1.0, 179.0, 0.0, -179.0)
-    apart = with_polygon(west, Polygon((((-179.9, 0.5), (-179.0, 0.5), (-179.0, 0.8)),)))
+    apart = join_polygon(west, Polygon((((-179.9, 0.5), (-179.0, 0.5), (-179.0, 0.8)),)))
     assert apart.bounds == Box(1.0, 179.0, 0.0, -179.0)
 
 

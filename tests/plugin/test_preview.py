@@ -11,7 +11,7 @@ from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.preview.scene import PreviewScene
-from terrainav.terrainav_plugin.sources import grid_of
+from terrainav.terrainav_plugin.sources import mission_grid
 
 LAYERS = ["Area", "Capture centres", "Flight line", "Planned images", "Images per place"]
 
@@ -208,7 +208,7 @@ def test_first_layer_gives_an_empty_project_the_crs_of_web_maps(previewed, clean
 
 def features_of(area, **changes):
     mission = Mission(area=area, agl_m=changes.pop("agl_m", 120.0), **changes)
-    planned = plan(mission, grid_of(mission))
+    planned = plan(mission, mission_grid(mission))
     return planned, PreviewScene(planned).draw(None).layers
 
 

@@ -7,7 +7,7 @@ import pytest
 from qgis.core import QgsPointXY
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.terrainav_plugin.preview.density import DensityCells, density_features, levels, mean_images
-from terrainav.terrainav_plugin.preview.index import CaptureIndex, Rects, shown_by
+from terrainav.terrainav_plugin.preview.index import CaptureIndex, Rects, count_shown
 from terrainav.terrainav_plugin.preview.view import WORLD, WORLD_M, Rect
 
 # Of edges in metres, 4 nm, in cells of a centimetre, for dozens of images.
@@ -49,7 +49,7 @@ def test_index_finds_what_brute_force_finds(boxes, rect, from_m):
     for west, south, east, north in turned(boxes):
         expected |= (west <= rect.east) & (east >= rect.west) & (south <= rect.north) & (north >= rect.south)
     expected &= np.maximum(boxes.east - boxes.west, boxes.north - boxes.south) >= from_m
-    assert index.within(rect, from_m).tolist() == np.flatnonzero(expected).tolist()
+    assert index.find(rect, from_m).tolist() == np.flatnonzero(expected).tolist()
     assert index.count(rect, from_m) >= expected.sum()
 
 
@@ -60,13 +60,13 @@ def test_query_touches_few_captures_outside_of_the_view():
     index = CaptureIndex(Rects.wrapped(west, south, west + 101.0, south + 99.0))
     view = Rect(50_000.0, 40_000.0, 53_000.0, 43_000.0)
     # The last that starts before the view reaches a metre into it; upwards each ends a metre short.
-    assert len(index.within(view)) == 32 * 31
+    assert len(index.find(view)) == 32 * 31
     assert index.count(view) <= 37 * 37
 
 
 @pytest.mark.parametrize("rect", RECTS)
 def test_density_is_the_mean_number_of_images_over_each_cell(boxes, rect):
-    cells = DensityCells.over(rect, 100.0 / rect.longer_m)
+    cells = DensityCells.covering(rect, 100.0 / rect.longer_m)
     x = -HALF_WORLD_M + cells.size_m * (cells.column + np.arange(cells.columns + 1))
     y = -HALF_WORLD_M + cells.size_m * (cells.row + np.arange(cells.rows + 1))
     assert x[0] <= rect.west
@@ -86,7 +86,7 @@ def test_a_regular_mission_has_no_pattern_from_afar():
     side = 400
     west, south = (at.ravel() for at in np.meshgrid(np.arange(side) * 40.0, np.arange(side) * 52.5))
     boxes = Rects.wrapped(west, south, west + 100.0, south + 75.0)
-    cells = DensityCells.over(Rect(1000.0, 1000.0, 15_000.0, 19_000.0), 0.04)
+    cells = DensityCells.covering(Rect(1000.0, 1000.0, 15_000.0, 19_000.0), 0.04)
     inner = levels(mean_images(boxes, cells))[2:-2, 2:-2] / 4.0
     assert cells.size_m > 100.0
     # One step of the levels about the mean that every place has: all of one colour.
@@ -103,7 +103,7 @@ def test_levels_are_few_and_near():
 
 def test_density_features_hold_the_cells_of_their_level():
     rect = Rect(HALF_WORLD_M - 300.0, 0.0, HALF_WORLD_M + 300.0, 300.0)
-    cells = DensityCells.over(rect, 0.4)
+    cells = DensityCells.covering(rect, 0.4)
     rng = np.random.default_rng(6)
     quarters = rng.integers(0, 4, (cells.rows, cells.columns))
     features = density_features(quarters, cells)
@@ -122,8 +122,8 @@ def test_density_features_hold_the_cells_of_their_level():
 
 
 def test_cells_keep_their_places_when_the_map_moves():
-    before = DensityCells.over(Rect(1000.0, 1000.0, 9000.0, 7000.0), 0.1)
-    after = DensityCells.over(Rect(1033.0, 1011.0, 9033.0, 7011.0), 0.1)
+    before = DensityCells.covering(Rect(1000.0, 1000.0, 9000.0, 7000.0), 0.1)
+    after = DensityCells.covering(Rect(1033.0, 1011.0, 9033.0, 7011.0), 0.1)
     assert before.level == after.level
     assert 8.0 <= before.size_m * 0.1 < 16.0
 
@@ -135,4 +135,4 @@ def test_overlap_of_a_place_is_the_number_of_images_that_show_it(boxes):
     for west, south, east, north in turned(boxes):
         inside = (west[:, None] <= x) & (x < east[:, None]) & (south[:, None] <= y) & (y < north[:, None])
         expected += inside.sum(axis=0)
-    assert shown_by(boxes, x, y).tolist() == expected.tolist()
+    assert count_shown(boxes, x, y).tolist() == expected.tolist()

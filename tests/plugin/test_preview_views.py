@@ -44,8 +44,8 @@ from terrainav.terrainav_plugin.paths import style
 from terrainav.terrainav_plugin.preview import preview
 from terrainav.terrainav_plugin.preview.preview import MOST_A_STEP, Preview
 from terrainav.terrainav_plugin.preview.scene import FEW, MOST_DRAWN
-from terrainav.terrainav_plugin.preview.view import view_of
-from terrainav.terrainav_plugin.sources import grid_of
+from terrainav.terrainav_plugin.preview.view import current_view
+from terrainav.terrainav_plugin.sources import mission_grid
 
 PATIENCE_MS = 60_000
 # 8 by 9 images, some 20,000, and a million.
@@ -70,7 +70,7 @@ class Map:
 
     def show(self, area, crs="EPSG:3857", rectangle=None, agl_m=120.0, **changes):
         mission = Mission(area=area, agl_m=agl_m, **changes)
-        self.plan = plan(mission, grid_of(mission))
+        self.plan = plan(mission, mission_grid(mission))
         self.preview.show(self.group, mission, self.plan)
         # The first layer gives the project its CRS, in the next turn of the event loop.
         self.qtbot.waitUntil(lambda: self.project.crs().isValid(), timeout=PATIENCE_MS)
@@ -167,7 +167,7 @@ def map_(canvas, qtbot, tmp_path, clean_project):
 def large():
     """A plan of a million captures, made once."""
     mission = Mission(area=LARGE, agl_m=120.0)
-    return plan(mission, grid_of(mission))
+    return plan(mission, mission_grid(mission))
 
 
 def squeeze(rectangle, share):
@@ -282,7 +282,7 @@ def test_last_of_many_views_wins(map_):
     for share in (0.5, 0.3, 0.01, 0.6, 0.05):
         map_.canvas.setExtent(squeeze(whole, share))
     map_.wait()
-    assert map_.preview.drawing.covers.contains(view_of(map_.canvas).rect)
+    assert map_.preview.drawing.covers.contains(current_view(map_.canvas).rect)
     assert map_.names() >= {map_.plan.names[index] for index in map_.in_view()}
 
 
@@ -652,7 +652,7 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     for role in ROLES:
         map_.layer(role).repaintRequested.connect(lambda *_, role=role: repainted.append((role, len(steps))))
     mission = Mission(area=SMALL, agl_m=120.0, overlap_along=0.7, overlap_across=0.7)
-    planned = plan(mission, grid_of(mission))
+    planned = plan(mission, mission_grid(mission))
     assert 500 < len(planned) < MOST_DRAWN
     map_.preview.show(map_.group, mission, planned)
     map_.wait()
@@ -729,7 +729,7 @@ def test_change_under_a_running_drawing_comes_to_the_map(map_, held_up, monkeypa
 
     monkeypatch.setattr(map_.preview, "_repaint", end_before_the_next_begins)
     mission = Mission(area=SMALL, agl_m=120.0)
-    map_.preview.show(map_.group, mission, plan(mission, grid_of(mission)))
+    map_.preview.show(map_.group, mission, plan(mission, mission_grid(mission)))
     map_.wait()
     assert map_.counts()["density"] == 0
     map_.qtbot.wait(300)

@@ -33,7 +33,7 @@ from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.source import Window
 from terrainav.core.picture.map_frame import assemble
 from terrainav.terrainav_plugin.qgis_source import tiles
-from terrainav.terrainav_plugin.qgis_source.connections import connection_of
+from terrainav.terrainav_plugin.qgis_source.connections import parse_connection
 from terrainav.terrainav_plugin.qgis_source.renderer import Jobs
 from terrainav.terrainav_plugin.qgis_source.snapshot import (
     PROJECT_SOURCE,
@@ -252,9 +252,9 @@ def test_address_of_tiles_is_read_once(server, monkeypatch):
 
     def noted(*given):
         read.append(given)
-        return connection_of(*given)
+        return parse_connection(*given)
 
-    monkeypatch.setattr(tiles, "connection_of", noted)
+    monkeypatch.setattr(tiles, "parse_connection", noted)
     layer = tiles_layer(server)
     snapshot = take_snapshot(source_name(layer), QgsProject.instance())
     assert len(read) == 1

@@ -350,7 +350,7 @@ def test_mosaic_that_cannot_be_is_said_before_the_capture_and_stays_said(desk, d
         raise SourceError("heights: are gone")
 
     seen = []
-    monkeypatch.setattr(task, "heights_for", fail)
+    monkeypatch.setattr(task, "mission_heights", fail)
     monkeypatch.setattr(
         Endings, "warn_of_mosaic", noted(Endings.warn_of_mosaic, lambda: seen.append(images(desk)))
     )

@@ -196,7 +196,7 @@ def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, s
     server.latency_s = SLOW_S
     x, y = int(planned.windows.left_px[0]) // 256, int(planned.windows.top_px[0]) // 256
     server.fail("404", (planned.zoom, x, y))
-    prepared.zoom_to(planned.mission.area.bounds)
+    prepared.zoom_to_box(planned.mission.area.bounds)
     run = press_capture(prepared)
     prepared.wait(lambda: run.progress is not None and run.progress.failed)
     press(prepared, run, "pause")

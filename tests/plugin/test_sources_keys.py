@@ -20,8 +20,8 @@ from terrainav.core.imagery.entry import CatalogueEntry
 from terrainav.core.imagery.opening import FILE, SERVICE, Kind
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.credentials import problem_with
-from terrainav.terrainav_plugin.form.mission_form import state_of
+from terrainav.terrainav_plugin.credentials import credential_problem
+from terrainav.terrainav_plugin.form.mission_form import mission_state
 from terrainav.terrainav_plugin.form.state import URL_TEMPLATE
 from terrainav.terrainav_plugin.panel.source_dialogs import kept
 from terrainav.terrainav_plugin.qgis_source.connections import (
@@ -378,11 +378,11 @@ def test_a_kept_layer_whose_tiles_are_elsewhere_has_no_configuration():
 
 
 def test_words_for_what_keeps_a_configuration_from_being_used(configured):
-    assert "press “+”" in problem_with("", is_key=True)
-    assert problem_with("", is_key=False) == ""
-    assert "is not there" in problem_with("0000000", is_key=True)
-    assert "holds no key" in problem_with(configured(""), is_key=True)
-    assert problem_with(configured(KEY), is_key=True) == ""
+    assert "press “+”" in credential_problem("", is_key=True)
+    assert credential_problem("", is_key=False) == ""
+    assert "is not there" in credential_problem("0000000", is_key=True)
+    assert "holds no key" in credential_problem(configured(""), is_key=True)
+    assert credential_problem(configured(KEY), is_key=True) == ""
 
 
 def test_locked_database_is_said_in_words(configured, monkeypatch):
@@ -401,7 +401,7 @@ def test_locked_database_is_said_in_words(configured, monkeypatch):
             return False
 
     monkeypatch.setattr(QgsApplication, "authManager", Closed)
-    assert "is locked" in problem_with(authcfg, is_key=True)
+    assert "is locked" in credential_problem(authcfg, is_key=True)
 
 
 def test_sources_are_found_by_typing(desk, screenshot):
@@ -432,7 +432,7 @@ def test_new_kind_reaches_the_list_by_its_line_alone(desk, monkeypatch):
     desk.form.imagery._browse()
     assert "*.scenes " in asked[0]
     assert desk.form.source.currentData() == "a.scenes"
-    state = state_of(Mission(Box(1.0, 1.0, 0.9, 1.1), 120.0, source="stac:https://h/c"), "")
+    state = mission_state(Mission(Box(1.0, 1.0, 0.9, 1.1), 120.0, source="stac:https://h/c"), "")
     assert (state.source, state.template) == (URL_TEMPLATE, "stac:https://h/c")
     desk.choose(desk.form.source, URL_TEMPLATE)
     for address, dated in (("https://h/{z}/{x}/{y}", False), ("stac:https://h/c", True)):

@@ -15,7 +15,7 @@ from qgis.core import (
 )
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.processing.algorithm import off_main_thread
-from terrainav.terrainav_plugin.tasks import LatestWorker, Task, is_foreign, on_python_thread, reason_of
+from terrainav.terrainav_plugin.tasks import LatestWorker, Task, failure_reason, is_foreign, on_python_thread
 
 from tests.plugin.test_capture import capture
 
@@ -136,8 +136,8 @@ def test_latest_request_wins(qtbot):
     worker.ask(lambda _: {}["missing"], answers.append)
     qtbot.waitUntil(lambda: not worker.busy, timeout=PATIENCE_MS)
     assert answers == [("last", False)]
-    assert [reason_of(error) for error in failures] == ["KeyError('missing')"]
-    assert reason_of(InvalidInput("in words")) == "in words"
+    assert [failure_reason(error) for error in failures] == ["KeyError('missing')"]
+    assert failure_reason(InvalidInput("in words")) == "in words"
 
     worker.close()
     assert worker.closed

@@ -16,7 +16,7 @@ from terrainav.terrainav_plugin.qgis_source.snapshot import (
     source_name,
     take_snapshot,
 )
-from terrainav.terrainav_plugin.qgis_source.terms import providers_of
+from terrainav.terrainav_plugin.qgis_source.terms import known_providers
 
 from tests.support.services import ServiceServer, wms_document
 
@@ -92,7 +92,7 @@ def test_terms_hold_for_descriptions_in_files(tmp_path):
         layer = QgsRasterLayer(source, "mine", "gdal")
         if layer.isValid():
             # Not by a snapshot: GDAL 3.6 ends QGIS where copies of a VRT of a VRT are still open when it quits.
-            assert [one.policy.max_tiles for one in providers_of(layer)] == [250], source[:80]
+            assert [one.policy.max_tiles for one in known_providers(layer)] == [250], source[:80]
     gdal.Unlink("/vsimem/osm.xml")
     # A file that is another one by now is looked at again.
     path = tmp_path / "upper.xml"
@@ -141,7 +141,7 @@ def test_terms_hold_for_the_host_that_a_service_names_for_its_pictures(provider)
         url = server.url.replace("127.0.0.1", "localhost") + "/capabilities"
         found = QgsRasterLayer(f"crs=EPSG:3857&format=image/png&layers=a&styles=&url={url}", "mine", "wms")
         asked = len(server.asked)
-        assert [one.policy for one in providers_of(found)] == [provider]
+        assert [one.policy for one in known_providers(found)] == [provider]
         assert len(server.asked) == asked
         assert limits_of(found) == [("no", provider.max_tiles)]
 

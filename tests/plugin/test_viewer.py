@@ -51,7 +51,7 @@ def captured(desk, server, viewing):
         desk.wait(lambda: seen[-1:] == [False])
         desk.session.runs.running.disconnect(seen.append)
         desk.look_at("EPSG:3857", (0, 0, 1, 1))
-        desk.zoom_to(planned.mission.area.bounds)
+        desk.zoom_to_box(planned.mission.area.bounds)
         desk.plugin.actions["view_images"].trigger()
         return planned.plan
 
@@ -184,7 +184,7 @@ def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, vi
 
     plan = captured(tilt)
     assert not plan.frames.on_map
-    desk.zoom_to(plan.mission.area.bounds)
+    desk.zoom_to_box(plan.mission.area.bounds)
     # Not below the camera: a tilted one does not see that.
     footprint = next(desk.layer("Captured images").getFeatures()).geometry().pointOnSurface().asPoint()
     desk.canvas.setExtent(

@@ -17,12 +17,18 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.areas.area import Box
 from terrainav.terrainav_plugin.area.dialogs import LineDialog, PolygonDialog
-from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, lines_of, points_of, polygons_of
+from terrainav.terrainav_plugin.area.layers import (
+    PointFields,
+    layer_extent_area,
+    read_lines,
+    read_points,
+    read_polygons,
+)
 from terrainav.terrainav_plugin.area.patterns import CorridorDialog, RandomDialog
 from terrainav.terrainav_plugin.form.area import area_of_text, entered_area
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
-from terrainav.terrainav_plugin.processing.areas import crs_of
+from terrainav.terrainav_plugin.processing.areas import layer_crs
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
@@ -43,17 +49,17 @@ def feature(wkt: str | QgsGeometry) -> QgsFeature:
 
 
 def area(*shapes, crs=UTM):
-    return polygons_of(map(feature, shapes), QgsCoordinateReferenceSystem(crs), CONTEXT)
+    return read_polygons(map(feature, shapes), QgsCoordinateReferenceSystem(crs), CONTEXT)
 
 
 def points(*shapes):
-    return points_of(
+    return read_points(
         map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, PointFields(120.0)
     )
 
 
 def lines(*shapes):
-    return lines_of(map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, 120.0)
+    return read_lines(map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, 120.0)
 
 
 @remedy("area/layers.py", "no polygon is selected: select at least one in its layer")
@@ -104,9 +110,9 @@ def _through_a_pole(case: Case) -> None:
     across = (
         "Polygon ((-1000000 6500000, 1000000 6500000, 1000000 7500000, -1000000 7500000, -1000000 6500000))"
     )
-    case.refused(lambda: polygons_of([feature(across)], cone, CONTEXT))
+    case.refused(lambda: read_polygons([feature(across)], cone, CONTEXT))
     half = "Polygon ((1000 6500000, 1000000 6500000, 1000000 7500000, 1000 7500000, 1000 6500000))"
-    case.follow("cut it", lambda: polygons_of([feature(half)], cone, CONTEXT))
+    case.follow("cut it", lambda: read_polygons([feature(half)], cone, CONTEXT))
 
 
 @remedy("area/layers.py", "no points to use: select some, or use all points of the layer")
@@ -155,18 +161,18 @@ def _no_crs(case: Case) -> None:
     layer.dataProvider().addFeatures([feature("Point (1 1)"), feature("Point (2 2)")])
     layer.updateExtents()
     layer.setCrs(QgsCoordinateReferenceSystem())
-    case.refused(lambda: extent_of(layer, QgsProject.instance()))
+    case.refused(lambda: layer_extent_area(layer, QgsProject.instance()))
     layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
-    case.follow("set it in the layer's properties", lambda: extent_of(layer, QgsProject.instance()))
+    case.follow("set it in the layer's properties", lambda: layer_extent_area(layer, QgsProject.instance()))
 
 
 @remedy("processing/areas.py", "layer “{name}” has no CRS: set it in the layer's properties")
 def _no_crs_in_processing(case: Case) -> None:
     layer = QgsVectorLayer("Point", "mine", "memory")
     layer.setCrs(QgsCoordinateReferenceSystem())
-    case.refused(lambda: crs_of(layer))
+    case.refused(lambda: layer_crs(layer))
     layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
-    case.follow("set it in the layer's properties", lambda: crs_of(layer))
+    case.follow("set it in the layer's properties", lambda: layer_crs(layer))
 
 
 @remedy("form/area.py", "give every point a yaw, or none")

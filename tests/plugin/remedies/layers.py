@@ -13,7 +13,7 @@ from terrainav.terrainav_plugin.qgis_source.connections import SERVICE_PREFIX, c
 from terrainav.terrainav_plugin.qgis_source.snapshot import (
     PROJECT_SOURCE,
     grid_of_layers,
-    layers_of,
+    source_layers,
     source_name,
 )
 from terrainav.terrainav_plugin.sources import tile_layer_uri
@@ -42,9 +42,9 @@ def _nothing_ticked(case: Case) -> None:
     layer = memory_layer(project)
     node = project.layerTreeRoot().findLayer(layer)
     node.setItemVisibilityChecked(False)
-    case.refused(lambda: layers_of(PROJECT_SOURCE, project))
+    case.refused(lambda: source_layers(PROJECT_SOURCE, project))
     node.setItemVisibilityChecked(True)
-    case.follow("tick one in the Layers panel", lambda: layers_of(PROJECT_SOURCE, project) == [layer])
+    case.follow("tick one in the Layers panel", lambda: source_layers(PROJECT_SOURCE, project) == [layer])
 
 
 def memory_layer(project):
@@ -64,8 +64,8 @@ def _no_such_layer(case: Case) -> None:
     gone, there = memory_layer(project), memory_layer(project)
     name = source_name(gone)
     project.removeMapLayer(gone.id())
-    case.refused(lambda: layers_of(name, project))
-    case.follow("choose another source", lambda: layers_of(source_name(there), project) == [there])
+    case.refused(lambda: source_layers(name, project))
+    case.follow("choose another source", lambda: source_layers(source_name(there), project) == [there])
 
 
 @remedy("qgis_source/snapshot.py", "layer {name}: shows nothing; repair its data source")
@@ -76,9 +76,9 @@ def _broken_layer(case: Case) -> None:
     layer = QgsVectorLayer(str(path), "mine", "ogr")
     project.addMapLayer(layer)
     layer.setDataSource(str(path) + ".gone", "mine", "ogr")
-    case.refused(lambda: layers_of(source_name(layer), project))
+    case.refused(lambda: source_layers(source_name(layer), project))
     layer.setDataSource(str(path), "mine", "ogr")
-    case.follow("repair its data source", lambda: layers_of(source_name(layer), project) == [layer])
+    case.follow("repair its data source", lambda: source_layers(source_name(layer), project) == [layer])
 
 
 @remedy("qgis_source/snapshot.py", "layer {name}: its place on the globe is not known; set its CRS")

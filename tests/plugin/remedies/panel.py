@@ -16,7 +16,7 @@ from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import LONGEST_SIDE
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.credentials import key_in, problem_with
+from terrainav.terrainav_plugin.credentials import credential_problem, read_key
 from terrainav.terrainav_plugin.form import mission_form
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.camera import save_camera
@@ -30,7 +30,7 @@ from tests.support.tileserver import TileServer
 
 
 def has_key(authcfg):
-    return not problem_with(authcfg, is_key=True) and bool(key_in(authcfg))
+    return not credential_problem(authcfg, is_key=True) and bool(read_key(authcfg))
 
 
 @remedy("form/mission_form.py", "no map type: tick one or more")
@@ -45,7 +45,7 @@ def _no_map_type(case: Case) -> None:
 @remedy("credentials.py", "API key: choose a configuration, or press “+” and enter it as password")
 def _no_configuration(case: Case) -> None:
     configured = case.fixture("configured")
-    case.says(problem_with("", is_key=True))
+    case.says(credential_problem("", is_key=True))
     case.follow("choose a configuration", lambda: has_key(configured("the key")))
     # What “+” offers first.
     case.follow("press “+” and enter it as password", lambda: has_key(configured("the key", "new", "")))
@@ -56,7 +56,7 @@ def _configuration_gone(case: Case) -> None:
     configured = case.fixture("configured")
     gone = configured("the key")
     QgsApplication.authManager().removeAuthenticationConfig(gone)
-    case.says(problem_with(gone, is_key=True))
+    case.says(credential_problem(gone, is_key=True))
     case.follow("choose another", lambda: has_key(configured("the key")))
 
 
@@ -66,7 +66,7 @@ def _configuration_gone(case: Case) -> None:
 )
 def _configuration_without_key(case: Case) -> None:
     configured = case.fixture("configured")
-    case.says(problem_with(configured(""), is_key=True))
+    case.says(credential_problem(configured(""), is_key=True))
     case.follow("choose a Basic one with the key as password", lambda: has_key(configured("the key")))
 
 
