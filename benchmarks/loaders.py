@@ -22,7 +22,7 @@ import numpy as np
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import open_image, read_dataset
-from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.loading import Batches, LabelledImages
 from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
@@ -107,7 +107,7 @@ def loaders(
     }
 
 
-def stages(samples: Samples, augment: Augmentation) -> list[tuple[str, float]]:
+def stages(samples: LabelledImages, augment: Augmentation) -> list[tuple[str, float]]:
     """Milliseconds an image takes in each step of the way."""
     some = range(min(len(samples), 32))
     whole = [open_image(samples.path(index)) for index in some]
@@ -132,7 +132,7 @@ def stages(samples: Samples, augment: Augmentation) -> list[tuple[str, float]]:
 
 def measure(name: str, folder: Path, map_type: str | None) -> list[str]:
     """Lines of the page about one dataset."""
-    samples = Samples(folder, map_type=map_type, part="all", img_size=SIZE)
+    samples = LabelledImages(folder, map_type=map_type, part="all", img_size=SIZE)
     paths = [samples.path(index) for index in range(len(samples))]
     with Image.open(paths[0]) as first:
         before = f"{first.width} x {first.height} px"

@@ -34,7 +34,14 @@ from pyproj import Transformer
 from scipy.io import savemat
 from terrainav.core.benchmark import metrics
 from terrainav.core.benchmark.answers import Predictions
-from terrainav.core.benchmark.folder import POSITIVE, Benchmark, Mosaic, Positives, Queries, References
+from terrainav.core.benchmark.folder import (
+    POSITIVE,
+    Benchmark,
+    Positives,
+    Queries,
+    ReferenceMosaic,
+    References,
+)
 from terrainav.core.benchmark.scoring import Scores, score
 
 #: Modules that the scripts import and whose work is not judged.
@@ -112,7 +119,9 @@ class Drawn:
         right = Positives(
             tuple(map(str, query)), tuple(map(str, tile)), (POSITIVE,) * len(query), np.ones(len(query))
         )
-        return Benchmark(Path(), {}, Mosaic("", "", 0.0, 0.0, 1.0, 1.0, 1, 1), queries, references, right)
+        return Benchmark(
+            Path(), {}, ReferenceMosaic("", "", 0.0, 0.0, 1.0, 1.0, 1, 1), queries, references, right
+        )
 
     def distances_m(self) -> np.ndarray:
         """From queries to all tiles in the order of the ranking, (q, t), by geopy's geodesics."""

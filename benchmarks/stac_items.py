@@ -59,7 +59,7 @@ def make(folder: Path, images: int) -> None:
         "status": ("done",) * count,
     }
     (folder / "satellite").mkdir()
-    Table.of(known, {}).save(folder / "satellite" / "meta_data.csv")
+    Table.from_columns(known, {}).save(folder / "satellite" / "meta_data.csv")
     mission.save(folder / "mission.json")
     write_plan(made, folder / "footprints.geojson")
     # What tells map frames from camera frames.

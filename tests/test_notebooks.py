@@ -21,9 +21,9 @@ from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.entropy import deciding_entropies, entropy, otsu
 from terrainav.core.dataset.folder import DEFAULT_ENTROPY
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
-from terrainav.core.dataset.loading import Samples
+from terrainav.core.dataset.loading import LabelledImages
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.table import REJECTED, part_of
+from terrainav.core.dataset.table import REJECTED, image_parts
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -239,16 +239,18 @@ def test_preprocess_comes_to_what_split_and_loader_do(execute, captured, tmp_pat
     split(by_library, how="blocks", gap_m=20.0)
     assert bytes_of(by_notebook) == bytes_of(by_library)
     table = read_dataset(by_library).image_set("satellite").table
-    assert tuple(found["parts.tolist()"]) == part_of(table)
+    assert tuple(found["parts.tolist()"]) == image_parts(table)
     assert {"train", "validation", "test", ""} <= set(found["parts.tolist()"])
 
     labels = Labels.load(by_library / LABELS_FILE)
     used = [row for row, mark in enumerate(table.other[REJECTED]) if not mark]
-    assert np.array_equal(found["values.tolist()"], labels.of(table.lat_deg[used], table.lon_deg[used]))
+    assert np.array_equal(
+        found["values.tolist()"], labels.transform(table.lat_deg[used], table.lon_deg[used])
+    )
     # Labels are exact to 10 nm; the geodesic's own rounding is of that size.
     assert found["there_and_back_m"] < 2e-8
 
-    samples = Samples(by_library, part="train", img_size=size)
+    samples = LabelledImages(by_library, part="train", img_size=size)
     images, targets = samples.take(samples.order()[:4])
     assert np.array_equal(np.float32(found["pixels.tolist()"]), images)
     assert np.array_equal(np.float32(found["targets.tolist()"]), targets)

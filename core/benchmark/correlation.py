@@ -21,7 +21,7 @@ from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.footprint import exact
 from .answers import Answer, Locate, Query
-from .folder import Benchmark, Mosaic
+from .folder import Benchmark, ReferenceMosaic
 
 #: Pixels of the reference that are searched as a whole; a larger one is made smaller first.
 _SEARCHED_PX = 1_000_000
@@ -60,7 +60,7 @@ class _Patch(NamedTuple):
     centre: tuple[float, float]
 
 
-class _Level(NamedTuple):
+class _PyramidLevel(NamedTuple):
     """The reference in pixels ``step`` times as large as its own."""
 
     grey: Floats
@@ -77,8 +77,8 @@ class _Correlation:
         self._mosaic = benchmark.mosaic
         whole = benchmark.grey(benchmark.mosaic.file)
         step = max(math.ceil(math.sqrt(whole.size / _SEARCHED_PX)), 1)
-        self._whole = _Level(whole.astype(np.float64), 1)
-        self._searched = _Level(np.asarray(Image.fromarray(whole).reduce(step), np.float64), step)
+        self._whole = _PyramidLevel(whole.astype(np.float64), 1)
+        self._searched = _PyramidLevel(np.asarray(Image.fromarray(whole).reduce(step), np.float64), step)
         self._transforms = _transforms(self._searched.grey)
         tiles = benchmark.references
         column, row = benchmark.mosaic.px(tiles.lat_deg[gallery], tiles.lon_deg[gallery])
@@ -148,7 +148,7 @@ class _Correlation:
 
 
 def _seen_from_above(
-    query: Query, lat_deg: float, lon_deg: float, mosaic: Mosaic, step: int
+    query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int
 ) -> _Patch | None:
     """A query on the reference's pixels, as if its camera stood at a place; None where it has no room on them."""
     agl = query.height_m - query.ground_m

@@ -33,14 +33,14 @@ _TRIES, _SURE = 5_000, 0.999
 _RANKED = 100
 
 
-class _Kind(NamedTuple):
+class _Detector(NamedTuple):
     """How a kind of features is found and compared."""
 
     make: str
     norm: str
 
 
-_KINDS = {"sift": _Kind("SIFT_create", "NORM_L2"), "orb": _Kind("ORB_create", "NORM_HAMMING")}
+_KINDS = {"sift": _Detector("SIFT_create", "NORM_L2"), "orb": _Detector("ORB_create", "NORM_HAMMING")}
 
 
 def _opencv() -> Any:

@@ -216,7 +216,7 @@ class Priors(Columns):
 
 
 @dataclass(frozen=True)
-class Mosaic:
+class ReferenceMosaic:
     """The reference as one image: where it lies.
 
     Parameters
@@ -311,7 +311,7 @@ class Benchmark:
 
     folder: Path
     about: Mapping[str, Any]
-    mosaic: Mosaic
+    mosaic: ReferenceMosaic
     queries: Queries
     references: References
     truth: Positives
@@ -342,7 +342,7 @@ class Benchmark:
         from pyproj.exceptions import ProjError
 
         try:
-            mosaic = Mosaic(**about["mosaic"])
+            mosaic = ReferenceMosaic(**about["mosaic"])
             middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
             # Of a latitude beyond a pole the CRS is no map.
             if not (np.isfinite(middle).all() and abs(middle[0][0]) <= 90.0):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import open_image
 from ..dataset.folder import TRAIN
-from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, sized
+from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, check_size
 from ..dataset.loading.streaming import random_numbers
 from ..errors import InvalidInput
 from ..storage.stores import Address
@@ -76,7 +76,7 @@ class Pairs:
         if shuffle not in (True, False, "auto"):
             raise InvalidInput("shuffle {0!r}: must be True, False or 'auto'", shuffle)
         self.benchmark = benchmark if isinstance(benchmark, Benchmark) else Benchmark.read(Path(benchmark))
-        self.sizes = sized(img_size), sized(img_size if tile_size is None else tile_size)
+        self.sizes = check_size(img_size), check_size(img_size if tile_size is None else tile_size)
         self.seed, self.shuffle = seed, part == TRAIN if isinstance(shuffle, str) else shuffle
         self.dtype, self.folder = np.dtype(dtype), self.benchmark.folder
         truth, one = self.benchmark.truth, "" if part == ALL else part

@@ -18,9 +18,9 @@ from ..capture.making import DEFAULT_CONNECTIONS
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.folder import PARTS
-from ..dataset.ground import Boxes, boxes_of
-from ..dataset.labels import middle_of
-from ..dataset.split import by_blocks, checked_shares, counted, shuffled
+from ..dataset.ground import GroundBoxes, ground_boxes
+from ..dataset.labels import middle_position
+from ..dataset.split import assign_counts, checked_shares, shuffle, split_blocks
 from ..dataset.table import GAP
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..imagery.source import Source
@@ -224,14 +224,16 @@ def _parts(
     if settings.split == NO_SPLIT:
         return [], {}, None
     if settings.split != CROSS_AREA:
-        order = shuffled(plan.names, settings.queries.imagery.seed)
-        of_name = dict(zip(order, counted(len(order), shares)))
+        order = shuffle(plan.names, settings.queries.imagery.seed)
+        of_name = dict(zip(order, assign_counts(len(order), shares)))
         return [of_name[name] for name in plan.names], {}, None
     sets = {f"{QUERIES_FOLDER}/{first}": plan}
     sets.update((tiles_folder(width), tiles) for width, tiles in worked_out.tiles.items())
     there = {name: captured(path / name, one) for name, one in sets.items()}
     boxes, names = _ground(path, there)
-    part, _, _ = by_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
+    part, _, _ = split_blocks(
+        boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m)
+    )
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
     hint = _hint(worked_out, boxes, names, shares, part)
@@ -239,7 +241,7 @@ def _parts(
 
 
 def _hint(
-    worked_out: BenchmarkPlan, boxes: Boxes, names: list[str], shares: Shares, part: list[str]
+    worked_out: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str]
 ) -> Message | None:
     """How many queries other settings would leave in the gap, where that is a good part of them."""
     settings = worked_out.settings
@@ -256,7 +258,7 @@ def _hint(
     found = []
     for words, own_shares, own_gap_m in ways:
         with contextlib.suppress(InvalidInput):
-            own, _, _ = by_blocks(boxes, names, own_shares, settings.queries.imagery.seed, gap_m=own_gap_m)
+            own, _, _ = split_blocks(boxes, names, own_shares, settings.queries.imagery.seed, gap_m=own_gap_m)
             counts = Counter(np.array(own)[is_query].tolist())
             # What leaves a part without queries is no way out.
             serves = all(counts[name] for name, share in zip(PARTS, own_shares) if share > 0.0)
@@ -277,15 +279,15 @@ def _hint(
     )
 
 
-def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[Boxes, list[str]]:
+def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[GroundBoxes, list[str]]:
     """Boxes of the ground of images, and their names; of those whose ground is known."""
     tables = [(one.images.table, one.rows) for one in there.values()]
-    _, middle_lon = middle_of(
+    _, middle_lon = middle_position(
         np.concatenate([table.lat_deg[rows] for table, rows in tables]),
         np.concatenate([table.lon_deg[rows] for table, rows in tables]),
     )
-    pieces = [boxes_of(one.images, one.rows, path / name, middle_lon) for name, one in there.items()]
+    pieces = [ground_boxes(one.images, one.rows, path / name, middle_lon) for name, one in there.items()]
     names = [f"{name}/{stem}" for name, one in there.items() for stem in one.stems]
-    boxes = Boxes(*(np.concatenate(edges) for edges in zip(*pieces)))
+    boxes = GroundBoxes(*(np.concatenate(edges) for edges in zip(*pieces)))
     known = boxes.known
     return boxes.take(known), [name for name, there in zip(names, known.tolist()) if there]

@@ -15,7 +15,7 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.areas.area import ground_m2
 from ..mission.plan import Plan
-from .folder import POSITIVE, QUERIES_FOLDER, SEMI_POSITIVE, Mosaic, Positives, Queries, References
+from .folder import POSITIVE, QUERIES_FOLDER, SEMI_POSITIVE, Positives, Queries, ReferenceMosaic, References
 from .planning import BenchmarkPlan, tiles_folder
 
 
@@ -45,11 +45,11 @@ def captured(folder: Path, plan: Plan) -> Captured:
     return Captured(images, rows, np.array(index, np.int64))
 
 
-def mosaic_of(root: Path, plan: Plan, found: Captured) -> Mosaic:
+def mosaic_of(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
     """Where the mosaic lies."""
     west, _, _, north = (float(edge[0]) for edge in plan.edges)
     across, down = plan.grid.pixel_size(plan.zoom)
-    return Mosaic(
+    return ReferenceMosaic(
         found.files(root)[0],
         plan.grid.plane.crs,
         west,
@@ -145,7 +145,7 @@ class _Ring(NamedTuple):
 
 
 def positives_of(
-    worked_out: BenchmarkPlan, mosaic: Mosaic, queries: Queries, references: References
+    worked_out: BenchmarkPlan, mosaic: ReferenceMosaic, queries: Queries, references: References
 ) -> Positives:
     """Pairs of queries and tiles whose ground meets as much as the settings ask for.
 
@@ -189,7 +189,9 @@ def _outlines(worked_out: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Flo
         yield outline.lat_deg, plan.lon_deg[index] + outline.dlon_deg
 
 
-def _rectangles_m2(mosaic: Mosaic, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
+def _rectangles_m2(
+    mosaic: ReferenceMosaic, west: Floats, south: Floats, east: Floats, north: Floats
+) -> Floats:
     """Ground of rectangles of the reference's plane, (r,)."""
     x, y = np.stack([west, east, east, west], axis=1), np.stack([south, south, north, north], axis=1)
     lat, lon = mosaic.lat_lon(x, y)
@@ -198,7 +200,7 @@ def _rectangles_m2(mosaic: Mosaic, west: Floats, south: Floats, east: Floats, no
     return WGS84.ring_areas_m2(lon.ravel(), lat.ravel(), ring, len(west))
 
 
-def _continuous(mosaic: Mosaic, about_deg: float, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+def _continuous(mosaic: ReferenceMosaic, about_deg: float, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Latitudes and longitudes of places in the reference's plane, continuous about a meridian."""
     lat, lon = mosaic.lat_lon(x, y)
     return lat, lon - 360.0 * np.rint((lon - about_deg) / 360.0)

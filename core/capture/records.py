@@ -312,7 +312,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
-    return Table.of(known, {})
+    return Table.from_columns(known, {})
 
 
 def write_tables(
@@ -335,7 +335,7 @@ def write_tables(
     in_shards : bool
         Whether pictures have no files of their own, of which OpenDroneMap would be told.
     """
-    table_of(plan, source, outcomes).with_other(others).save(folder / TABLE_FILE)
+    table_of(plan, source, outcomes).join_other(others).save(folder / TABLE_FILE)
     if plan.mission.output.image_format == "jpg" and not in_shards:
         made = {name for name, one in outcomes.items() if one.status != FAILED}
         at = [index for index, name in enumerate(plan.names) if name in made]

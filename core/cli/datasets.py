@@ -19,7 +19,7 @@ from .exits import DONE
 
 if TYPE_CHECKING:
     from ..dataset.clean import Cleaned
-    from ..dataset.loading import Samples
+    from ..dataset.loading import LabelledImages
     from ..dataset.loading.augment import Augmentation
     from ..dataset.split import Split
 
@@ -190,7 +190,7 @@ def run_load(arguments: argparse.Namespace) -> int:
 
 def _loader(
     arguments: argparse.Namespace, values: dict[str, Any]
-) -> tuple[Samples, Iterable[tuple[Any, Any]]]:
+) -> tuple[LabelledImages, Iterable[tuple[Any, Any]]]:
     """The samples, and the iterable of batches of the loader that was chosen."""
     size, workers = values["batch_size"], arguments.workers
     choice = {
@@ -216,9 +216,9 @@ def _loader(
             )
         of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
         return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))
-    from ..dataset.loading import Batches, Samples
+    from ..dataset.loading import Batches, LabelledImages
 
-    samples = Samples(arguments.folder, **choice)
+    samples = LabelledImages(arguments.folder, **choice)
     return samples, Batches(samples, size, workers=workers)
 
 
@@ -241,7 +241,7 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
 
 
 def _load_document(
-    arguments: argparse.Namespace, samples: Samples, shapes: Counter[Any], seconds: float
+    arguments: argparse.Namespace, samples: LabelledImages, shapes: Counter[Any], seconds: float
 ) -> dict[str, Any]:
     return {
         "folder": arguments.folder,
@@ -265,7 +265,7 @@ def _load_document(
 
 
 def _print_load(
-    arguments: argparse.Namespace, samples: Samples, shapes: Counter[Any], seconds: float
+    arguments: argparse.Namespace, samples: LabelledImages, shapes: Counter[Any], seconds: float
 ) -> None:
     height, width, channels = samples.shape
     part = "all parts" if samples.part == "all" else f"part {samples.part}"

@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from ..imagery.source import Source
     from ..mission.relief.ground import Heights
     from ..pairs.capturing import PairResult
-    from ..pairs.places import Place
+    from ..pairs.places import PairPlace
     from ..pairs.planning import PairPlan, PairSettings
-    from ..pairs.views import View
+    from ..pairs.views import PairView
 
 
 def run_pairs(arguments: argparse.Namespace) -> int:
@@ -101,7 +101,10 @@ def _sources(
 
 
 def _planned(
-    places: tuple[Place, ...], settings: PairSettings, grids: dict[str, PixelGrid], heights: Heights | None
+    places: tuple[PairPlace, ...],
+    settings: PairSettings,
+    grids: dict[str, PixelGrid],
+    heights: Heights | None,
 ) -> PairPlan:
     from ..pairs.planning import DRONE, SATELLITE, plan_pairs
 
@@ -152,7 +155,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
     )
 
 
-def _views(arguments: argparse.Namespace) -> tuple[View, ...]:
+def _views(arguments: argparse.Namespace) -> tuple[PairView, ...]:
     from ..pairs.views import DEFAULT_TILT_DEG, HEIGHTS_M, ROUNDS, VIEWS, rings, spiral
 
     heights, tilts = arguments.heights or HEIGHTS_M, arguments.tilt or (DEFAULT_TILT_DEG,)
@@ -167,7 +170,7 @@ def _views(arguments: argparse.Namespace) -> tuple[View, ...]:
     return spiral(heights, count, rounds, tilts)
 
 
-def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Place, ...]:
+def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[PairPlace, ...]:
     from ..pairs.places import read_box, read_places
     from ..pairs.planning import places_in_box
 

@@ -81,8 +81,8 @@ class CutCells:
         """Cells (n,) of a column."""
         count, longest = len(self.lines), int(self._longest[column])
         if self._shortest[column] == longest:
-            found = self._found(column, longest)
-            if _alike(found):
+            found = self._gather(column, longest)
+            if _are_rows_equal(found):
                 return [found[0].tobytes().decode("utf-8", "surrogatepass")] * count
         starts = self._starts[column]
         places = zip(starts.tolist(), (starts + self._lengths[column]).tolist())
@@ -97,17 +97,17 @@ class CutCells:
         width = min(int(self._longest[column]), _PLACES)
         if width == 0:
             return np.broadcast_to(np.nan, count)
-        found = self._found(column, width)
+        found = self._gather(column, width)
         if self._shortest[column] < width:
             found[_PLACE[:width] >= lengths[:, None]] = _ZERO
-        elif self._longest[column] == width and _alike(found):
+        elif self._longest[column] == width and _are_rows_equal(found):
             # Flights have many figures in common with the image before.
-            value = _float(found[0].tobytes())
+            value = _parse_number(found[0].tobytes())
             return None if value is None else np.broadcast_to(value, count)
-        values, sure = _decimals(found, lengths)
+        values, sure = _parse_decimals(found, lengths)
         for row in np.flatnonzero(~sure & (lengths > 0)).tolist():
             start = self._starts[column, row]
-            value = _float(self._raw[start : start + lengths[row]].tobytes())
+            value = _parse_number(self._raw[start : start + lengths[row]].tobytes())
             if value is None:
                 return None
             values[row] = value
@@ -115,7 +115,7 @@ class CutCells:
             values[lengths == 0] = np.nan
         return values
 
-    def _found(self, column: int, width: int) -> NDArray[np.uint8]:
+    def _gather(self, column: int, width: int) -> NDArray[np.uint8]:
         """Bytes (n, width) from where the cells of a column begin."""
         if width == 0:
             return np.empty((len(self.lines), 0), np.uint8)
@@ -125,19 +125,19 @@ class CutCells:
         return found
 
 
-def _alike(found: NDArray[np.uint8]) -> bool:
+def _are_rows_equal(found: NDArray[np.uint8]) -> bool:
     """Whether all rows are the same."""
     return bool((found[0] == found[-1]).all() and (found == found[0]).all())
 
 
-def _float(cell: bytes) -> float | None:
+def _parse_number(cell: bytes) -> float | None:
     try:
         return real_number(cell.decode("utf-8", "surrogatepass")) if cell else np.nan
     except ValueError:
         return None
 
 
-def _decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, NDArray[np.bool_]]:
+def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, NDArray[np.bool_]]:
     """Numbers (n,) of their characters (n, places), and which of them are what ``float`` reads for sure.
 
     Parameters
@@ -159,13 +159,13 @@ def _decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, NDArra
         chosen = left & (found[:, point] == _DOT if point < width else ~(found == _DOT).any(axis=1))
         left &= ~chosen
         rows = slice(None) if chosen.all() else np.flatnonzero(chosen)
-        values[rows], is_sure = _with_point_at(point, found[rows], lengths[rows])
+        values[rows], is_sure = _parse_fixed_point(point, found[rows], lengths[rows])
         sure[rows] &= is_sure & (lengths[rows] > negative[rows] + np.int64(point < width))
     values[negative] *= -1.0
     return values, sure
 
 
-def _with_point_at(
+def _parse_fixed_point(
     point: int, found: NDArray[np.uint8], lengths: Places
 ) -> tuple[Floats, NDArray[np.bool_] | bool]:
     """Numbers of characters that have their point at one place, or beyond the last one where they have none."""
@@ -175,15 +175,15 @@ def _with_point_at(
     is_other = digits > 9
     is_other[:, point : point + 1] = False
     sure = ~is_other.any(axis=1) if is_other.any() else True
-    whole = _joined(digits, places)
+    whole = _join_digits(digits, places)
     if point == width:
         behind = np.clip(width - lengths, 0, _DIGITS)
         return (whole // _WHOLE_POWERS[behind]).astype(np.float64), sure & (width < _PLACES)
-    values, exact = _shifted(whole, len(places) - point)
+    values, exact = _divide(whole, len(places) - point)
     return values, exact & sure
 
 
-def _joined(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np.uint64]:
+def _join_digits(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np.uint64]:
     """Whole numbers (n,) of the digits (n, …) at some places, the first one first."""
     low = max(len(places) - _HALF, 0)
     halves = np.zeros((digits.shape[1], 2))
@@ -196,7 +196,7 @@ def _joined(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np.uint
     return whole
 
 
-def _shifted(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.bool_]]:
+def _divide(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.bool_]]:
     """Doubles (n,) nearest to whole numbers over a power of ten, and which of them are so for sure.
 
     The quotient of what a double holds of the number is corrected by what is left: by the remainder, which is a double,
@@ -208,20 +208,20 @@ def _shifted(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.
     last = (whole - held.astype(np.uint64)).view(np.int64).astype(np.float64)
     quotient = held / divisor
     product = quotient * divisor
-    left, right = _halves(quotient), _halves(divisor)
+    left, right = _split_double(quotient), _split_double(divisor)
     error = ((left[0] * right[0] - product) + left[0] * right[1] + left[1] * right[0]) + left[1] * right[1]
     rest = (((held - product) - error) + last) / divisor
     nearest = quotient + rest
     return nearest, (quotient + rest * (1.0 + _UNSURE)) == (quotient + rest * (1.0 - _UNSURE))
 
 
-def _halves(value: Floats) -> tuple[Floats, Floats]:
+def _split_double(value: Floats) -> tuple[Floats, Floats]:
     high = value * _SPLIT
     high = high - (high - value)
     return high, value - high
 
 
-class Rows:
+class CsvRows:
     """Rows of a table, some at a time, from texts of whole lines.
 
     Attributes
@@ -247,7 +247,7 @@ class Rows:
 
     def __iter__(self) -> Iterator[ReadCells | CutCells]:
         while text := self._left.read() or next(self._texts, ""):
-            cells = _cut(text, len(self.headers), self._line + 1)
+            cells = _split_cells(text, len(self.headers), self._line + 1)
             if cells is not None:
                 self._line = cells.lines[-1]
                 yield cells
@@ -284,7 +284,7 @@ class Rows:
             raise InvalidInput("{0}: line {1} is not CSV ({2})", self._name, self._line, wrong) from wrong
 
 
-def _cut(text: str, width: int, first_line: int) -> CutCells | None:
+def _split_cells(text: str, width: int, first_line: int) -> CutCells | None:
     """Cells of whole lines, cut at commas; None where the csv module might read them otherwise."""
     if "\r" in text or "\0" in text:
         return None

@@ -119,14 +119,14 @@ def clean(
         raise InvalidInput("entropy {0}: must be from 0 to {1:g} bits", threshold, HIGHEST_ENTROPY)
     if plot is not None:
         check_matplotlib()
-    with held(folder, only_read=dry_run):
-        deciding = deciding_entropies(folder, progress=_part_of(progress, 0.0))
-        steps = [_judged(map_type, one, threshold, move) for map_type, one in deciding.items()]
+    with locked_folder(folder, only_read=dry_run):
+        deciding = deciding_entropies(folder, progress=_half_progress(progress, 0.0))
+        steps = [_judge(map_type, one, threshold, move) for map_type, one in deciding.items()]
         drawn = {} if plot is None else draw_all(deciding, plot, threshold)
         if not dry_run:
             _carry_out(
                 [(one.folder, table, moves) for one, (_, table, moves) in zip(deciding.values(), steps)],
-                _part_of(progress, 0.5),
+                _half_progress(progress, 0.5),
             )
     return tuple(
         replace(cleaned, figures=tuple(map(str, drawn.get(cleaned.map_type, ())))) for cleaned, _, _ in steps
@@ -142,7 +142,7 @@ def undo(
     lies in a folder ``rejected`` returns, also what no table names.
     """
     folders = map_type_folders(folder)
-    with held(folder, only_read=dry_run):
+    with locked_folder(folder, only_read=dry_run):
         results, steps = [], []
         for map_type, path in folders.items():
             table = Table.load(path / TABLE_FILE)
@@ -153,7 +153,7 @@ def undo(
             marked, returned = sum(map(bool, marks)), len({move.stem for move in moves})
             results.append(Cleaned(map_type, len(table) - failed, failed, marked, 0, 0, returned, None))
             kept = {header: cells for header, cells in table.other.items() if header != REJECTED}
-            steps.append((path, table.replaced(kept) if REJECTED in table.other else None, moves))
+            steps.append((path, table.replace_other(kept) if REJECTED in table.other else None, moves))
         if not dry_run:
             # Marks go last: as long as they are there, an interrupted run can be told from a finished one.
             _carry_out([(path, None, moves) for path, _, moves in steps], progress)
@@ -164,7 +164,7 @@ def undo(
 
 
 @contextmanager
-def held(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
+def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
     """Keep captures and other runs out of a dataset's folder, unless it is only read; raises OutputError."""
     with ExitStack() as locks:
         # Object stores know no locks.
@@ -177,12 +177,12 @@ def held(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
         yield
 
 
-def _part_of(progress: Report | None, start: float) -> Report | None:
+def _half_progress(progress: Report | None, start: float) -> Report | None:
     """Report for the half of the work that starts there."""
     return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
-def _judged(
+def _judge(
     map_type: str, deciding: Deciding, threshold: float, move: bool
 ) -> tuple[Cleaned, Table | None, list[Move]]:
     """What is to be done to a map type: counts, the table if it changes, and files to be moved."""
@@ -195,7 +195,7 @@ def _judged(
     )
     table = None
     if deciding.table.other.get(REJECTED) != marks:
-        table = deciding.table.replaced({**deciding.table.other, REJECTED: marks})
+        table = deciding.table.replace_other({**deciding.table.other, REJECTED: marks})
     out, back = deciding.images.moves(
         [name for name, low in zip(names, below.tolist()) if low and move],
         [name for name, low in zip(names, below.tolist()) if not low],

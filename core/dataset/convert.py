@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Floats
 from ..errors import InvalidInput, OutputError
 from ..storage.files import PARTIAL_ENDING, make_folder
-from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, picture_of, read_dataset, some
+from .dataset import UNREADABLE, Dataset, ImageSet, first_names, open_bands, open_undecoded, read_dataset
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed
 from .table import Table
@@ -119,7 +119,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
             if stored is not None:
                 sizes[index] = stored.size
                 continue
-            with picture_of(path) as image:
+            with open_undecoded(path) as image:
                 sizes[index] = image.size
                 # Read to its end, so that one that is cut off is found: a JPEG at an eighth, which is quick.
                 image.draft(image.mode, (1, 1))
@@ -127,7 +127,9 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
         except UNREADABLE:
             wrong.append(path.name)
     if wrong:
-        raise InvalidInput("folder {0}: no images that can be read: {1}", images.image_folder, some(wrong))
+        raise InvalidInput(
+            "folder {0}: no images that can be read: {1}", images.image_folder, first_names(wrong)
+        )
     return sizes[:, 0], sizes[:, 1]
 
 

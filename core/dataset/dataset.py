@@ -31,14 +31,14 @@ from .folder import (
     TABLE_FILE,
     image_folder,
     map_type_folders,
-    map_type_of,
-    no_files,
-    place_of,
+    map_type_name,
+    no_files_error,
+    place_key,
     raster_folders,
 )
-from .geotiff import GeoTiff, geotiff_of, pam_bands, stated_bands
+from .geotiff import GeoTiff, parse_bands, parse_geotiff, parse_pam_bands
 from .published import check_names
-from .stored import ImageFile, Range, StoredImage, is_name, shards_of
+from .stored import ImageFile, Range, StoredImage, is_name, shard_sizes
 from .table import Table
 from .vbn import read_vbn
 
@@ -106,7 +106,7 @@ class ImageSet:
     def image_folder(self) -> Path:
         """Where the images' files lie; raises InvalidInput where there are none."""
         if self.files is None:
-            raise no_files(self.folder)
+            raise no_files_error(self.folder)
         return self.files
 
     def file(self, index: int) -> ImageFile:
@@ -187,9 +187,9 @@ class Dataset:
     layout: str
     image_sets: Mapping[str, ImageSet]
 
-    def place_of(self) -> Callable[[str], str]:
-        """Return what tells the place of an image by its name; see `folder.place_of`."""
-        return place_of(self.folder, [one.folder for one in self.image_sets.values()])
+    def place_key(self) -> Callable[[str], str]:
+        """Return what tells the place of an image by its name; see `folder.place_key`."""
+        return place_key(self.folder, [one.folder for one in self.image_sets.values()])
 
     def image_set(self, map_type: str) -> ImageSet:
         """Images of a map type; raises InvalidInput where there are none, with those that are there."""
@@ -231,11 +231,11 @@ def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
         table, images = read_vbn(path)
         return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
     folders = map_type_folders(path)
-    counts = Counter(map(map_type_of, folders))
+    counts = Counter(map(map_type_name, folders))
     sets = {}
     for name, one in folders.items():
         of_imagery = one.parent.parent == path
-        map_type = one.name if of_imagery else map_type_of(name)
+        map_type = one.name if of_imagery else map_type_name(name)
         key = name if of_imagery or counts[map_type] > 1 else map_type
         sets[key] = _read_set(map_type, one)
     return Dataset(path, layout, sets)
@@ -247,7 +247,7 @@ def _read_set(map_type: str, folder: Path) -> ImageSet:
     check_names(table, folder / TABLE_FILE)
     if any(table.shard):
         _check_names(folder, table.img_names)
-        return ImageSet(map_type, folder, table, None, shards_of(folder, table))
+        return ImageSet(map_type, folder, table, None, shard_sizes(folder, table))
     files = None if is_address(folder) else image_folder(folder, table)
     Images(files or folder).check(table.img_names, table.made)
     return ImageSet(map_type, folder, table, files)
@@ -264,7 +264,7 @@ def _check_positions(table: Table, path: Path) -> None:
             else "table {0}: {1} are not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 "
             "degrees, Lon within 360",
             path,
-            some(names),
+            first_names(names),
             table.lat_deg[off[0]],
             table.lon_deg[off[0]],
         )
@@ -305,8 +305,8 @@ class Images:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         there = is_address(folder) or (folder / REJECTED_FOLDER).is_dir()
-        self._kept, others = _files_and_others(folder)
-        self._rejected, beside = _files_and_others(folder / REJECTED_FOLDER) if there else (set(), set())
+        self._kept, others = _list_folder(folder)
+        self._rejected, beside = _list_folder(folder / REJECTED_FOLDER) if there else (set(), set())
         self._blocked = REJECTED_FOLDER in self._kept | others and not there
         twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
         if twice:
@@ -315,7 +315,7 @@ class Images:
                 if len(twice) == 1
                 else "folder {0}: {1} are in it and in {2} as well",
                 folder,
-                some(twice),
+                first_names(twice),
                 REJECTED_FOLDER,
                 remedy="remove one of the two",
             )
@@ -340,7 +340,7 @@ class Images:
                 if len(lost) == 1
                 else "folder {0}: {1} of the table are not there",
                 self._folder,
-                some(lost),
+                first_names(lost),
                 remedy=Message(
                     "put it back, or capture again{0}"
                     if len(lost) == 1
@@ -351,9 +351,9 @@ class Images:
         unknown = sorted(
             name
             for name in files
-            if (name if alike else _own_stem(name)) not in stems
-            and name[len(_own_stem(name)) :] in endings
-            and NAME.fullmatch(_own_stem(name))
+            if (name if alike else _plain_stem(name)) not in stems
+            and name[len(_plain_stem(name)) :] in endings
+            and NAME.fullmatch(_plain_stem(name))
         )
         if unknown:
             raise InvalidInput(
@@ -361,7 +361,7 @@ class Images:
                 if len(unknown) == 1
                 else "folder {0}: {1} are not in the table",
                 self._folder,
-                some(unknown),
+                first_names(unknown),
                 remedy=Message(
                     "finish the capture{0}, or remove what does not belong to it",
                     OptionName("resume").in_brackets,
@@ -433,15 +433,15 @@ def _check_names(folder: Path, names: Sequence[str]) -> tuple[set[str], set[str]
     foreign = [name for name in names if not is_name(name)]
     if foreign:
         raise InvalidInput("folder {0}: {1!r} in the table is no name of a file in it", folder, foreign[0])
-    endings = {name[len(_own_stem(name)) :] for name in names}
-    stems = set(names) if len(endings) == 1 else set(map(_own_stem, names))
+    endings = {name[len(_plain_stem(name)) :] for name in names}
+    stems = set(names) if len(endings) == 1 else set(map(_plain_stem, names))
     if len(stems) < len(names):
-        twice = [stem for stem, count in Counter(map(_own_stem, names)).items() if count > 1]
-        raise InvalidInput("folder {0}: the table has {1} in more than one row", folder, some(twice))
+        twice = [stem for stem, count in Counter(map(_plain_stem, names)).items() if count > 1]
+        raise InvalidInput("folder {0}: the table has {1} in more than one row", folder, first_names(twice))
     return endings, stems
 
 
-def _own_stem(name: str) -> str:
+def _plain_stem(name: str) -> str:
     """Name of a file without its ending: what `Path.stem` gives, in a fraction of its time."""
     end = name.rfind(".")
     return name[:end] if 0 < end < len(name) - 1 else name
@@ -457,7 +457,7 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
     return Path(name).stem
 
 
-def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
+def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
     """Names of files in a folder, and of all else."""
     if is_address(folder):
         return set(sizes_in(folder)), set()
@@ -472,7 +472,7 @@ def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
     return files, others
 
 
-def some(names: Sequence[str]) -> str:
+def first_names(names: Sequence[str]) -> str:
     """The first names, and how many there are beside them."""
     more = len(names) - _NAMED
     first = ", ".join(names[:_NAMED])
@@ -511,10 +511,10 @@ def open_image(
         # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
         # what another thread has opened in between.
         data = _read(path)
-        stored = _bands_of(path, data, said_px)
+        stored = _parse_bands(path, data, said_px)
         if stored is not None:
             return _shown(path, stored, img_size, as_shown=as_shown)
-        with picture_of(path, data) as image:
+        with open_undecoded(path, data) as image:
             if image.mode not in _GREY + _COLOUR:
                 raise InvalidInput(
                     "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
@@ -523,11 +523,11 @@ def open_image(
                 )
             _check_size(path, image, said_px)
             if img_size is None:
-                return _of_mode(image, "L" if image.mode in _GREY else "RGB")
+                return _convert_mode(image, "L" if image.mode in _GREY else "RGB")
             width, height, channels = img_size
             mode = "L" if channels == 1 else "RGB"
             image.draft(mode, (_SPARE * width, _SPARE * height))
-            found = _of_mode(image, mode)
+            found = _convert_mode(image, mode)
             return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
     except InvalidInput:
         raise
@@ -562,7 +562,7 @@ def open_masked(
     if stored is not None:
         seen = stored.seen()
         return pixels, None if seen is None else seen.astype(np.uint8) * np.uint8(255)
-    with picture_of(path, _read(path)) as image:
+    with open_undecoded(path, _read(path)) as image:
         masked = "A" in image.getbands()
         return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
 
@@ -581,10 +581,10 @@ def open_bands(path: Place, said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTi
         data = _read(path)
     except OSError:
         return None
-    return _bands_of(path, data, said_px)
+    return _parse_bands(path, data, said_px)
 
 
-def bands_in(path: Place, channels: int) -> Bands | None:
+def read_band_metadata(path: Place, channels: int) -> Bands | None:
     """Bands of an image as its file, or GDAL's file beside it, states them; None where neither does.
 
     Parameters
@@ -593,18 +593,18 @@ def bands_in(path: Place, channels: int) -> Bands | None:
         1 or 3, of an image that is no GeoTIFF.
     """
     if _suffix(path) in _GEOTIFF:
-        return stated_bands(_read(path))
+        return parse_bands(_read(path))
     if isinstance(path, StoredImage):
         return None
     beside = Path(f"{path}{_NOTES}")
     if not beside.is_file():
         return None
-    return pam_bands(read_limited(beside, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
+    return parse_pam_bands(read_limited(beside, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
 
 
-def _bands_of(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
+def _parse_bands(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
     try:
-        stored = geotiff_of(data)
+        stored = parse_geotiff(data)
         if stored is not None:
             stored.values()
     except (ValueError, zlib.error) as wrong:
@@ -630,23 +630,23 @@ def _shown(
     if img_size is None:
         return image
     width, height, channels = img_size
-    found = _of_mode(image, "L" if channels == 1 else "RGB")
+    found = _convert_mode(image, "L" if channels == 1 else "RGB")
     return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
 
 
-def size_of(path: Place) -> tuple[int, int]:
+def image_size(path: Place) -> tuple[int, int]:
     """Width and height of an image in px; raises one of `UNREADABLE`, or InvalidInput, where it cannot be read."""
     if _suffix(path) in _GEOTIFF:
         # Not unpacked: many are asked for their sizes.
-        stored = geotiff_of(_read(path))
+        stored = parse_geotiff(_read(path))
         if stored is not None:
             return stored.size
-    with picture_of(path) as image:
+    with open_undecoded(path) as image:
         return image.size
 
 
 @contextmanager
-def picture_of(path: Place, data: bytes | None = None) -> Iterator[Image.Image]:
+def open_undecoded(path: Place, data: bytes | None = None) -> Iterator[Image.Image]:
     """Picture of a file, of which the header is read; of a file of this machine no more than that.
 
     Parameters
@@ -699,6 +699,6 @@ def _check_size(path: Place, image: Image.Image | GeoTiff, said_px: tuple[float,
         )
 
 
-def _of_mode(image: Image.Image, mode: str) -> Image.Image:
+def _convert_mode(image: Image.Image, mode: str) -> Image.Image:
     image.load()
     return image if image.mode == mode else image.convert(mode)

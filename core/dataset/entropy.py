@@ -15,7 +15,7 @@ from PIL import Image
 from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput
 from .dataset import Dataset, Images, open_image, read_dataset
-from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_of
+from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_key
 from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
@@ -136,12 +136,14 @@ def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
         return False
     width = (ordered[-1] - ordered[0]) * _WINDOW
 
-    def near(places: NDArray[np.float64]) -> NDArray[np.int64]:
+    def count_values(places: NDArray[np.float64]) -> NDArray[np.int64]:
         first, last = (np.searchsorted(ordered, places + off) for off in (-width / 2.0, width / 2.0))
         return np.asarray(last - first, np.int64)
 
-    about = int(near(np.array([threshold]))[0])
-    low, high = (near(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold]))
+    about = int(count_values(np.array([threshold]))[0])
+    low, high = (
+        count_values(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold])
+    )
     return bool(about + math.sqrt(about) <= _VALLEY * min(int(low), int(high)))
 
 
@@ -206,7 +208,7 @@ def entropies_of(dataset: Dataset | str | os.PathLike[str]) -> dict[str, Floats]
     own = {
         map_type: _Own(one.folder, one.table, one.image_folder) for map_type, one in read.image_sets.items()
     }
-    _fill_in(list(own.values()), None)
+    _compute_missing(list(own.values()), None)
     return {map_type: one.entropies for map_type, one in own.items()}
 
 
@@ -234,18 +236,18 @@ def deciding_entropies(
         ``progress`` said so.
     """
     folders, own = map_type_folders(folder), {}
-    place = place_of(folder, folders.values())
+    place = place_key(folder, folders.values())
     for name, path in folders.items():
         table = Table.load(path / TABLE_FILE)
         own[name] = _Own(path, table, image_folder(path, table))
     measures = {name: one.measure() for name, one in own.items()}
-    _fill_in(list(own.values()), progress)
+    _compute_missing(list(own.values()), progress)
     found = {}
     for name, one in own.items():
         decider = deciding_folder(name, folders)
         entropies, by_roadmap = one.entropies, np.zeros(len(one.table), np.bool_)
         if decider is not None:
-            of_place = own[decider].by_place(place)
+            of_place = own[decider].entropies_by_place(place)
             of_roadmap = np.array(
                 [of_place.get(place(image), math.nan) for image in one.table.img_names], np.float64
             )
@@ -294,13 +296,13 @@ class _Own:
         nearness = np.median(off, axis=0)
         return MEASURES[int(np.argmin(nearness))] if nearness.min() <= _LOST else UNKNOWN
 
-    def by_place(self, place: Callable[[str], str]) -> dict[str, float]:
+    def entropies_by_place(self, place: Callable[[str], str]) -> dict[str, float]:
         """Entropies of the images that are there by their places."""
         named = zip(self.table.img_names, self.entropies.tolist())
         return {place(name): value for name, value in named if not math.isnan(value)}
 
 
-def _fill_in(sets: list[_Own], progress: Report | None) -> None:
+def _compute_missing(sets: list[_Own], progress: Report | None) -> None:
     """Work out the entropies that the tables do not have."""
     missing = [
         (one, index) for one in sets for index in np.flatnonzero(one.there & ~np.isfinite(one.entropies))

@@ -73,11 +73,11 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
                     "folder {0}: is one map type of the dataset {1}", folder, parent, remedy="give that one"
                 )
             return {resolved(path).name: path}
-        found = [one for one in _inside(path) if is_file(one / TABLE_FILE)]
+        found = [one for one in _list_folders(path) if is_file(one / TABLE_FILE)]
     except OSError as wrong:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     if not found and is_file(path / MISSION_FILE):
-        inside = _of_imageries(path)
+        inside = _imagery_folders(path)
         if inside:
             return inside
     if not found and not is_address(path) and (path / SUPPLEMENT_FOLDER).is_dir():
@@ -96,23 +96,23 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
     return {one.name: one for one in found}
 
 
-def _of_imageries(path: Path) -> dict[str, Path]:
+def _imagery_folders(path: Path) -> dict[str, Path]:
     """Folders of the one map type of each dataset inside a folder, by the datasets' names."""
     return {
         dataset.name: one
-        for dataset in _inside(path)
+        for dataset in _list_folders(path)
         if is_file(dataset / MISSION_FILE)
-        for one in _inside(dataset)
+        for one in _list_folders(dataset)
         if is_file(one / TABLE_FILE)
     }
 
 
-def _inside(path: Path) -> list[Path]:
+def _list_folders(path: Path) -> list[Path]:
     """What may be a folder inside a folder, by name."""
     return folders_in(path) if is_address(path) else sorted(path.iterdir())
 
 
-def place_of(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
+def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
     """Return what tells the place of an image by its name, which images of one place have in common.
 
     It is the name without ending; of imageries beside each other, whose zooms and pixels differ, column and row.
@@ -127,15 +127,15 @@ def place_of(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
     if not any(one.parent.parent == store_path(folder) for one in folders):
         return lambda name: Path(name).stem
 
-    def by_grid(name: str) -> str:
+    def grid_key(name: str) -> str:
         stem = Path(name).stem
         found = NAME.fullmatch(stem)
         return f"{found.group(1)}_{found.group(2)}" if found else stem
 
-    return by_grid
+    return grid_key
 
 
-def map_type_of(name: str) -> str:
+def map_type_name(name: str) -> str:
     """Map type of a folder of this name: ``satellite`` of ``satellite_0``, as published folders are called."""
     return name[: len(name) - len(_ending(name))]
 
@@ -185,11 +185,11 @@ def image_folder(folder: Path, table: Table) -> Path:
         Where they are no files of a folder, several folders hold as many of them, or one cannot be read.
     """
     if is_address(folder) or any(table.shard):
-        raise no_files(folder)
+        raise no_files_error(folder)
     inside = raster_folders(folder)
     if not inside:
         return folder
-    counts = {one: len(_listed(one).intersection(table.img_names)) for one in (folder, *inside)}
+    counts = {one: len(_list_names(one).intersection(table.img_names)) for one in (folder, *inside)}
     most = max(counts.values())
     best = [one for one, count in counts.items() if count == most]
     if most and len(best) > 1:
@@ -204,7 +204,7 @@ def image_folder(folder: Path, table: Table) -> Path:
     return best[0]
 
 
-def no_files(folder: Path) -> InvalidInput:
+def no_files_error(folder: Path) -> InvalidInput:
     """What is said where images have to be files of a folder of this machine, and are in shards or objects."""
     return InvalidInput(
         "folder {0}: its images are in shards or in an object store, and here have to be files of a folder",
@@ -212,7 +212,7 @@ def no_files(folder: Path) -> InvalidInput:
     )
 
 
-def _listed(folder: Path) -> set[str]:
+def _list_names(folder: Path) -> set[str]:
     """Names in a folder of images and among its rejected ones."""
     try:
         found = {one.name for one in folder.iterdir()}

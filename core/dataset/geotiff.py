@@ -90,7 +90,7 @@ class GeoTiff:
             found = zlib.decompressobj().decompress(packed, part.nbytes)
             if len(found) != part.nbytes:
                 raise ValueError("its pixels are damaged or cut off")
-            part[...] = _undone(np.frombuffer(found, np.uint8), part.shape, dtype, self._predictor)
+            part[...] = _undo_predictor(np.frombuffer(found, np.uint8), part.shape, dtype, self._predictor)
         return pixels
 
     def values(self) -> NDArray[Any]:
@@ -120,7 +120,7 @@ class GeoTiff:
         return shown_in_8_bits(values, self.bands, ranges)
 
 
-def geotiff_of(data: bytes) -> GeoTiff | None:
+def parse_geotiff(data: bytes) -> GeoTiff | None:
     """Image of a file's bytes; None for every file that is not such, also for 8-bit grey and colours.
 
     Raises
@@ -131,17 +131,17 @@ def geotiff_of(data: bytes) -> GeoTiff | None:
     if not data.startswith(_HEADER):
         return None
     try:
-        tags = _tags(data)
+        tags = _read_tags(data)
         image = _image(tags, data)
     except (struct.error, IndexError, KeyError, TypeError):
         return None
     return image
 
 
-def affine_of(data: bytes | mmap) -> tuple[float, float, float, float, float, float] | None:
+def parse_affine(data: bytes | mmap) -> tuple[float, float, float, float, float, float] | None:
     """GDAL's six numbers of a little-endian GeoTIFF, as captures write them; None where it says no such place."""
     try:
-        tags = _tags(data)
+        tags = _read_tags(data)
         if _TRANSFORMATION in tags:
             of_x, of_y = tags[_TRANSFORMATION][:4], tags[_TRANSFORMATION][4:8]
             return (of_x[3], of_x[0], of_x[1], of_y[3], of_y[0], of_y[1])
@@ -173,13 +173,13 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     largest = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
     if largest or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
         raise ValueError("it is larger than images are")
-    said = _said_of_bands(str(tags.get(_METADATA, "")))
+    said = _parse_band_items(str(tags.get(_METADATA, "")))
     return GeoTiff(
         width,
         height,
         _bands(tags, said, count, data_type),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
-        _ranges(said),
+        _display_ranges(said),
         not _PLACES.isdisjoint(tags),
         tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
         max(tags.get(_ROWS, (height,))[0], 1),
@@ -189,21 +189,21 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     )
 
 
-def stated_bands(data: bytes) -> Bands | None:
+def parse_bands(data: bytes) -> Bands | None:
     """What a GeoTIFF as captures write them says of its bands, also of 8-bit grey or colours; None for others."""
     if not data.startswith(_HEADER):
         return None
     try:
-        tags = _tags(data)
+        tags = _read_tags(data)
         kind, bits = _KINDS.get(tags.get(_FORMAT, (1,))[0], "c"), tags[_BITS][0]
         count = tags.get(_SAMPLES, (1,))[0] - _has_alpha(tags)
-        said = _said_of_bands(str(tags.get(_METADATA, "")))
+        said = _parse_band_items(str(tags.get(_METADATA, "")))
         return _bands(tags, said, count, np.dtype(f"{kind}{bits // 8}").name)
     except (struct.error, IndexError, KeyError, TypeError, ValueError):
         return None
 
 
-def pam_bands(text: str, channels: int) -> Bands:
+def parse_pam_bands(text: str, channels: int) -> Bands:
     """What GDAL's file beside an image of 8-bit grey (1) or colours (3), as captures write it, says of its bands."""
     said = {
         (element, int(number) - 1): unescape(value)
@@ -246,7 +246,7 @@ def _metadata(said: Said, band: int, scale: str, offset: str, unit: str) -> Band
     )
 
 
-def _tags(data: bytes | mmap) -> dict[int, Any]:
+def _read_tags(data: bytes | mmap) -> dict[int, Any]:
     """Numbers, or text, of a file's first directory by tags."""
     (at,) = struct.unpack_from("<I", data, 4)
     (count,) = struct.unpack_from("<H", data, at)
@@ -269,12 +269,12 @@ def _tags(data: bytes | mmap) -> dict[int, Any]:
     return tags
 
 
-def _said_of_bands(text: str) -> Said:
+def _parse_band_items(text: str) -> Said:
     """Items of GDAL's tag by their names and bands, unescaped as often as they were escaped."""
     return {(name, int(band)): unescape(unescape(value)) for name, band, value in _ITEM.findall(text)}
 
 
-def _ranges(said: Said) -> dict[int, Range]:
+def _display_ranges(said: Said) -> dict[int, Range]:
     found = {}
     for (name, band), text in said.items():
         if name == "DISPLAY_RANGE":
@@ -283,7 +283,7 @@ def _ranges(said: Said) -> dict[int, Range]:
     return found
 
 
-def _undone(
+def _undo_predictor(
     data: NDArray[np.uint8], shape: tuple[int, ...], dtype: np.dtype[Any], predictor: int
 ) -> NDArray[Any]:
     """Values (rows, width, channels) of unpacked bytes, from their differences."""

@@ -28,10 +28,10 @@ from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
 from ..storage.files import open_foreign, text_lines
 from ..storage.stores import is_file
-from .dataset import UNREADABLE, ImageSet, open_bands, picture_of, size_of
+from .dataset import UNREADABLE, ImageSet, image_size, open_bands, open_undecoded
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
-from .stored import ImageFile, has_beside
+from .stored import ImageFile, has_sidecar
 from .table import Table
 
 #: A window's middle and ``Lat``, ``Lon`` are the same place: they may differ by this, in px, which digits of a degree
@@ -77,7 +77,7 @@ _ALIKE = 4.0
 _ROUNDS = 6
 
 
-class Boxes(NamedTuple):
+class GroundBoxes(NamedTuple):
     """Boxes (n,) that hold the ground of images, edges included.
 
     World fractions ``west_u`` < ``east_u`` are continuous: of images beside each other they differ by their distance,
@@ -95,12 +95,14 @@ class Boxes(NamedTuple):
         found: Flags = np.isfinite(np.stack(self)).all(axis=0)
         return found
 
-    def take(self, index: NDArray[np.intp] | Flags) -> Boxes:
+    def take(self, index: NDArray[np.intp] | Flags) -> GroundBoxes:
         """Some of them."""
-        return Boxes(*(edge[index] for edge in self))
+        return GroundBoxes(*(edge[index] for edge in self))
 
 
-def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float) -> Boxes:
+def ground_boxes(
+    images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float
+) -> GroundBoxes:
     """Boxes of the ground that some images show.
 
     Of map frames these are their windows, exactly, or boxes about those in a CRS of their source's own; of the
@@ -130,20 +132,20 @@ def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon
         # Zoom 0 stands for no map at all.
         on_map = table.zoom[rows] > 0
         if on_map.any():
-            table = _published(images, rows[on_map])
+            table = _published_table(images, rows[on_map])
     windows = (table.left_px, table.top_px, table.width_px, table.height_px)
     framed_rows = np.flatnonzero(np.isfinite([column[rows] for column in windows]).all(axis=0))
     # All images of a mission are frames of one kind.
-    if len(framed_rows) and of_camera(images, rows[framed_rows], dataset):
-        edges[:, framed_rows] = _seen(table, rows[framed_rows], dataset / PLAN_FILE, middle_u)
+    if len(framed_rows) and are_camera_frames(images, rows[framed_rows], dataset):
+        edges[:, framed_rows] = _camera_boxes(table, rows[framed_rows], dataset / PLAN_FILE, middle_u)
     elif len(framed_rows) and any(table.crs):
-        edges[:, framed_rows] = _on_planes(table, rows[framed_rows], middle_u)
+        edges[:, framed_rows] = _plane_boxes(table, rows[framed_rows], middle_u)
     elif len(framed_rows):
-        edges[:, framed_rows] = _windows(table, rows[framed_rows], images.folder, middle_u)
-    return Boxes(*edges)
+        edges[:, framed_rows] = _window_boxes(table, rows[framed_rows], images.folder, middle_u)
+    return GroundBoxes(*edges)
 
 
-def _windows(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float) -> Boxes:
+def _window_boxes(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float) -> GroundBoxes:
     """Boxes of windows in the source's pixels, whose number around the world follows from where the windows lie."""
     left, top, width, height = (
         column[rows] for column in (table.left_px, table.top_px, table.width_px, table.height_px)
@@ -165,12 +167,12 @@ def _windows(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float
         )
     # Whole turns are taken off whole pixels, so that edges that two windows share stay the same number.
     left = left - np.round((left + width / 2.0) / world - middle_u) * world
-    return Boxes(
+    return GroundBoxes(
         left / world, (left + width) / world, v_to_lat((top + height) / world), v_to_lat(top / world)
     )
 
 
-def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
+def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> GroundBoxes:
     """Boxes of windows in CRSs of their sources' own, of whose curved edges points are followed."""
     edges = np.full((4, len(rows)), np.nan)
     share = np.linspace(0.0, 1.0, _EDGE_POINTS)
@@ -186,7 +188,7 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
                 *(table.width_px, table.height_px),
             )
         )
-        plane = plane_of(table, int(rows[at[0]]))
+        plane = image_plane(table, int(rows[at[0]]))
         lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
         # Around a pole the longitudes go on and on, and no box holds the ground.
         way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
@@ -196,10 +198,10 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
         u = u - np.round(u[:, :1] - middle_u)
         box = u.min(axis=1), u.max(axis=1), lat.min(axis=1), lat.max(axis=1)
         edges[:, at] = np.where(known, box, np.nan)
-    return Boxes(*edges)
+    return GroundBoxes(*edges)
 
 
-def plane_of(table: Table, row: int) -> ProjectedPlane:
+def image_plane(table: Table, row: int) -> ProjectedPlane:
     """Plane, in units of its CRS, that an image of a table lies on; raises InvalidInput, which names the image."""
     try:
         check_reference(table.crs[row])
@@ -208,30 +210,32 @@ def plane_of(table: Table, row: int) -> ProjectedPlane:
     return ProjectedPlane(table.crs[row], 0.0, 0.0, 1.0, 1.0)
 
 
-def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:
+def _published_table(images: ImageSet, rows: NDArray[np.intp]) -> Table:
     """Table of a published dataset with the windows of some rows, which the sizes of their images tell."""
     table = images.table
     width, height = table.image_width_px.copy(), table.image_height_px.copy()
     for row in rows.tolist():
         if not (np.isfinite(width[row]) and np.isfinite(height[row])):
-            width[row], height[row] = _size(images.file(row))
+            width[row], height[row] = _read_size(images.file(row))
     return framed(replace(table, image_width_px=width, image_height_px=height), images.image_folder.name)
 
 
-def _seen(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: float) -> Boxes:
+def _camera_boxes(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: float) -> GroundBoxes:
     """Boxes of camera frames, from their poses and ground corners."""
-    corners = _corners(plan, [Path(table.img_names[row]).stem for row in rows.tolist()])
+    corners = _read_corners(plan, [Path(table.img_names[row]).stem for row in rows.tolist()])
     edges = np.empty((4, len(rows)))
     for start in range(0, len(rows), _FRAMES):
         some = slice(start, start + _FRAMES)
         at = rows[some]
-        edges[:, some] = _traced(
+        edges[:, some] = _trace_boxes(
             table.pose_lat_deg[at], table.pose_lon_deg[at], table.agl_m[at], corners[some], middle_u
         )
-    return Boxes(*edges)
+    return GroundBoxes(*edges)
 
 
-def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> Boxes:
+def _trace_boxes(
+    lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float
+) -> GroundBoxes:
     """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude, of which NaN is none."""
     lat, agl = lat_deg[:, np.newaxis], agl_m[:, np.newaxis]
     towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon_deg[:, np.newaxis]))
@@ -251,7 +255,7 @@ def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, mi
     u = lon_to_u(lon_deg)
     u = u - np.round(u - middle_u)
     edges = (u + west / 360.0 - more_u, u + east / 360.0 + more_u, south - more_lat, north + more_lat)
-    return Boxes(*(np.where(known, edge, np.nan) for edge in edges))
+    return GroundBoxes(*(np.where(known, edge, np.nan) for edge in edges))
 
 
 def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> None:
@@ -280,7 +284,7 @@ def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> No
             )
 
 
-def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
+def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
     A turned camera's are, whatever lies beside them. One that looks straight down, with its top to the map's north or a
@@ -304,23 +308,23 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
         if stored is not None:
             return not stored.is_placed
         try:
-            with picture_of(path) as image:
+            with open_undecoded(path) as image:
                 return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any(is_file(dataset / name) for name in (MISSION_FILE, PLAN_FILE))
-    return (captured or most > 0.0) and not has_beside(path, _WORLD_FILES)
+    return (captured or most > 0.0) and not has_sidecar(path, _WORLD_FILES)
 
 
-def _size(path: ImageFile) -> tuple[int, int]:
+def _read_size(path: ImageFile) -> tuple[int, int]:
     """Width and height of an image in px."""
     try:
-        return size_of(path)
+        return image_size(path)
     except UNREADABLE as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
 
 
-def _corners(plan: Path, names: Sequence[str]) -> Floats:
+def _read_corners(plan: Path, names: Sequence[str]) -> Floats:
     """Latitudes and longitudes (n, 4, 2) of images' ground corners; NaN where one looks past the Earth."""
     headers = [f"{corner}_{axis}_deg" for corner in _CORNERS for axis in ("lat", "lon")]
     corners = np.full((len(names), len(headers)), np.nan)
@@ -348,36 +352,36 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
     return corners.reshape(-1, len(_CORNERS), 2)
 
 
-def largest_side_m(boxes: Boxes) -> float:
+def largest_side_m(boxes: GroundBoxes) -> float:
     """Longest side of boxes (n,), n > 0, metres on the ground."""
     shrink = np.cos(np.radians((boxes.south_deg + boxes.north_deg) / 2.0))
     width_m = (boxes.east_u - boxes.west_u) * _EQUATOR_M * shrink
     return float(max(width_m.max(), ((boxes.north_deg - boxes.south_deg) * _DEGREE_M).max()))
 
 
-def blocks_of(boxes: Boxes, block_m: float) -> Numbers:
+def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
     """Number of the block (n,) in which the centre of each box lies; blocks are at least about so large."""
     lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
     south, west = boxes.south_deg.min(), boxes.west_u.min()
     step_deg = block_m / _DEGREE_M
-    row = _floor((lat - south) / step_deg)
+    row = _floor_rounded((lat - south) / step_deg)
     middle = np.radians(np.clip(south + (row + 0.5) * step_deg, -89.9, 89.9))
     # Whole blocks around the world: each has two neighbours, wherever the antimeridian is.
     around = np.maximum(np.floor(_EQUATOR_M * np.cos(middle) / block_m), 1.0)
-    column = _floor(np.mod(u - west, 1.0) * around)
+    column = _floor_rounded(np.mod(u - west, 1.0) * around)
     _, numbers = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
     return np.asarray(numbers, np.int64).reshape(-1)
 
 
-def parted(
-    boxes: Boxes, block: Numbers, order: Sequence[int], shares: Sequence[float], gap_m: float
+def assign_parts(
+    boxes: GroundBoxes, block: Numbers, order: Sequence[int], shares: Sequence[float], gap_m: float
 ) -> Numbers:
     """Part (n,) of each box: 0 training, 1 validation, 2 test, -1 for the gap.
 
     Parameters
     ----------
     block : array (n,)
-        Block of each box, as `blocks_of` has it.
+        Block of each box, as `assign_blocks` has it.
     order : sequence of int
         All blocks, in the order in which they are given to the test and the validation part.
     shares : sequence of float
@@ -389,8 +393,8 @@ def parted(
     best, best_off = np.full(len(block), -1, np.int64), math.inf
     targets = [share * len(block) for share in shares]
     for _ in range(_ROUNDS):
-        of_block = _given(sizes, order, shares, targets)
-        part = _without_gap(boxes, of_block[block], gap_m)
+        of_block = _assign_parts(sizes, order, shares, targets)
+        part = _remove_gap(boxes, of_block[block], gap_m)
         off = deviation(part, shares)
         if off < best_off:
             best, best_off = part, off
@@ -414,7 +418,7 @@ def deviation(part: Numbers, shares: Sequence[float]) -> float:
     return max(abs(count / sum(counts) - share) for share, count in zip(shares, counts))
 
 
-def _given(
+def _assign_parts(
     sizes: Numbers, order: Sequence[int], shares: Sequence[float], targets: Sequence[float]
 ) -> Numbers:
     """Part of each block, so that parts have about as many images as is aimed for."""
@@ -440,25 +444,25 @@ def _given(
     return of_block
 
 
-def _without_gap(boxes: Boxes, part: Numbers, gap_m: float) -> Numbers:
+def _remove_gap(boxes: GroundBoxes, part: Numbers, gap_m: float) -> Numbers:
     """Parts (n,), -1 for boxes that come too near to one of another part that comes before theirs."""
     part = part.copy()
     for low, high in ((1, (2,)), (0, (1, 2))):
         mine, others = np.flatnonzero(part == low), np.flatnonzero(np.isin(part, high))
         if len(mine) and len(others):
-            part[mine[near(boxes.take(mine), boxes.take(others), gap_m)]] = -1
+            part[mine[find_near(boxes.take(mine), boxes.take(others), gap_m)]] = -1
     return part
 
 
-def near(boxes: Boxes, others: Boxes, gap_m: float) -> Flags:
+def find_near(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
     """Which of the boxes (n,) share ground with one of others (m,), or are nearer to one than the gap.
 
     Boxes that only touch share nothing. In doubt (at corners, by the shape of the Earth) they are near.
     """
-    wide = _grown(others, gap_m)
+    wide = _enlarge(others, gap_m)
     found = np.zeros(len(boxes.west_u), np.bool_)
-    for mine in _alike(boxes):
-        for theirs in _alike(wide):
+    for mine in _size_classes(boxes):
+        for theirs in _size_classes(wide):
             some = boxes.take(mine)
             # The ground of boxes half a world away from the middle is the same one turn on.
             for turn in (-1.0, 0.0, 1.0):
@@ -467,11 +471,11 @@ def near(boxes: Boxes, others: Boxes, gap_m: float) -> Flags:
                 )
                 within = (turned.east_u > some.west_u.min()) & (turned.west_u < some.east_u.max())
                 if within.any():
-                    found[mine] |= _meeting(some, turned.take(within))
+                    found[mine] |= _find_overlapping(some, turned.take(within))
     return found
 
 
-def _grown(boxes: Boxes, gap_m: float) -> Boxes:
+def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
     """Boxes that hold all ground nearer than a gap to boxes.
 
     On a sphere the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
@@ -484,12 +488,12 @@ def _grown(boxes: Boxes, gap_m: float) -> Boxes:
     over_pole = farthest + angle >= math.pi / 2.0
     more_u = np.where(over_pole, 0.5, np.arcsin(np.minimum(ratio, 1.0)) / (2.0 * math.pi))
     more_deg = math.degrees(angle)
-    return Boxes(
+    return GroundBoxes(
         boxes.west_u - more_u, boxes.east_u + more_u, boxes.south_deg - more_deg, boxes.north_deg + more_deg
     )
 
 
-def _alike(boxes: Boxes) -> Iterator[NDArray[np.intp]]:
+def _size_classes(boxes: GroundBoxes) -> Iterator[NDArray[np.intp]]:
     """Numbers of boxes of about the same size."""
     size = np.maximum(boxes.east_u - boxes.west_u, (boxes.north_deg - boxes.south_deg) / 360.0)
     kind = np.floor(np.log(np.maximum(size, 1e-12)) / math.log(_ALIKE))
@@ -497,7 +501,7 @@ def _alike(boxes: Boxes) -> Iterator[NDArray[np.intp]]:
         yield np.flatnonzero(kind == one)
 
 
-def _meeting(boxes: Boxes, others: Boxes) -> Flags:
+def _find_overlapping(boxes: GroundBoxes, others: GroundBoxes) -> Flags:
     """Which of the boxes (n,) have ground in common with one of others (m,), n and m > 0."""
     bin_u = max(_widest(boxes.east_u - boxes.west_u), _widest(others.east_u - others.west_u))
     bin_deg = max(_widest(boxes.north_deg - boxes.south_deg), _widest(others.north_deg - others.south_deg))
@@ -559,6 +563,6 @@ def _widest(sizes: Floats) -> float:
     return max(float(sizes.max()), 1e-12) * (1.0 + 1e-6)
 
 
-def _floor(values: Floats) -> Floats:
+def _floor_rounded(values: Floats) -> Floats:
     whole: Floats = np.floor(np.round(values / _ROUNDED) * _ROUNDED)
     return whole

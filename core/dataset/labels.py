@@ -27,7 +27,7 @@ from ..limits import MAX_SETTINGS_BYTES
 from ..storage.files import read_limited, write_whole
 from ..text.safe_json import decoded, parse_json
 from .folder import FRAMES, TRAIN
-from .table import Table, part_of, taken
+from .table import Table, image_parts, usable_rows
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -80,7 +80,7 @@ class Labels:
                 "labels: scaler of {0} columns; need {1}", len(self.scaler.mean), ", ".join(NAMES)
             )
 
-    def of(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+    def transform(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Labels (n, 2) of positions (n,) in degrees: scaled eastings and northings."""
         return self.scaler.transform(self.frame.forward(lat_deg, lon_deg))
 
@@ -176,7 +176,7 @@ def mark_unfinished(path: str | os.PathLike[str]) -> None:
     write_whole(path, _UNFINISHED.encode("utf-8"))
 
 
-def labels_of(
+def make_labels(
     lat_deg: Floats, lon_deg: Floats, frame: str = "utm", *, training: NDArray[np.bool_] | None = None
 ) -> Labels:
     """Labels for positions.
@@ -186,7 +186,7 @@ def labels_of(
     lat_deg, lon_deg : array (n,)
         Centres of all images.
     frame : str
-        See `frame_of`.
+        See `choose_frame`.
     training : array of bool (n,) or None
         Those that the scaler is fitted on: what is to be found out about the others stays unseen. None for all.
 
@@ -196,7 +196,7 @@ def labels_of(
         No such frame, positions that it cannot hold, or none to fit the scaler on.
     """
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
-    found = frame_of(lat, lon, frame)
+    found = choose_frame(lat, lon, frame)
     fitted = np.ones(lat.shape, np.bool_) if training is None else training
     if not fitted.any():
         raise InvalidInput(
@@ -210,7 +210,7 @@ def labels_of(
     )
 
 
-def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
+def make_dataset_labels(tables: Iterable[Table], frame: str = "utm") -> Labels:
     """Labels for the images of a dataset's map types together, each place once.
 
     The scaler is fitted on the places of the training part; where there is none, as without a split, on all that are
@@ -219,12 +219,12 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
     Raises
     ------
     InvalidInput
-        As `labels_of`.
+        As `make_labels`.
     """
     places: dict[str, tuple[float, float, str]] = {}
     for table in tables:
-        parts = part_of(table)
-        for index in np.flatnonzero(taken(table)).tolist():
+        parts = image_parts(table)
+        for index in np.flatnonzero(usable_rows(table)).tolist():
             part = "" if parts is None else parts[index]
             place = (float(table.lat_deg[index]), float(table.lon_deg[index]), part)
             places.setdefault(Path(table.img_names[index]).stem, place)
@@ -234,7 +234,7 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
         )
     lat, lon = (np.array([place[axis] for place in places.values()], np.float64) for axis in (0, 1))
     training = np.array([place[2] == TRAIN for place in places.values()], np.bool_)
-    return labels_of(lat, lon, frame, training=training if training.any() else None)
+    return make_labels(lat, lon, frame, training=training if training.any() else None)
 
 
 @dataclass(frozen=True)
@@ -286,7 +286,7 @@ class Frame:
         return lat, wrap_lon_deg(lon)
 
 
-def frame_of(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
+def choose_frame(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
     """One frame for all of some positions (n,) in degrees, n > 0.
 
     Parameters
@@ -306,13 +306,13 @@ def frame_of(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
         raise InvalidInput(
             "frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90", frame, lat.size
         )
-    middle_lat, middle_lon = middle_of(lat, lon)
-    found = Frame(_crs_of(frame, middle_lat, middle_lon), middle_lat, middle_lon, zones_of(lat, lon))
+    middle_lat, middle_lon = middle_position(lat, lon)
+    found = Frame(_frame_crs(frame, middle_lat, middle_lon), middle_lat, middle_lon, grid_zones(lat, lon))
     _check_holds(found, frame, lat, lon)
     return found
 
 
-def middle_of(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
+def middle_position(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
     """Middle of the smallest box of latitude and longitude that holds positions (n,), in degrees."""
     lon = np.sort(wrap_lon_deg(lon_deg))
     gaps = np.append(np.diff(lon), lon[0] + 360.0 - lon[-1])
@@ -322,7 +322,7 @@ def middle_of(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
     return float(lat_deg.min() + lat_deg.max()) / 2.0, float(wrap_lon_deg(np.array(middle)))
 
 
-def zones_of(lat_deg: Floats, lon_deg: Floats) -> tuple[str, ...]:
+def grid_zones(lat_deg: Floats, lon_deg: Floats) -> tuple[str, ...]:
     """UTM and UPS zones that positions (n,) in degrees lie in, sorted."""
     places = set(zip(np.floor(lat_deg).tolist(), np.floor(wrap_lon_deg(lon_deg)).tolist()))
     # All borders of zones are whole degrees, so that a corner tells for all of its square of a degree.
@@ -336,7 +336,7 @@ def _zone_name(lat_deg: float, lon_deg: float) -> str:
     return f"{zone.number:02d}{'S' if zone.south else 'N'}"
 
 
-def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
+def _frame_crs(frame: str, lat_deg: float, lon_deg: float) -> str:
     if frame == "mercator":
         return MERCATOR
     if frame == "mission":
@@ -453,7 +453,7 @@ class Scaler:
             raise InvalidInput(
                 "scaler: {0} values to fit it to; needs one or more, all finite numbers", len(values)
             )
-        fitted = [_fitted(column) for column in values.T.tolist()]
+        fitted = [_fit_column(column) for column in values.T.tolist()]
         return cls(tuple(mean for mean, _ in fitted), tuple(scale for _, scale in fitted))
 
     def transform(self, values: Floats) -> Floats:
@@ -467,7 +467,7 @@ class Scaler:
         return values
 
 
-def _fitted(column: Sequence[float]) -> tuple[float, float]:
+def _fit_column(column: Sequence[float]) -> tuple[float, float]:
     """Mean and standard deviation of a column."""
     if max(column) - min(column) <= CONSTANT:
         return column[0], 1.0

@@ -17,13 +17,21 @@ import numpy as np
 
 from ..arrays import Numbers
 from ..errors import Cancelled, InvalidInput, Message
-from .clean import held
+from .clean import locked_folder
 from .dataset import ImageSet, read_dataset
 from .entropy import Report
 from .folder import AUTO, PARTS, SEED, SHARES, TABLE_FILE, TEST, TRAIN, WAYS
-from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, near, parted
-from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished, middle_of
-from .table import GAP, SPLIT, Table, taken
+from .ground import (
+    GroundBoxes,
+    assign_blocks,
+    assign_parts,
+    deviation,
+    find_near,
+    ground_boxes,
+    largest_side_m,
+)
+from .labels import LABELS_FILE, Labels, make_dataset_labels, mark_unfinished, middle_position
+from .table import GAP, SPLIT, Table, usable_rows
 
 #: Shares written as decimals add up to 1 within their rounding.
 _SUM_OFF = 1e-9
@@ -97,7 +105,7 @@ def split(
 ) -> Split:
     """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
 
-    Images of one place are in the same part in every map type and imagery (see `folder.place_of`). Failed and rejected
+    Images of one place are in the same part in every map type and imagery (see `folder.place_key`). Failed and rejected
     ones are in none. An earlier split is replaced; where that is interrupted, reading its labels says so until it is
     done again.
 
@@ -117,7 +125,7 @@ def split(
     gap_m : float
         With blocks: minimum distance between the ground of two parts.
     frame : str
-        Of the labels (see `labels.frame_of`).
+        Of the labels (see `labels.choose_frame`).
     dry_run : bool
         Change nothing.
     progress : callable
@@ -134,37 +142,37 @@ def split(
         Another run is at work in the folder, or it cannot be written.
     """
     wanted = _checked(shares, how, block_m, gap_m)
-    with held(folder, only_read=dry_run):
+    with locked_folder(folder, only_read=dry_run):
         dataset = read_dataset(folder)
-        sets, place = list(dataset.image_sets.values()), dataset.place_of()
-        _check_goes_on(progress, _READ)
+        sets, place = list(dataset.image_sets.values()), dataset.place_key()
+        _report(progress, _READ)
         places = _places(sets, place)
         if not places:
             raise InvalidInput(
                 "folder {0}: has no image that is there and not rejected, so there is nothing to split",
                 folder,
             )
-        boxes = _ground_if_known(dataset.folder, sets, places, needed=how == "blocks")
-        _check_goes_on(progress, _GROUND)
+        boxes = _known_ground(dataset.folder, sets, places, needed=how == "blocks")
+        _report(progress, _GROUND)
         if how == AUTO:
             how = (
                 "blocks"
-                if block_m is not None or gap_m or (boxes is not None and _overlap(boxes))
+                if block_m is not None or gap_m or (boxes is not None and _do_overlap(boxes))
                 else "shuffled"
             )
         block_side: float | None = None
         count: int | None = None
         unknown = 0
         if how == "blocks":
-            of_place, block_side, count, unknown = _by_blocks(
+            of_place, block_side, count, unknown = _split_ground(
                 dataset.folder, boxes, places, wanted, seed, block_m, float(gap_m)
             )
         else:
-            order = shuffled(places, seed) if how == "shuffled" else list(places)
-            of_place = dict(zip(order, counted(len(order), wanted)))
-        tables = [_with_parts(images, of_place, place) for images in sets]
-        labels = labels_of_tables(tables, frame)
-        _check_goes_on(progress, _PARTED)
+            order = shuffle(places, seed) if how == "shuffled" else list(places)
+            of_place = dict(zip(order, assign_counts(len(order), wanted)))
+        tables = [_add_parts(images, of_place, place) for images in sets]
+        labels = make_dataset_labels(tables, frame)
+        _report(progress, _PARTED)
         if not dry_run:
             # Tables are written one by one: until the last, parts of one map type may be other than another's.
             mark_unfinished(dataset.folder / LABELS_FILE)
@@ -183,18 +191,18 @@ def split(
         block_m=block_side,
         gap_m=float(gap_m) if how == "blocks" else None,
         blocks=count,
-        seen=None if boxes is None else _seen([of_place[name] for name in places], boxes),
+        seen=None if boxes is None else _seen_share([of_place[name] for name in places], boxes),
         labels=labels,
     )
 
 
-def _check_goes_on(progress: Report | None, share: float) -> None:
+def _report(progress: Report | None, share: float) -> None:
     """Tell how much is done; raises Cancelled where that is enough."""
     if progress is not None and not progress(share):
         raise Cancelled("stopped while images were split: nothing was changed")
 
 
-def shuffled(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:
+def shuffle(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:
     """Names in the order of the SHA-256 of ``seed:name``, the same everywhere."""
     return sorted(names, key=lambda name: hashlib.sha256(f"{seed}:{name}".encode()).digest())
 
@@ -233,12 +241,12 @@ def _places(sets: Sequence[ImageSet], place: Callable[[str], str]) -> dict[str, 
     """Map type and row of the images of each place, in the tables' order; of those that are taken."""
     places: dict[str, list[tuple[int, int]]] = {}
     for number, images in enumerate(sets):
-        for row in np.flatnonzero(taken(images.table)).tolist():
+        for row in np.flatnonzero(usable_rows(images.table)).tolist():
             places.setdefault(place(images.table.img_names[row]), []).append((number, row))
     return places
 
 
-def counted(count: int, shares: Sequence[float]) -> list[str]:
+def assign_counts(count: int, shares: Sequence[float]) -> list[str]:
     """Parts of so many images in order: numbers by largest remainder, and at least one for each part asked for.
 
     Raises InvalidInput where there are fewer images than parts.
@@ -263,9 +271,9 @@ def counted(count: int, shares: Sequence[float]) -> list[str]:
     return [part for part, size in zip(PARTS, counts) for _ in range(size)]
 
 
-def _ground_if_known(
+def _known_ground(
     folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]], *, needed: bool
-) -> Boxes | None:
+) -> GroundBoxes | None:
     """Boxes of the ground of each place; None where none is known, or cannot be worked out and is not needed."""
     try:
         boxes = _ground(folder, sets, places)
@@ -276,32 +284,34 @@ def _ground_if_known(
     return boxes if boxes.known.any() else None
 
 
-def _overlap(boxes: Boxes) -> bool:
+def _do_overlap(boxes: GroundBoxes) -> bool:
     """Whether two images share more ground than rounding makes neighbours share."""
     known = boxes.take(boxes.known)
     across, up = (known.east_u - known.west_u) * _ROUNDING, (known.north_deg - known.south_deg) * _ROUNDING
-    inner = Boxes(known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up)
+    inner = GroundBoxes(
+        known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up
+    )
     number = np.arange(len(inner.west_u))
     # Two numbers differ in one of their binary digits at least.
     for digit in range(len(number).bit_length()):
         one = number >> digit & 1 == 1
-        if one.any() and near(inner.take(one), inner.take(~one), 0.0).any():
+        if one.any() and find_near(inner.take(one), inner.take(~one), 0.0).any():
             return True
     return False
 
 
-def _seen(parts: Sequence[str], boxes: Boxes) -> float | None:
+def _seen_share(parts: Sequence[str], boxes: GroundBoxes) -> float | None:
     """Share of the test's places, of known ground, that share some with a training image; None without any."""
     part = np.array(parts)
     test, train = (boxes.take(boxes.known & (part == one)) for one in (TEST, TRAIN))
     if not len(test.west_u):
         return None
-    return float(near(test, train, 0.0).mean()) if len(train.west_u) else 0.0
+    return float(find_near(test, train, 0.0).mean()) if len(train.west_u) else 0.0
 
 
-def _by_blocks(
+def _split_ground(
     folder: Path,
-    boxes: Boxes | None,
+    boxes: GroundBoxes | None,
     places: Mapping[str, list[tuple[int, int]]],
     shares: tuple[float, float, float],
     seed: int,
@@ -318,13 +328,13 @@ def _by_blocks(
         )
     known = boxes.known
     names = [name for name, there in zip(places, known.tolist()) if there]
-    part, side, count = by_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
+    part, side, count = split_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
     of_known = dict(zip(names, part))
     return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
 
 
-def by_blocks(
-    boxes: Boxes,
+def split_blocks(
+    boxes: GroundBoxes,
     names: Sequence[str],
     shares: tuple[float, float, float],
     seed: int = SEED,
@@ -350,8 +360,8 @@ def by_blocks(
     base = largest_side_m(boxes) + gap_m
     best: tuple[float, float, Numbers, int] | None = None
     for side in [times * base for times in _TRIED] if block_m is None else [float(block_m)]:
-        block = blocks_of(boxes, side)
-        part = parted(boxes, block, _block_order(names, block, seed), shares, gap_m)
+        block = assign_blocks(boxes, side)
+        part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m)
         off = deviation(part, shares)
         if math.isfinite(off) and (best is None or off < best[0]):
             best = off, side, part, int(block.max()) + 1
@@ -384,10 +394,12 @@ def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
         if one not in seen:
             seen.add(one)
             first[name] = one
-    return [first[name] for name in shuffled(first, seed)]
+    return [first[name] for name in shuffle(first, seed)]
 
 
-def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]) -> Boxes:
+def _ground(
+    folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]
+) -> GroundBoxes:
     """Boxes of the ground of each place, of the images of all map types together."""
     number = {name: index for index, name in enumerate(places)}
     of_set: list[list[tuple[int, int]]] = [[] for _ in sets]
@@ -399,25 +411,26 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
         np.concatenate([getattr(images.table, name)[at] for images, at in zip(sets, rows)])
         for name in ("lat_deg", "lon_deg")
     )
-    _, middle_lon = middle_of(lat, lon)
+    _, middle_lon = middle_position(lat, lon)
     edges = np.array([[np.inf], [-np.inf], [np.inf], [-np.inf]]).repeat(len(places), axis=1)
     for images, at, pairs in zip(sets, rows, of_set):
         place = np.array([one for _, one in pairs], np.intp)
         # Imageries beside each other have their plans beside their images.
         own = folder if images.folder == folder else images.folder.parent
-        boxes = boxes_of(images, at, own, middle_lon)
+        boxes = ground_boxes(images, at, own, middle_lon)
         # minimum and maximum pass NaN on: a place of which one image is not known is not known.
         with np.errstate(invalid="ignore"):
             for lowest in (0, 2):
                 np.minimum.at(edges[lowest], place, boxes[lowest])
                 np.maximum.at(edges[lowest + 1], place, boxes[lowest + 1])
-    return Boxes(*edges)
+    return GroundBoxes(*edges)
 
 
-def _with_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[str], str]) -> Table:
+def _add_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[str], str]) -> Table:
     """Table of a map type with its column of parts."""
     table = images.table
     cells = tuple(
-        of_place[place(name)] if there else "" for name, there in zip(table.img_names, taken(table).tolist())
+        of_place[place(name)] if there else ""
+        for name, there in zip(table.img_names, usable_rows(table).tolist())
     )
-    return table.replaced({**table.other, SPLIT: cells})
+    return table.replace_other({**table.other, SPLIT: cells})

@@ -99,7 +99,7 @@ class StoredImage:
             )
         # One request for most images; what is large is in memory once, and only if its header says the same.
         data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= _AT_ONCE_BYTES))
-        member = member_of(data[:TAR_BLOCK_BYTES])
+        member = parse_member(data[:TAR_BLOCK_BYTES])
         is_there = (
             member is not None
             and holds_file(member)
@@ -133,7 +133,7 @@ class StoredImage:
             key = own if key is None else key
             if own != key:
                 return
-            if not holds_file(member) or member.offset + bytes_of(member) > self.shard_bytes:
+            if not holds_file(member) or member.offset + member_bytes(member) > self.shard_bytes:
                 raise InvalidInput(
                     "shard {0}: what it has of the image {1} at byte {2:,} is no whole file",
                     self.place,
@@ -165,7 +165,7 @@ class StoredImage:
 ImageFile = Union[Path, StoredImage]
 
 
-def has_beside(image: ImageFile, endings: Iterable[str]) -> bool:
+def has_sidecar(image: ImageFile, endings: Iterable[str]) -> bool:
     """Whether a file of the image's name and one of some endings is beside it."""
     if not isinstance(image, StoredImage):
         return any(image.with_suffix(ending).exists() for ending in endings)
@@ -179,7 +179,7 @@ def is_name(text: str) -> bool:
     return text not in ("", ".", "..") and not _NO_NAME.search(text)
 
 
-def shards_of(folder: Path, table: Table) -> dict[str, int]:
+def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
     """Bytes of the shards that a table names, by their names, in its order.
 
     Raises
@@ -250,7 +250,7 @@ def members(
     """
     at, count = start, 0
     while at <= end - TAR_BLOCK_BYTES:
-        member = member_of(read(at, TAR_BLOCK_BYTES))
+        member = parse_member(read(at, TAR_BLOCK_BYTES))
         if member is None:
             return
         member.offset = at
@@ -268,10 +268,10 @@ def members(
             )
         if member.type not in _OF_THE_NEXT:
             yield member
-        at += bytes_of(member)
+        at += member_bytes(member)
 
 
-def member_of(header: bytes) -> tarfile.TarInfo | None:
+def parse_member(header: bytes) -> tarfile.TarInfo | None:
     """File that a block of a tar is the header of; None where it is none, or not whole."""
     if header[_MAGIC] != b"ustar":
         return None
@@ -286,6 +286,6 @@ def holds_file(member: tarfile.TarInfo) -> bool:
     return member.type in _FILES
 
 
-def bytes_of(member: tarfile.TarInfo) -> int:
+def member_bytes(member: tarfile.TarInfo) -> int:
     """Bytes of a member from its header to the next one's."""
     return TAR_BLOCK_BYTES + -(-member.size // TAR_BLOCK_BYTES) * TAR_BLOCK_BYTES

@@ -23,7 +23,7 @@ from ..numbers import real_number
 from ..storage.files import open_foreign, read_line, text_lines, write_whole
 from ..storage.stores import Address, store_path
 from ..text.plain import table_cell, time_s
-from .cells import CutCells, ReadCells, Rows
+from .cells import CsvRows, CutCells, ReadCells
 
 #: Headers that differ from the names of `Table`'s fields: the published dataset's.
 _HEADERS = {"lat_deg": "Lat", "lon_deg": "Lon", "zoom": "Alt"}
@@ -207,7 +207,7 @@ class Table:
         return {name: header for header, name in _FIELD_OF.items() if name not in left_out}
 
     @classmethod
-    def of(cls, known: Mapping[str, Any], other: Mapping[str, tuple[str, ...]]) -> Table:
+    def from_columns(cls, known: Mapping[str, Any], other: Mapping[str, tuple[str, ...]]) -> Table:
         """Table of some columns, by the names of fields; all others are not known.
 
         Parameters
@@ -221,7 +221,7 @@ class Table:
         unknown = {name: texts if name in _TEXT else numbers for name in FIELDS}
         return cls(**{**unknown, **known}, other=other)
 
-    def with_other(self, columns: Mapping[str, Mapping[str, str]]) -> Table:
+    def join_other(self, columns: Mapping[str, Mapping[str, str]]) -> Table:
         """Copy with these columns as those that are not ours.
 
         Parameters
@@ -229,14 +229,14 @@ class Table:
         columns : mapping of str to mapping of str to str
             Cells by image name; those of images without one are empty.
         """
-        return self.replaced(
+        return self.replace_other(
             {
                 header: tuple(cells.get(name, "") for name in self.img_names)
                 for header, cells in columns.items()
             }
         )
 
-    def replaced(self, other: Mapping[str, tuple[str, ...]]) -> Table:
+    def replace_other(self, other: Mapping[str, tuple[str, ...]]) -> Table:
         """Copy with these columns, cells in the order of the rows, as those that are not ours."""
         return replace(self, other=other)
 
@@ -250,11 +250,11 @@ class Table:
         yield _csv([[*written.values(), *self.other]])
         for start in range(0, len(self), _ROWS_A_BLOCK):
             rows = slice(start, start + _ROWS_A_BLOCK)
-            own = [_texts(name, getattr(self, name)[rows]) for name in written]
+            own = [_format_column(name, getattr(self, name)[rows]) for name in written]
             yield _csv(zip(*own, *(column[rows] for column in self.other.values())))
 
     @classmethod
-    def _of_texts(cls, texts: Iterable[str], name: str) -> Table:
+    def _parse(cls, texts: Iterable[str], name: str) -> Table:
         """Table from texts of whole lines, or from those of a published one.
 
         Raises
@@ -264,8 +264,8 @@ class Table:
             call the table ``name``.
         """
         faults: list[tuple[int, str]] = []
-        rows = Rows(texts, name, faults)
-        gathered = _Gathered(rows.headers, name, faults)
+        rows = CsvRows(texts, name, faults)
+        gathered = _ColumnBuilder(rows.headers, name, faults)
         for cells in rows:
             gathered.add(cells)
         return gathered.table()
@@ -274,9 +274,9 @@ class Table:
     def load(cls, path: Address) -> Table:
         """Table from a file; raises InvalidInput where it cannot be read, as a whole or in some rows."""
         try:
-            texts = _texts_of(store_path(path))
+            texts = _read_texts(store_path(path))
             try:
-                return cls._of_texts(texts, Message("table {0}", path))
+                return cls._parse(texts, Message("table {0}", path))
             except InvalidInput:
                 # Bytes that are no text are told before what the text says.
                 deque(texts, maxlen=0)
@@ -303,13 +303,13 @@ class Column(NamedTuple):
     values: Floats | Numbers | tuple[str, ...]
 
 
-def columns_of(table: Table) -> list[Column]:
+def written_columns(table: Table) -> list[Column]:
     """Return all columns that are written; raises InvalidInput for times that are none."""
     found = []
     for name, header in table.written.items():
         values = getattr(table, name)
         if name == "time_utc":
-            found.append(Column(header, TIME, seconds_of(values)))
+            found.append(Column(header, TIME, unix_seconds(values)))
         elif name in _TEXT:
             found.append(Column(header, TEXT, values))
         else:
@@ -320,7 +320,7 @@ def columns_of(table: Table) -> list[Column]:
     return found + [Column(header, TEXT, cells) for header, cells in table.other.items()]
 
 
-def cell_of(column: Column, row: int) -> str | int | float | None:
+def json_cell(column: Column, row: int) -> str | int | float | None:
     """Value of a column in a row as JSON has it; None where it is not known."""
     value = column.values[row]
     if isinstance(value, str):
@@ -330,7 +330,7 @@ def cell_of(column: Column, row: int) -> str | int | float | None:
     return int(value) if column.kind == WHOLE else float(value)
 
 
-def seconds_of(times_utc: Sequence[str]) -> Floats:
+def unix_seconds(times_utc: Sequence[str]) -> Floats:
     """Unix seconds (n,) of times in ISO 8601, NaN for empty ones; raises InvalidInput for what is no time."""
     found = np.full(len(times_utc), np.nan)
     for at, text in enumerate(times_utc):
@@ -386,21 +386,21 @@ HEADERS = tuple(_HEADERS.get(name, name) for name in FIELDS)
 _FIELD_OF = dict(zip(HEADERS, FIELDS))
 
 
-def _texts_of(path: Path) -> Iterator[str]:
+def _read_texts(path: Path) -> Iterator[str]:
     """Text of a file, some whole lines at a time, with the ends that Python gives them, whatever system wrote them."""
     start = 0
-    for raw in _blocks_of(path):
+    for raw in _read_blocks(path):
         try:
             text = raw.decode("utf-8")
         except UnicodeDecodeError as wrong:
-            raise _placed(wrong, start) from wrong
+            raise _shift_error(wrong, start) from wrong
         if start == 0:
             text = text.removeprefix(_MARK)
         start += len(raw)
         yield text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
-def _blocks_of(path: Path) -> Iterator[bytes]:
+def _read_blocks(path: Path) -> Iterator[bytes]:
     """Whole lines of a file, some at a time."""
     try:
         with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
@@ -410,7 +410,7 @@ def _blocks_of(path: Path) -> Iterator[bytes]:
         raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
 
 
-def _placed(wrong: UnicodeDecodeError, start: int) -> UnicodeDecodeError:
+def _shift_error(wrong: UnicodeDecodeError, start: int) -> UnicodeDecodeError:
     """An error of a text that begins at byte ``start``, with its place in the file."""
     before = b" " * start
     return UnicodeDecodeError(
@@ -424,14 +424,14 @@ def _csv(rows: Iterable[Sequence[str]]) -> str:
     return buffer.getvalue()
 
 
-def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
+def _format_column(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
     """Cells of a column."""
     if isinstance(column, np.ndarray):
         # By their bits: -0.0 is written otherwise than 0.0, and NaN is as good as any.
         bits = column.view(np.int64)
         alike = len(column) > 0 and bool((bits == bits[0]).all())
         values = column[:1] if alike else column
-        texts = [_number(value, whole=name in _COUNTS) for value in values.tolist()]
+        texts = [_format_number(value, whole=name in _COUNTS) for value in values.tolist()]
         return texts * len(column) if alike else texts
     if name in _FOREIGN:
         written = {text: table_cell(text) for text in set(column)}
@@ -439,13 +439,13 @@ def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
     return column
 
 
-def _number(value: float, *, whole: bool) -> str:
+def _format_number(value: float, *, whole: bool) -> str:
     if math.isnan(value):
         return ""
     return repr(int(value)) if whole and float(value).is_integer() else repr(value)
 
 
-class _Gathered:
+class _ColumnBuilder:
     """Columns of a table, of which some rows come at a time.
 
     Raises
@@ -468,7 +468,7 @@ class _Gathered:
         self._headers, self._name, self._faults = headers, name, faults
         #: By field, or by header where the column is not ours; what has no header is left out.
         self._fields = [_FIELD_OF.get(header, header) for header in headers]
-        self._texts: dict[str, list[str]] = {
+        self._format_column: dict[str, list[str]] = {
             field: [] for field in self._fields if field and (field in _TEXT or field not in FIELDS)
         }
         #: Doubles that grow in place; of columns that are empty so far there are none.
@@ -480,11 +480,11 @@ class _Gathered:
     def add(self, cells: ReadCells | CutCells) -> None:
         """Some rows; cells that cannot be read are faults of their lines."""
         for column, (field_name, header) in enumerate(zip(self._fields, self._headers)):
-            if field_name in self._texts:
-                self._texts[field_name] += _shared(cells.texts(column), self._known)
+            if field_name in self._format_column:
+                self._format_column[field_name] += _intern(cells.texts(column), self._known)
             elif field_name:
                 values = cells.numbers(column)
-                if values is None or not _may_be(field_name, values):
+                if values is None or not _are_allowed(field_name, values):
                     values = _read_one_by_one(
                         field_name, header, cells.texts(column), cells.lines, self._faults
                     )
@@ -506,12 +506,14 @@ class _Gathered:
         columns: dict[str, Any] = {name: np.zeros(self._count) for name in _WHOLE}
         columns.update((name, np.frombuffer(values)) for name, values in self._numbers.items() if values)
         columns.update((name, columns[name].astype(np.int64)) for name in _WHOLE)
-        texts = {header: tuple(cells) for header, cells in self._texts.items()}
+        texts = {header: tuple(cells) for header, cells in self._format_column.items()}
         columns.update((name, cells) for name, cells in texts.items() if name in FIELDS)
-        return Table.of(columns, {header: cells for header, cells in texts.items() if header not in FIELDS})
+        return Table.from_columns(
+            columns, {header: cells for header, cells in texts.items() if header not in FIELDS}
+        )
 
 
-def _shared(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
+def _intern(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
     """Cells, as the texts that are ``known`` already; those of which most are different are left alone."""
     if cells[0] is cells[-1] and cells == [cells[0]] * len(cells):
         return [known.setdefault(cells[0], cells[0])] * len(cells)
@@ -520,7 +522,7 @@ def _shared(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
     return [known.setdefault(cell, cell) for cell in cells]
 
 
-def _may_be(name: str, values: Floats) -> bool:
+def _are_allowed(name: str, values: Floats) -> bool:
     """Whether a column may have such numbers, NaN among them for empty cells."""
     if name in _NEEDED and not np.isfinite(values).all():
         return False
@@ -548,7 +550,7 @@ def _read_one_by_one(
             faults.append((line, Message("has {0} {1!r}, not a finite number", header, cell)))
         elif name in _WHOLE and not values[index].is_integer():
             faults.append((line, Message("has {0} {1!r}, not a whole number", header, cell)))
-        elif name in _WHOLE and not _may_be(name, values[index : index + 1]):
+        elif name in _WHOLE and not _are_allowed(name, values[index : index + 1]):
             low, high = _WHOLE_RANGES[name]
             faults.append(
                 (line, Message("has {0} {1!r}, not from {2:.0f} to {3:.0f}", header, cell, low, high))
@@ -556,12 +558,12 @@ def _read_one_by_one(
     return values
 
 
-def part_of(table: Table) -> tuple[str, ...] | None:
+def image_parts(table: Table) -> tuple[str, ...] | None:
     """Part of each row: one of `choices.PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
     return table.other.get(SPLIT)
 
 
-def taken(table: Table) -> NDArray[np.bool_]:
+def usable_rows(table: Table) -> NDArray[np.bool_]:
     """Rows (n,) whose images are there and have not been rejected by cleaning."""
     marks = table.other.get(REJECTED, ("",) * len(table))
     return table.made & np.array([not mark for mark in marks], np.bool_)

@@ -30,7 +30,7 @@ _OURS = frozenset({*HEADERS, "row", "rejected", "split"})
 _IMAGE_ENDING = ".jpg"
 
 
-class Position(NamedTuple):
+class CameraPosition(NamedTuple):
     """Where a camera was."""
 
     lat_deg: float
@@ -67,7 +67,7 @@ def read_vbn(folder: Path) -> tuple[Table, Path]:
     return _table([image for image, _ in pairs], set(images), rows), folder / IMAGE_FOLDER
 
 
-def position_of(value: str) -> Position:
+def parse_position(value: str) -> CameraPosition:
     """Position that a line of metadata has behind its colon.
 
     The numbers are what is left without the first and the last piece between spaces, of which either may be empty.
@@ -79,7 +79,7 @@ def position_of(value: str) -> Position:
     for pieces in (_without_words(value), value.split(" ")[1:-1]):
         numbers = [_number(piece) for piece in pieces]
         if len(numbers) == 3 and all(map(math.isfinite, numbers)):
-            position = Position(*numbers)
+            position = CameraPosition(*numbers)
             if abs(position.lat_deg) > 90.0 or abs(position.lon_deg) > 360.0:
                 raise InvalidInput("{0} {1!r} is not on the Earth", POSITION, value.strip())
             return position
@@ -162,7 +162,7 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
     return [(by_stem.get(Path(text).stem, Path(text).stem + _IMAGE_ENDING), text) for text in texts]
 
 
-def _metadata(path: Path, faults: list[str]) -> tuple[Position, dict[str, str]] | None:
+def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, str]] | None:
     """Position and all other keys of a text; what is wrong with it is added to ``faults``."""
     try:
         lines = decoded(read_limited(path, MAX_SETTINGS_BYTES)).splitlines()
@@ -182,7 +182,7 @@ def _metadata(path: Path, faults: list[str]) -> tuple[Position, dict[str, str]] 
         faults.append(f"{path.name} has no {POSITION}")
         return None
     try:
-        position = position_of(values.pop(POSITION))
+        position = parse_position(values.pop(POSITION))
     except InvalidInput as wrong:
         faults.append(f"{path.name}: {wrong}")
         return None
@@ -190,7 +190,7 @@ def _metadata(path: Path, faults: list[str]) -> tuple[Position, dict[str, str]] 
 
 
 def _table(
-    names: Sequence[str], there: set[str], rows: Sequence[tuple[Position, Mapping[str, str]]]
+    names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPosition, Mapping[str, str]]]
 ) -> Table:
     count = len(names)
     lat, lon, altitude = np.array([position for position, _ in rows], np.float64).reshape(count, 3).T
@@ -201,7 +201,7 @@ def _table(
         while not header or header in _OURS or header in other:
             header = f"VBN {header}"
         other[header] = tuple(values.get(key, "") for _, values in rows)
-    return Table.of(
+    return Table.from_columns(
         {
             "img_names": tuple(names),
             "columns": np.arange(count, dtype=np.int64),

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import TABLE_FILE
-from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
+from ..dataset.table import NUMBER, TIME, WHOLE, written_columns
 from ..errors import InvalidInput
 from ..limits import MAX_TABLE_BYTES
 from ..storage.files import json_bytes, open_foreign, text_lines, write_whole
@@ -217,7 +217,7 @@ def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
     """Record set of a map type: its table, with the images where they are files."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
     # Tables of others have some of our columns.
-    first, *columns = (one for one in columns_of(images.table) if one.header in headers)
+    first, *columns = (one for one in written_columns(images.table) if one.header in headers)
     of_table = {"fileObject": table, "extract": {"column": first.header}}
     fields = [{**_field(name, "file", "sc:Text"), "source": of_table}]
     if not images.shards:

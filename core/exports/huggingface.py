@@ -14,7 +14,7 @@ import numpy as np
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.entropy import Report
 from ..dataset.folder import PARTS
-from ..dataset.table import NUMBER, WHOLE, Column, cell_of, columns_of, part_of, taken
+from ..dataset.table import NUMBER, WHOLE, Column, image_parts, json_cell, usable_rows, written_columns
 from ..errors import Cancelled, InvalidInput
 from ..map_types import SATELLITE
 from ..storage.files import link_or_copy, new_folder, write_whole
@@ -83,7 +83,7 @@ def write_huggingface(
 
 def _parts(name: str, images: ImageSet) -> dict[str, Any]:
     """Rows of each part that has any; of all images, in the folder itself, where there is no split."""
-    rows, part = np.flatnonzero(taken(images.table)), part_of(images.table)
+    rows, part = np.flatnonzero(usable_rows(images.table)), image_parts(images.table)
     if part is None:
         found = {"": rows} if len(rows) else {}
     else:
@@ -98,7 +98,7 @@ def _parts(name: str, images: ImageSet) -> dict[str, Any]:
 
 def _columns(images: ImageSet, rows: Any) -> list[Column]:
     """Columns that hold anything in some rows, but for the images' names."""
-    _, *columns = columns_of(images.table)
+    _, *columns = written_columns(images.table)
     found = []
     for one in columns:
         # Times as texts, which all versions of the library read alike.
@@ -114,7 +114,7 @@ def _columns(images: ImageSet, rows: Any) -> list[Column]:
 
 def _lines(images: ImageSet, columns: list[Column], rows: Any) -> Iterator[bytes]:
     for row in rows.tolist():
-        cells = {one.header: cell_of(one, row) for one in columns}
+        cells = {one.header: json_cell(one, row) for one in columns}
         line = json.dumps({"file_name": images.table.img_names[row], **cells}, ensure_ascii=False)
         yield f"{line}\n".encode()
 

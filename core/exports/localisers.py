@@ -36,7 +36,7 @@ from ..storage.files import (
     new_folder,
     write_whole,
 )
-from .scenes import Ground, Ortho, OrthoGrid, frame_about
+from .scenes import Ortho, OrthoGrid, SceneGround, frame_about
 from .views import ORIGIN_FILE, origin_of
 
 README_FILE = "README.txt"
@@ -182,14 +182,14 @@ def export_benchmark(
 # --- Places: folders of images whose names are labels
 
 
-class _Place(NamedTuple):
+class _QueryGroup(NamedTuple):
     """Queries that show one place."""
 
     part: str
     rows: list[int]
 
 
-def _places(under_way: _Export) -> list[_Place]:
+def _places(under_way: _Export) -> list[_QueryGroup]:
     """Places in the order of their first query."""
     queries = under_way.benchmark.queries
     found: dict[tuple[str, float, float], list[int]] = {}
@@ -197,7 +197,7 @@ def _places(under_way: _Export) -> list[_Place]:
         lat, lon = (float(angle[at]) for angle in (queries.centre_lat_deg, queries.centre_lon_deg))
         key = queries.part[at] or TEST, round(lat, _PLACE_DECIMALS), round(lon, _PLACE_DECIMALS)
         found.setdefault(key, []).append(at)
-    return [_Place(key[0], rows) for key, rows in found.items()]
+    return [_QueryGroup(key[0], rows) for key, rows in found.items()]
 
 
 def _folders(part: str, view: str, label: str) -> list[str]:
@@ -207,7 +207,7 @@ def _folders(part: str, view: str, label: str) -> list[str]:
     return [f"{part}/{kind}_{view}/{label}" for kind in ("query", "gallery")]
 
 
-def _from_above(ground: Ground, row: int) -> Image.Image:
+def _from_above(ground: SceneGround, row: int) -> Image.Image:
     """The reference about the middle of a query, as wide as the benchmark's tiles; black where it ends."""
     benchmark = ground.benchmark
     mosaic, queries, tiles = benchmark.mosaic, benchmark.queries, benchmark.references
@@ -219,7 +219,7 @@ def _from_above(ground: Ground, row: int) -> Image.Image:
 
 def _university(under_way: _Export) -> None:
     """University-1652: a folder for each place, with its satellite view and the drone's."""
-    ground, queries = Ground(under_way.benchmark, None), under_way.benchmark.queries
+    ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
     for number, place in enumerate(_places(under_way)):
         label = f"{number:04d}"
         above = _encoded(_from_above(ground, place.rows[0]), "JPEG")
@@ -244,7 +244,7 @@ def _off_nadir(queries: Queries, row: int) -> float:
 
 def _denseuav(under_way: _Export) -> None:
     """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` tells file, longitude, latitude and height."""
-    ground, queries = Ground(under_way.benchmark, None), under_way.benchmark.queries
+    ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
     heights_m = queries.poses.agl_m
     lines: dict[str, list[str]] = {TRAIN: [], VALIDATION: [], TEST: []}
     for number, place in enumerate(_places(under_way)):
@@ -341,7 +341,7 @@ def _gta(under_way: _Export) -> None:
 def _visloc(under_way: _Export) -> None:
     """UAV-VisLoc: flights with a map each, in pixels of equal degrees, and a table of the maps' corners."""
     benchmark, queries = under_way.benchmark, under_way.benchmark.queries
-    image, (north, west, south, east) = _by_degrees(Ground(benchmark, None))
+    image, (north, west, south, east) = _by_degrees(SceneGround(benchmark, None))
     whole = _encoded(Image.fromarray(image), "TIFF")
     poses = queries.poses
     headings_deg = wrap_lon_deg(poses.yaw_deg)
@@ -380,7 +380,7 @@ def _date(benchmark: Benchmark, imagery: str) -> str:
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
-def _by_degrees(ground: Ground) -> tuple[Bytes, tuple[float, float, float, float]]:
+def _by_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, float]]:
     """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]
@@ -403,7 +403,7 @@ def _by_degrees(ground: Ground) -> tuple[Bytes, tuple[float, float, float, float
 
 def _ortholoc(under_way: _Export) -> None:
     """OrthoLoC: a file for each query with its image, the ground of every pixel, and the reference with heights."""
-    benchmark, ground = under_way.benchmark, Ground.of(under_way.benchmark)
+    benchmark, ground = under_way.benchmark, SceneGround.of(under_way.benchmark)
     queries = benchmark.queries
     own = str(benchmark.about.get("reference", "")).partition("=")[2]
     named = benchmark.about.get("imageries")
@@ -423,7 +423,7 @@ def _ortholoc(under_way: _Export) -> None:
     under_way.write("origins.csv", csv_bytes([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
 
 
-def _ortholoc_sample(ground: Ground, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
+def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
     """Arrays of a sample, in metres east, north and up of a frame."""
     points, camera = ground.points(row, frame), ground.camera(row, frame)
     seen = points[np.isfinite(points[..., 0])]
@@ -470,7 +470,7 @@ def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
 
 def _anyvisloc(under_way: _Export) -> None:
     """AnyVisLoc: scenes of samples, with a map and its surface; metres east and south of the map's first pixel."""
-    benchmark, ground = under_way.benchmark, Ground.of(under_way.benchmark)
+    benchmark, ground = under_way.benchmark, SceneGround.of(under_way.benchmark)
     queries, mosaic = benchmark.queries, benchmark.mosaic
     middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
     lat, lon = (float(angle[0]) for angle in middle)

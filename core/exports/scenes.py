@@ -76,7 +76,7 @@ class OrthoGrid(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class SceneGround:
     """Ground of a benchmark.
 
     Parameters
@@ -90,7 +90,7 @@ class Ground:
     relief: ElevationModel | None
 
     @classmethod
-    def of(cls, benchmark: Benchmark) -> Ground:
+    def of(cls, benchmark: Benchmark) -> SceneGround:
         """Ground of a benchmark, whose heights are opened where it was made with some.
 
         Raises

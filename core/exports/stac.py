@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
-from ..dataset.ground import of_camera
-from ..dataset.table import NUMBER, REJECTED, TEXT, WHOLE, Column, columns_of
+from ..dataset.ground import are_camera_frames
+from ..dataset.table import NUMBER, REJECTED, TEXT, WHOLE, Column, written_columns
 from ..errors import InvalidInput
 from ..geodesy.camera import image_axes
 from ..geodesy.ellipsoid import arctan2
@@ -27,7 +27,7 @@ from .croissant import DESCRIPTION, TAR, describe_files, media_of, name_of, own_
 from .huggingface import credit_of
 from .tables import (
     GEOMETRY,
-    Footprints,
+    FootprintGeometries,
     about_geometry,
     array_of,
     chosen_sets,
@@ -109,12 +109,12 @@ def write_stac(folder: Address, target: Address, map_type: str | None = None) ->
 def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
     """Write the descriptions of a dataset as `write_stac` does."""
     arrow = pyarrow_for("stac")
-    shown: dict[Path, Footprints | None] = {}
+    shown: dict[Path, FootprintGeometries | None] = {}
     parts = []
     for name, images in chosen_sets(dataset, map_type).items():
         place = images.folder.parent
         if place not in shown:
-            shown[place] = Footprints.read(place)
+            shown[place] = FootprintGeometries.read(place)
         parts.append(_Items.of(dataset, name, images, shown[place]))
     if not any(len(one.rows) for one in parts):
         raise InvalidInput("folder {0}: has no image to export", dataset.folder)
@@ -152,17 +152,17 @@ class _Items:
     hrefs: Sequence[str]
     media: str
     bounds: NDArray[np.float64]
-    shown: Footprints | None
+    shown: FootprintGeometries | None
     places: NDArray[np.intp]
     start: NDArray[Any]
     end: NDArray[Any]
 
     @classmethod
-    def of(cls, dataset: Dataset, name: str, images: ImageSet, shown: Footprints | None) -> _Items:
+    def of(cls, dataset: Dataset, name: str, images: ImageSet, shown: FootprintGeometries | None) -> _Items:
         """Items of a map type."""
         table = images.table
         rows = np.flatnonzero(images.there)
-        columns = {one.header: one for one in columns_of(table) if one.header not in _LEFT_OUT}
+        columns = {one.header: one for one in written_columns(table) if one.header not in _LEFT_OUT}
         for header in _RESERVED & {*table.other}:
             # What others have called as STAC calls something else.
             columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
@@ -256,7 +256,7 @@ def _is_camera(dataset: Dataset, images: ImageSet, rows: NDArray[np.intp]) -> bo
     """Whether images are camera frames; None for those of others, whose windows the table does not know."""
     if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
         return None
-    return of_camera(images, rows, dataset.folder)
+    return are_camera_frames(images, rows, dataset.folder)
 
 
 def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column]:

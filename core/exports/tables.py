@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
-from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
+from ..dataset.table import NUMBER, TEXT, TIME, Column, written_columns
 from ..errors import InvalidInput, OutputError
 from ..limits import MAX_TABLE_BYTES
 from ..storage.files import make_folder, new_folder, open_foreign, read_line, write_whole
@@ -184,9 +184,9 @@ class _Sink(io.RawIOBase):
 
 def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
     """File of a map type's table."""
-    columns = columns_of(images.table)
+    columns = written_columns(images.table)
     fields = [(one.header, kind_of(arrow, one.kind)) for one in columns]
-    shown = Footprints.read(images.folder.parent)
+    shown = FootprintGeometries.read(images.folder.parent)
     about: dict[str, Any] = {}
     places = None if shown is None else shown.places(images.table.img_names)
     if shown is not None and places is not None:
@@ -224,7 +224,7 @@ def array_of(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
     return arrow.array(whole, arrow.int64(), mask=unknown).cast(kind_of(arrow, column.kind))
 
 
-class Footprints(NamedTuple):
+class FootprintGeometries(NamedTuple):
     """Footprints that a capture has left, as well-known binary, one after the other.
 
     Parameters
@@ -247,7 +247,7 @@ class Footprints(NamedTuple):
     bounds: NDArray[np.float64]
 
     @classmethod
-    def read(cls, folder: Path) -> Footprints | None:
+    def read(cls, folder: Path) -> FootprintGeometries | None:
         """Those of the capture in a folder; None where it has left none.
 
         Raises

@@ -12,9 +12,9 @@ import numpy as np
 from ..arrays import Floats, Numbers
 from ..dataset.dataset import read_dataset
 from ..dataset.folder import MISSION_FILE
-from ..dataset.ground import check_poses, of_camera
-from ..dataset.labels import middle_of
-from ..dataset.table import seconds_of, taken
+from ..dataset.ground import are_camera_frames, check_poses
+from ..dataset.labels import middle_position
+from ..dataset.table import unix_seconds, usable_rows
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame
@@ -64,7 +64,7 @@ class Views:
     @cached_property
     def frame(self) -> LocalFrame:
         """Metres east, north and up of the cameras' middle on the ellipsoid, in which all are stated."""
-        lat, lon = middle_of(self.lat_deg, self.lon_deg)
+        lat, lon = middle_position(self.lat_deg, self.lon_deg)
         return LocalFrame(round(lat, 6), round(lon, 6))
 
     @cached_property
@@ -95,10 +95,10 @@ class Views:
             raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
         mission = Mission.load(path / MISSION_FILE)
         table = images.table
-        rows = np.flatnonzero(taken(table))
+        rows = np.flatnonzero(usable_rows(table))
         if not len(rows):
             raise InvalidInput("folder {0}: has no image to export", images.folder)
-        if not of_camera(images, rows, path):
+        if not are_camera_frames(images, rows, path):
             raise InvalidInput(
                 "folder {0}: its images are windows of the map, which no camera takes",
                 images.folder,
@@ -107,7 +107,7 @@ class Views:
         check_poses(images, rows, needed=True)
         heights = table.height_m[rows]
         level = table.agl_m[rows] + mission.flight.ground_height_m
-        times = seconds_of([table.time_utc[row] for row in rows.tolist()])
+        times = unix_seconds([table.time_utc[row] for row in rows.tolist()])
         width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
         tan_x, tan_y = mission.camera.half_tangents
         return cls(

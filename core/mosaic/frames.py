@@ -15,10 +15,10 @@ import numpy as np
 from ..arrays import Flags, Floats, Numbers
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
-from ..dataset.geotiff import affine_of
-from ..dataset.ground import check_poses, of_camera, plane_of
-from ..dataset.labels import middle_of
-from ..dataset.table import Table, taken
+from ..dataset.geotiff import parse_affine
+from ..dataset.ground import are_camera_frames, check_poses, image_plane
+from ..dataset.labels import middle_position
+from ..dataset.table import Table, usable_rows
 from ..errors import InvalidInput
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
@@ -501,10 +501,10 @@ def frames_of(
     """
     dataset = read_dataset(folder)
     images = dataset.image_set(map_type or next(iter(dataset.image_sets)))
-    rows = np.flatnonzero(taken(images.table)).astype(np.int64)
+    rows = np.flatnonzero(usable_rows(images.table)).astype(np.int64)
     if not len(rows):
         raise InvalidInput("folder {0}: has no image to make a mosaic of", images.folder)
-    if of_camera(images, rows, Path(folder)):
+    if are_camera_frames(images, rows, Path(folder)):
         return camera_frames(folder, images, rows, open_heights), images, rows
     return _map_frames(images, rows), images, rows
 
@@ -524,7 +524,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     check_poses(images, rows, needed=True)
     mission, table = Mission.load(folder / MISSION_FILE), images.table
     lat, agl = table.pose_lat_deg[rows], table.agl_m[rows]
-    _, middle = middle_of(lat, table.pose_lon_deg[rows])
+    _, middle = middle_position(lat, table.pose_lon_deg[rows])
     lon = middle + wrap_lon_deg(table.pose_lon_deg[rows] - middle)
     relief, ground = None, WGS84.raised(mission.flight.ground_height_m)
     heights = open_heights(mission)
@@ -581,7 +581,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
         if path.suffix not in _WORLD_FILES:
             # Of a large file, its directory alone is read.
             with open_foreign(path) as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
-                found = affine_of(data)
+                found = parse_affine(data)
         else:
             text = decoded(read_limited(path.with_suffix(_WORLD_FILES[path.suffix]), MAX_SETTINGS_BYTES))
             xx, yx, xy, yy, x, y = map(real_number, text.split())
@@ -595,7 +595,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
 
 def _plane_of(table: Table, rows: Numbers) -> Plane:
     """Plane of the CRS that images of a table have."""
-    return plane_of(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
+    return image_plane(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
 
 
 def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Bytes, Floats, Numbers
 from ..bands import Bands
-from ..dataset.dataset import bands_in, open_masked
+from ..dataset.dataset import open_masked, read_band_metadata
 from ..errors import Cancelled, InvalidInput
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
@@ -376,7 +376,7 @@ class _Images:
 
     def bands(self) -> Bands | None:
         """Bands of the mosaic, where its values are those that images have: of more than 8 bits they are not."""
-        stated = bands_in(self._paths[0], self.channels)
+        stated = read_band_metadata(self._paths[0], self.channels)
         if stated is None or stated.data_type != "uint8" or len(stated.shown) != self.channels:
             return None
         return stated.of_channels(self.channels)

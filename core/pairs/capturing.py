@@ -67,7 +67,7 @@ class PairResult(CaptureResult):
 
 
 @dataclass(frozen=True)
-class _Image:
+class _PairImage:
     """One image of a place: what it is called in the parts' folders, and the picture of a capture that it is."""
 
     view: str
@@ -245,20 +245,20 @@ def _most_oblique(worked_out: PairPlan, made: Sequence[bool]) -> int:
     return max(among, key=lambda at: (views[at].tilt_deg, -views[at].agl_m, -at))
 
 
-def _images(worked_out: PairPlan, place: int) -> Iterator[_Image]:
+def _images(worked_out: PairPlan, place: int) -> Iterator[_PairImage]:
     """Images of a place, the satellite's first."""
-    yield _Image(SATELLITE, f"{worked_out.ids[place]}.jpg", SATELLITE, place)
+    yield _PairImage(SATELLITE, f"{worked_out.ids[place]}.jpg", SATELLITE, place)
     shots = worked_out.shots(place)
     digits = max(2, len(str(len(shots))))
     for number, (mission, index) in enumerate(shots, 1):
-        yield _Image(DRONE, f"image-{number:0{digits}d}.jpeg", mission, index)
+        yield _PairImage(DRONE, f"image-{number:0{digits}d}.jpeg", mission, index)
 
 
-def _picture(worked_out: PairPlan, image: _Image) -> str:
+def _picture(worked_out: PairPlan, image: _PairImage) -> str:
     return worked_out.plans[image.mission].names[image.index]
 
 
-def _captured(path: Path, worked_out: PairPlan, image: _Image) -> Path:
+def _captured(path: Path, worked_out: PairPlan, image: _PairImage) -> Path:
     """File of a captured picture; cleaning may have moved it."""
     view = SATELLITE if image.mission == SATELLITE else DRONE
     folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.imagery_of(view).map_type
@@ -267,7 +267,7 @@ def _captured(path: Path, worked_out: PairPlan, image: _Image) -> Path:
     return moved if moved.exists() and not (folder / name).exists() else folder / name
 
 
-def _files(part: str, one: str, image: _Image) -> list[str]:
+def _files(part: str, one: str, image: _PairImage) -> list[str]:
     """Where an image goes: of a test's images to the gallery, and those that are asked for to the queries as well."""
     if part == TRAIN:
         return [f"{TRAIN}/{image.view}/{one}/{image.name}"]
@@ -301,7 +301,13 @@ def _withdraw(target: Path) -> None:
 
 
 def _row(
-    worked_out: PairPlan, place: int, image: _Image, reason: str, there: bool, files: list[str], captured: str
+    worked_out: PairPlan,
+    place: int,
+    image: _PairImage,
+    reason: str,
+    there: bool,
+    files: list[str],
+    captured: str,
 ) -> dict[str, object]:
     plan, where = worked_out.plans[image.mission], worked_out.places[place]
     width, height, _ = plan.mission.output.img_size or (0, 0, 0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
-from .places import Place, cartesian_m
+from .places import PairPlace, cartesian_m
 
 #: Places are trained on, asked for and found, or only in the way of finding.
 PARTS = TRAIN, TEST, DISTRACTOR = ("train", "test", "distractor")
@@ -21,7 +21,7 @@ SHARES = (701.0, 701.0, 250.0)
 _BLOCK = 1 << 22
 
 
-class Parts(NamedTuple):
+class PlaceParts(NamedTuple):
     """Part of each place, and whether any ground is seen from places of two parts."""
 
     of: tuple[str, ...]
@@ -45,14 +45,14 @@ def _text(shares: Sequence[float]) -> str:
 
 
 def part_places(
-    places: Sequence[Place],
+    places: Sequence[PairPlace],
     shares: Sequence[float],
     seed: int,
     reach_m: Floats,
     *,
     gap_m: float = 0.0,
     allow_shared_ground: bool = False,
-) -> Parts:
+) -> PlaceParts:
     """Share places out.
 
     Places from which the same ground is seen go to the same part, all together. The order is that of a hash of seed
@@ -108,7 +108,7 @@ def part_places(
                 ),
             )
     shared = any(len(set(part[together == group].tolist())) > 1 for group in np.unique(together))
-    return Parts(tuple(PARTS[index] for index in part.tolist()), shared)
+    return PlaceParts(tuple(PARTS[index] for index in part.tolist()), shared)
 
 
 def _crowd(reach_m: Floats, gap_m: float) -> str:
@@ -128,7 +128,7 @@ def _counts(count: int, shares: Sequence[float]) -> list[int]:
     return counts
 
 
-def _order(places: Sequence[Place], seed: int) -> list[int]:
+def _order(places: Sequence[PairPlace], seed: int) -> list[int]:
     def key(index: int) -> bytes:
         text = f"{seed}:{places[index].lat_deg!r}:{places[index].lon_deg!r}"
         return hashlib.blake2b(text.encode(), digest_size=16).digest()
@@ -150,7 +150,7 @@ def _filled(groups: Numbers, order: list[int], wanted: list[int]) -> Numbers:
     return part
 
 
-def _neighbours(places: Sequence[Place], reach_m: Floats, gap_m: float) -> Numbers:
+def _neighbours(places: Sequence[PairPlace], reach_m: Floats, gap_m: float) -> Numbers:
     """Number of the group of each place: those whose views meet, over others or directly."""
     points = cartesian_m(np.array([p.lat_deg for p in places]), np.array([p.lon_deg for p in places]))
     group = np.arange(len(places))

@@ -42,7 +42,7 @@ _MISSES = 1000
 
 
 @dataclass(frozen=True)
-class Place:
+class PairPlace:
     """A point on the ground that is looked at from above.
 
     Parameters
@@ -63,7 +63,7 @@ class Place:
             raise InvalidInput("latitude {0}: the map ends at ±{1:.4f}", self.lat_deg, MAX_LAT_DEG)
 
 
-def read_places(path: str | Path) -> tuple[Place, ...]:
+def read_places(path: str | Path) -> tuple[PairPlace, ...]:
     """Places of a text file, one a line: ``lat lon``, or ``lat lon name``.
 
     Commas, semicolons and underscores separate as well as spaces; empty lines and those that begin with # are none.
@@ -81,7 +81,7 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         raise InvalidInput(
             "places {0}: cannot be read as text ({1})", path, wrong, remedy=Message("give {0}", _FORMATS)
         ) from wrong
-    places: list[Place] = []
+    places: list[PairPlace] = []
     met: dict[tuple[float, float], int] = {}
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -112,11 +112,11 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
                     place.lon_deg,
                     height[1],
                 )
-        return tuple(Place(place.lat_deg, place.lon_deg) for place in places)
+        return tuple(PairPlace(place.lat_deg, place.lon_deg) for place in places)
     return tuple(places)
 
 
-def _place(line: str, where: str) -> Place:
+def _place(line: str, where: str) -> PairPlace:
     stripped = line.strip()
     found = _LINE.fullmatch(stripped.translate(_MINUS))
     if found is None:
@@ -125,7 +125,7 @@ def _place(line: str, where: str) -> Place:
     # The signs of a name stay what they are: the translation changes no length.
     name = "" if rest is None else stripped[len(stripped) - len(rest) :]
     try:
-        return Place(float(lat), float(lon), name.strip())
+        return PairPlace(float(lat), float(lon), name.strip())
     except InvalidInput as wrong:
         raise InvalidInput("{0} {1}", where, wrong) from wrong
 
@@ -155,7 +155,7 @@ def read_box(text: str) -> Box:
 
 def spread_places(
     box: Box, count: int, spacing_m: float, seed: int, *, by_views: bool = False
-) -> tuple[Place, ...]:
+) -> tuple[PairPlace, ...]:
     """Places spread over a box, evenly by area, none nearer to another than a distance.
 
     They come from a hash of the seed: the same on every machine, and the first ones of a larger count.
@@ -177,8 +177,8 @@ def spread_places(
     if not (math.isfinite(spacing_m) and spacing_m >= 0.0):
         raise InvalidInput("spacing {0} m: must be 0 or more", spacing_m)
     for lat in (box.south_deg, box.north_deg):
-        Place(lat, box.west_deg)
-    places: list[Place] = []
+        PairPlace(lat, box.west_deg)
+    places: list[PairPlace] = []
     taken = np.empty((count, 3))
     misses = 0
     for lat, lon in _darts(box, seed):
@@ -191,7 +191,7 @@ def spread_places(
             continue
         misses = 0
         taken[len(places)] = point
-        places.append(Place(lat, lon))
+        places.append(PairPlace(lat, lon))
         if len(places) == count:
             return tuple(places)
     views = "views that see less, " if by_views else ""

@@ -23,8 +23,8 @@ from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights, no_ground
 from .parts import PARTS, SHARES, check_shares, part_places
-from .places import Place, cartesian_m, spread_places
-from .views import View, reach_m, spiral, standing_poses
+from .places import PairPlace, cartesian_m, spread_places
+from .views import PairView, reach_m, spiral, standing_poses
 
 #: University-1652's pictures.
 DEFAULT_SIZE_PX = 512
@@ -76,7 +76,7 @@ class PairSettings:
         As a Mission has them.
     """
 
-    views: tuple[View, ...] = field(default_factory=spiral)
+    views: tuple[PairView, ...] = field(default_factory=spiral)
     camera: Camera = DEFAULT_CAMERA
     size_px: int = DEFAULT_SIZE_PX
     satellite_m: float | None = None
@@ -144,7 +144,7 @@ class PairSettings:
         """The ground that heights are over."""
         return WGS84.raised(self.ground_height_m)
 
-    def missions(self, places: Sequence[Place], heights: Heights | None = None) -> dict[str, Mission]:
+    def missions(self, places: Sequence[PairPlace], heights: Heights | None = None) -> dict[str, Mission]:
         """Missions by name: ``satellite``, and ``drone`` or, where there are several tilts, one for each of them."""
         lat = np.array([place.lat_deg for place in places])
         lon = np.array([place.lon_deg for place in places])
@@ -221,7 +221,7 @@ class PairSettings:
 
 def places_in_box(
     box: Box, count: int, settings: PairSettings, spacing_m: float | None = None
-) -> tuple[Place, ...]:
+) -> tuple[PairPlace, ...]:
     """Places spread over a box by the settings' seed.
 
     Parameters
@@ -238,7 +238,7 @@ def places_in_box(
     if spacing_m is None:
         lat = np.array([box.south_deg, box.north_deg, min(max(0.0, box.south_deg), box.north_deg)])
         for one in lat:
-            Place(float(one), box.west_deg)
+            PairPlace(float(one), box.west_deg)
         # A hundredth more for the satellite's window, whose edges are those of pixels.
         satellite_m = settings.satellite_width_m * math.sqrt(0.5) * 1.01
         farthest_m = max(
@@ -269,7 +269,7 @@ class PairPlan:
     """
 
     settings: PairSettings
-    places: tuple[Place, ...]
+    places: tuple[PairPlace, ...]
     plans: Mapping[str, Plan]
     parts: tuple[str, ...]
     ground_shared: bool
@@ -363,7 +363,7 @@ class PairPlan:
 
 
 def plan_pairs(
-    places: Sequence[Place],
+    places: Sequence[PairPlace],
     settings: PairSettings,
     grid: PixelGrid,
     heights: Heights | None = None,
@@ -414,7 +414,7 @@ def plan_pairs(
     return PairPlan(settings, tuple(places), plans, parts.of, parts.ground_shared, float(farthest_m.max()))
 
 
-def _heights_of_places(places: Sequence[Place], heights: Heights) -> Floats:
+def _heights_of_places(places: Sequence[PairPlace], heights: Heights) -> Floats:
     """Heights of the ground at places, (n,), each from the finest cells around it."""
     found = np.empty(len(places))
     for index, place in enumerate(places):
@@ -426,7 +426,7 @@ def _heights_of_places(places: Sequence[Place], heights: Heights) -> Floats:
     return found
 
 
-def _reach_over_relief_m(drone: Plan, places: Sequence[Place]) -> Floats:
+def _reach_over_relief_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
     """Farthest ground from each place, (n,), that the edges of its images see over relief; metres."""
     along = np.linspace(-1.0, 1.0, _ALONG_EDGE)
     edge = [(x, y) for x in along for y in along if max(abs(x), abs(y)) == 1.0]

@@ -34,7 +34,7 @@ _BULGE = 1.001
 
 
 @dataclass(frozen=True)
-class View:
+class PairView:
     """One view of every place.
 
     Parameters
@@ -60,7 +60,7 @@ class View:
             )
 
 
-def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> tuple[View, ...]:
+def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> tuple[PairView, ...]:
     """Views in rings around a place: for each tilt and each height, so many yaws evenly around.
 
     Raises
@@ -71,7 +71,7 @@ def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> 
     if not 1 <= yaws <= MOST_VIEWS:
         raise InvalidInput("{0} yaws: must be from 1 to {1:,}", yaws, MOST_VIEWS)
     return tuple(
-        View(float(height), 360.0 * at / yaws, float(tilt))
+        PairView(float(height), 360.0 * at / yaws, float(tilt))
         for tilt in tilts_deg
         for height in heights_m
         for at in range(yaws)
@@ -83,7 +83,7 @@ def spiral(
     count: int = VIEWS,
     rounds: float = ROUNDS,
     tilts_deg: Sequence[float] = (DEFAULT_TILT_DEG,),
-) -> tuple[View, ...]:
+) -> tuple[PairView, ...]:
     """Views along a spiral that falls from the greatest height to the least, one spiral for each tilt.
 
     Parameters
@@ -107,7 +107,7 @@ def spiral(
     top, bottom = float(max(heights_m)), float(min(heights_m))
     fall = (top - bottom) / max(count - 1, 1)
     return tuple(
-        View(round(top - fall * at, 6), round(360.0 * rounds * at / count % 360.0, 9), float(tilt))
+        PairView(round(top - fall * at, 6), round(360.0 * rounds * at / count % 360.0, 9), float(tilt))
         for tilt in tilts_deg
         for at in range(count)
     )
@@ -125,7 +125,7 @@ def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
         check_agl(height)
 
 
-def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipsoid = WGS84) -> Poses:
+def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ellipsoid = WGS84) -> Poses:
     """Poses from which the camera's axis meets the ground at places.
 
     Found by tracing the axis to the ground and moving the camera by what it misses.
@@ -163,7 +163,7 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipso
     )
 
 
-def reach_m(lat_deg: Floats, views: Sequence[View], camera: Camera, ground: Ellipsoid = WGS84) -> Floats:
+def reach_m(lat_deg: Floats, views: Sequence[PairView], camera: Camera, ground: Ellipsoid = WGS84) -> Floats:
     """Farthest ground, from places at latitudes (n,), that the drone sees in any of its views; metres.
 
     Measured straight through the Earth, as all distances between places are. Infinite where a view sees the horizon.

@@ -85,7 +85,7 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
         No line, a place or height that there is not, a line that is a single place, a corner that is too sharp for
         its legs, too many poses.
     """
-    ways = [_Way.of(line, flight, number) for number, line in enumerate(lines, 1)]
+    ways = [_RoundedLine.of(line, flight, number) for number, line in enumerate(lines, 1)]
     if not ways:
         raise InvalidInput("line: there is none")
     count = sum(way.count(flight) for way in ways)
@@ -117,7 +117,7 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
 
 
 @dataclass(frozen=True, eq=False)
-class _Way:
+class _RoundedLine:
     """One line: n corners, and 2 n - 3 pieces in turn, legs (even) and turns (odd), with where each begins.
 
     ``radius_m`` and ``turn_deg`` (right is positive) are those of the corners, 0 at the ends, ``cut_m`` what their arcs
@@ -139,7 +139,7 @@ class _Way:
     bank_deg: Floats
 
     @classmethod
-    def of(cls, line: Floats, flight: LineFlight, number: int) -> _Way:
+    def of(cls, line: Floats, flight: LineFlight, number: int) -> _RoundedLine:
         """Way of a line, the one of this number."""
         lat, lon, agl = _distinct(line, number).T
         azimuth, arrival, leg = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])
@@ -238,7 +238,7 @@ class _Way:
         roll: Floats = (after - before) / _ROLLING_S
         return roll
 
-    def distance_to(self, other: _Way) -> float:
+    def distance_to(self, other: _RoundedLine) -> float:
         """Metres from the end to the beginning of another."""
         *_, distance = geodesics(self.lat_deg[-1], self.lon_deg[-1], other.lat_deg[0], other.lon_deg[0])
         return float(distance)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
-from ..dataset.table import seconds_of
+from ..dataset.table import unix_seconds
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
@@ -140,7 +140,7 @@ def _times_s(images: ImageSet) -> Floats:
     """Seconds of each row, which do not fall: the table's, or those of the way from row to row at the airspeed."""
     table = images.table
     if all(table.time_utc):
-        return np.maximum.accumulate(seconds_of(table.time_utc))
+        return np.maximum.accumulate(unix_seconds(table.time_utc))
     path = images.folder.parent / MISSION_FILE
     airspeed = Mission.load(path).flight.airspeed_m_per_s if path.is_file() else Flight.airspeed_m_per_s
     known = np.isfinite(table.pose_lat_deg)

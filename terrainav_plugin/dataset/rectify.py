@@ -16,8 +16,8 @@ from osgeo import gdal
 
 from ...core.dataset.dataset import ImageSet, read_dataset
 from ...core.dataset.folder import TABLE_FILE
-from ...core.dataset.ground import of_camera
-from ...core.dataset.table import Table, taken
+from ...core.dataset.ground import are_camera_frames
+from ...core.dataset.table import Table, usable_rows
 from ...core.errors import InvalidInput, Message, OutputError
 from ...core.mosaic.frames import CameraImages, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
@@ -88,11 +88,11 @@ def lay_image_on_map(
     else:
         images = read_dataset(folder).image_set(map_type)
     rows = np.array([row for row, name in enumerate(images.table.img_names) if name == file], np.int64)
-    if not len(rows) or not taken(images.table)[rows[0]]:
+    if not len(rows) or not usable_rows(images.table)[rows[0]]:
         raise InvalidInput(tr("image {name}: is not in the dataset, or is rejected").format(name=file))
     if fetch is None:
         picture = images.path(int(rows[0]))
-        if not of_camera(images, rows, folder):
+        if not are_camera_frames(images, rows, folder):
             return picture
     target = folder / ON_MAP_FOLDER / map_type / f"{Path(file).stem}.tif"
     try:

@@ -92,7 +92,7 @@ class Learned:
         parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))
         labels: list[tuple[float, float] | None] = [None] * len(rows)
         if self.labels is not None and len(rows):
-            found = self.labels.of(table.lat_deg[list(rows)], table.lon_deg[list(rows)])
+            found = self.labels.transform(table.lat_deg[list(rows)], table.lon_deg[list(rows)])
             labels = [(east, north) for east, north in found.tolist()]
         depths = images.folder.parent / "depth"
         return [

@@ -39,10 +39,10 @@ class Counts(NamedTuple):
 def read_counts(folder: Path) -> Counts:
     """Images of the first map type by what its table says now; raises InvalidInput."""
     from ...core.dataset.dataset import read_dataset
-    from ...core.dataset.table import part_of, taken
+    from ...core.dataset.table import image_parts, usable_rows
 
     table = next(iter(read_dataset(folder).image_sets.values())).table
-    there, part = taken(table), part_of(table)
+    there, part = usable_rows(table), image_parts(table)
     if part is None:
         return Counts(int(there.sum()), None)
     mine = [one for one, is_there in zip(part, there.tolist()) if is_there]

@@ -15,8 +15,8 @@ import pytest
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.folder import PARTS
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
-from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.table import part_of
+from terrainav.core.dataset.loading import LabelledImages
+from terrainav.core.dataset.table import image_parts
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "datasets.md"
@@ -93,14 +93,14 @@ def test_the_documented_line_goes_from_capture_to_training(shell):
     assert 0 < rejected.sum() < len(rejected), "the box has both kinds of places"
     assert np.array_equal(rejected, roadmap.table.entropies < 2.1)
 
-    parts = np.array(part_of(satellite.table))
-    assert tuple(parts) == part_of(roadmap.table)
+    parts = np.array(image_parts(satellite.table))
+    assert tuple(parts) == image_parts(roadmap.table)
     assert set(parts[rejected]) == {""}
     assert set(PARTS) <= set(parts[~rejected])
     labels = Labels.load(folder / "agricenter" / LABELS_FILE)
     assert labels.images == (parts == "train").sum()
 
-    samples = Samples(dataset, part="train")
+    samples = LabelledImages(dataset, part="train")
     assert len(samples) == labels.images
     # Labels are scaled by the training part, and float32 keeps six digits.
     assert np.allclose(samples.values.mean(axis=0), 0.0, atol=1e-5)

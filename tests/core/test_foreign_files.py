@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from terrainav.core import limits
 from terrainav.core.capture.blocks.block import _array_of
-from terrainav.core.dataset.dataset import open_image, open_masked, size_of
+from terrainav.core.dataset.dataset import image_size, open_image, open_masked
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.storage.files import read_if_there, read_limited, text_lines
 
@@ -143,7 +143,7 @@ def _png(width, height):
     )
 
 
-@pytest.mark.parametrize("read", [open_image, size_of, open_masked])
+@pytest.mark.parametrize("read", [open_image, image_size, open_masked])
 @pytest.mark.filterwarnings("ignore::PIL.Image.DecompressionBombWarning")
 def test_pictures_are_asked_for_their_size_before_they_are_decoded(tmp_path, monkeypatch, read):
     # Other programs in the same process, such as plugins of QGIS, switch Pillow's own limit off.

@@ -6,7 +6,7 @@ import contextlib
 
 import pytest
 from terrainav.core.capture.blocks.block import Record
-from terrainav.core.dataset.geotiff import pam_bands, stated_bands
+from terrainav.core.dataset.geotiff import parse_bands, parse_pam_bands
 from terrainav.core.dataset.labels import Labels
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import TerrAInavError
@@ -117,8 +117,8 @@ READERS = {
     "source": of_text(named_source),
     "raster in a file": of_text(named_source, "GPKG:"),
     "template": of_text(named_source, "https://h.example/{z}/{x}/{y}?a="),
-    "GDAL's notes": of_text(lambda text: pam_bands(text, 3)),
-    "GDAL's tag": of_text(lambda text: stated_bands(tiff(text))),
+    "GDAL's notes": of_text(lambda text: parse_pam_bands(text, 3)),
+    "GDAL's tag": of_text(lambda text: parse_bands(tiff(text))),
     "time": of_text(lambda text: time_s(text, "x"), "2024-06-21T10:30:00"),
     "number": of_text(lambda text: finite_number(text, "x"), "1"),
     "page of a server": of_text(lambda text: first_words(text.encode(), "text/html")),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pyproj
 import pytest
-from terrainav.core.benchmark.folder import Mosaic
+from terrainav.core.benchmark.folder import ReferenceMosaic
 from terrainav.core.dataset.labels import Frame
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
@@ -89,7 +89,7 @@ def by_mosaic(crs, lat, lon):
 
 def by_benchmark(crs, lat, lon):
     plane, pixel = plane_about(crs, lat, lon), 0.5 / unit_m(crs)
-    mosaic = Mosaic("mosaic.tif", crs, plane.west, plane.north, pixel, pixel, 2**17, 2**17)
+    mosaic = ReferenceMosaic("mosaic.tif", crs, plane.west, plane.north, pixel, pixel, 2**17, 2**17)
     return mosaic.px, mosaic.ground, 0.5
 
 

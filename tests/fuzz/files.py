@@ -14,8 +14,8 @@ from unittest import mock
 import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.capture.journal import Journal, Outcome
-from terrainav.core.dataset.geotiff import pam_bands, stated_bands
-from terrainav.core.dataset.labels import Labels, labels_of
+from terrainav.core.dataset.geotiff import parse_bands, parse_pam_bands
+from terrainav.core.dataset.labels import Labels, make_labels
 from terrainav.core.dataset.stored import Range, StoredImage
 from terrainav.core.dataset.table import Table, other_columns
 from terrainav.core.imagery.catalogue import described, shelf
@@ -55,7 +55,7 @@ OUTCOMES = (
     Outcome("roadmap", "1_0_35.10000000_-89.90000000_19", reason='404 "not found"', repeated=("0" * 64,)),
 )
 TABLE = text_of(
-    Table.of(
+    Table.from_columns(
         {
             "img_names": ("a.tif", "b.tif"),
             "columns": np.array([0, 1]),
@@ -69,7 +69,7 @@ TABLE = text_of(
         {"rejected": ("", "dark")},
     )
 )
-LABELS = labels_of(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
+LABELS = make_labels(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
 SOURCES = {
     "mine": described("https://tiles.example/{z}/{x}/{y}.png", title="Mine"),
     "dated": described(
@@ -121,7 +121,7 @@ def labels(data: bytes) -> None:
     path = Path("labels.json")
     path.write_bytes(data)
     read = Labels.load(path)
-    read.positions(read.of(np.array([35.1]), np.array([-89.9])))
+    read.positions(read.transform(np.array([35.1]), np.array([-89.9])))
     assert Labels.from_json(read.to_json()) == read
 
 
@@ -156,8 +156,8 @@ def shard(data: bytes) -> None:
 
 
 def gdal_notes(data: bytes) -> None:
-    pam_bands(as_text(data), 3)
-    stated_bands(data)
+    parse_pam_bands(as_text(data), 3)
+    parse_bands(data)
 
 
 def px4_log(data: bytes) -> None:

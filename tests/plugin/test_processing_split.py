@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from qgis.core import QgsProcessingException, QgsProcessingFeedback
 from terrainav.core.dataset.labels import Labels
-from terrainav.core.dataset.table import Table, part_of
+from terrainav.core.dataset.table import Table, image_parts
 
 from tests.core.dataset.grounds import dataset_of
 
@@ -43,7 +43,7 @@ def run(feedback=None, **parameters):
 
 
 def parts_in(folder):
-    return part_of(Table.load(folder / "satellite" / "meta_data.csv"))
+    return image_parts(Table.load(folder / "satellite" / "meta_data.csv"))
 
 
 @pytest.mark.parametrize("options", [{}, {"HOW": "in-order"}, {"HOW": "blocks", "BLOCK": 8.0, "GAP": 1.0}])

@@ -10,4 +10,4 @@ def text_of(table: Table) -> str:
 
 
 def table_of(text: str, name: str = "table") -> Table:
-    return Table._of_texts([text], name)
+    return Table._parse([text], name)

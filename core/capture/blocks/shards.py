@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...dataset.table import TEXT, TIME, Table, cell_of, columns_of
+from ...dataset.table import TEXT, TIME, Table, json_cell, written_columns
 
 #: Index of a map type's shards, as the library ``wids`` has it.
 INDEX_FILE = "shards.json"
@@ -62,7 +62,7 @@ class Gathered:
         # Times as texts, as tables have them.
         columns = [
             one._replace(kind=TEXT, values=table.time_utc) if one.kind == TIME else one
-            for one in columns_of(table)
+            for one in written_columns(table)
         ]
         members: dict[str, Member] = {}
         buffer = io.BytesIO()
@@ -79,7 +79,7 @@ class Gathered:
                 name, _, ending = file_name.rpartition(".")
                 key = keys[name]
                 members[name] = add(f"{key}.{ending}", self._files[map_type, file_name])
-                values = {one.header: cell_of(one, row) for one in columns}
+                values = {one.header: json_cell(one, row) for one in columns}
                 add(f"{key}.json", json.dumps(values, ensure_ascii=False).encode("utf-8"))
                 for (folder, other), data in self._beside(map_type, name, file_name, products):
                     product = "" if folder == map_type else f".{folder}"

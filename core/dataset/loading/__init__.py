@@ -8,6 +8,6 @@ keras_loader  the same batches for Keras
 
 from __future__ import annotations
 
-from .batches import Batches, Samples
+from .batches import Batches, LabelledImages
 
-__all__ = ["Batches", "Samples"]
+__all__ = ["Batches", "LabelledImages"]

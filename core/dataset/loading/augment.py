@@ -99,7 +99,7 @@ class Augmentation:
         """Whether images are neither turned nor mirrored nor zoomed, so that attitude and height hold for them."""
         return not (self.rotation_deg or self.flip or self.zoom)
 
-    def change_of(self, name: str, seed: int, epoch: int) -> Change:
+    def draw_change(self, name: str, seed: int, epoch: int) -> Change:
         """Return what is done to an image in an epoch.
 
         Parameters
@@ -121,11 +121,11 @@ class Augmentation:
         )
 
     def applied(self, image: Image.Image, name: str, seed: int, epoch: int) -> Image.Image:
-        """Return an image as `changed` makes it by `change_of`."""
-        return changed(image, self.change_of(name, seed, epoch))
+        """Return an image as `apply_change` makes it by `draw_change`."""
+        return apply_change(image, self.draw_change(name, seed, epoch))
 
 
-def changed(image: Image.Image, change: Change) -> Image.Image:
+def apply_change(image: Image.Image, change: Change) -> Image.Image:
     """Return an image of the same size that is turned, mirrored, zoomed and shaded.
 
     The rotation is about the image's centre. Beyond the borders the image goes on as its reflection, in which the
@@ -149,11 +149,11 @@ def changed(image: Image.Image, change: Change) -> Image.Image:
         False,
         1,
     ):
-        moved = _moved(image, change)
-    return _shaded(moved, change) if (change.contrast, change.brightness) != (1, 0) else moved
+        moved = _warp(image, change)
+    return _shade(moved, change) if (change.contrast, change.brightness) != (1, 0) else moved
 
 
-def _moved(image: Image.Image, change: Change) -> Image.Image:
+def _warp(image: Image.Image, change: Change) -> Image.Image:
     """The image turned, mirrored and zoomed."""
     width, height = image.size
     angle = math.radians(change.rotation_deg)
@@ -163,21 +163,21 @@ def _moved(image: Image.Image, change: Change) -> Image.Image:
     xx, xy, yx, yy = (
         round(one * _STEPS) / _STEPS for one in (cosine * across, -sine * down, sine * across, cosine * down)
     )
-    beside = _beyond(abs(xx) * width + abs(xy) * height, width)
-    above = _beyond(abs(yx) * width + abs(yy) * height, height)
+    beside = _overhang_px(abs(xx) * width + abs(xy) * height, width)
+    above = _overhang_px(abs(yx) * width + abs(yy) * height, height)
     x = beside + (width - xx * width - xy * height) / 2.0
     y = above + (height - yx * width - yy * height) / 2.0
-    return _reflected(image, beside, above).transform(
+    return _add_reflections(image, beside, above).transform(
         image.size, Image.AFFINE, (xx, xy, x, yx, yy, y), Image.BILINEAR
     )
 
 
-def _beyond(seen_px: float, size_px: int) -> int:
+def _overhang_px(seen_px: float, size_px: int) -> int:
     """Whole pixels that are seen beyond a border, with one more that the bilinear ones rest on."""
     return max(math.ceil((seen_px - size_px) / 2.0), 0) + 1
 
 
-def _reflected(image: Image.Image, beside: int, above: int) -> Image.Image:
+def _add_reflections(image: Image.Image, beside: int, above: int) -> Image.Image:
     """The image with so many pixels of its reflections on either side, and above and below."""
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
@@ -203,7 +203,7 @@ def _reflected(image: Image.Image, beside: int, above: int) -> Image.Image:
     return whole
 
 
-def _shaded(image: Image.Image, change: Change) -> Image.Image:
+def _shade(image: Image.Image, change: Change) -> Image.Image:
     """The image with another contrast about its mean over all channels, and another brightness."""
     counts = image.histogram()
     mean = sum(index % _GREYS * count for index, count in enumerate(counts)) / sum(counts)

@@ -20,11 +20,11 @@ from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...external.importing import imported
 from ...storage.stores import Address, is_address, is_file
-from ..dataset import Dataset, ImageSet, bands_in, open_image, read_dataset, some
+from ..dataset import Dataset, ImageSet, first_names, open_image, read_band_metadata, read_dataset
 from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
-from ..labels import LABELS_FILE, Labels, labels_of_tables
+from ..labels import LABELS_FILE, Labels, make_dataset_labels
 from ..stored import ImageFile, StoredImage
-from ..table import GAP, part_of, taken
+from ..table import GAP, image_parts, usable_rows
 from .augment import Augmentation
 from .streaming import ShardCache, Shards, random_numbers
 
@@ -52,7 +52,7 @@ _COLUMNS = {
 }
 
 
-class Samples:
+class LabelledImages:
     """Images of one part of a map type and their labels, each by its number, in the table's order.
 
     Failed and rejected images are never taken. An instance holds names and labels, no pixels, and can be pickled.
@@ -138,7 +138,7 @@ class Samples:
         turnable = _check_targets(targets, augment)
         if not isinstance(dataset, Dataset):
             dataset = read_dataset(dataset, layout)
-        self.part, self.img_size, self.seed = part, None if img_size is None else sized(img_size), seed
+        self.part, self.img_size, self.seed = part, None if img_size is None else check_size(img_size), seed
         self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
         usual = Augmentation() if part == TRAIN and turnable else None
         self.augment = usual if isinstance(augment, str) else augment
@@ -159,7 +159,7 @@ class Samples:
         self.bands: Bands | None = None
         if self._is_stored:
             self.dtype = self._stored(0).dtype
-            self.bands = bands_in(self.file(0), self.shape[2])
+            self.bands = read_band_metadata(self.file(0), self.shape[2])
 
     def _shape(self) -> tuple[int, int, int]:
         """Height, width and channels of every image."""
@@ -299,7 +299,7 @@ class Samples:
 
 @runtime_checkable
 class Ordered(Protocol):
-    """What batches are made of: `Samples`, or pairs of images such as `benchmark.loading.Pairs`."""
+    """What batches are made of: `LabelledImages`, or pairs of images such as `benchmark.loading.Pairs`."""
 
     @property
     def names(self) -> Sequence[str]:
@@ -321,10 +321,10 @@ class Ordered(Protocol):
         """The same of any numbers."""
 
 
-def samples_of(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]) -> Ordered:
+def make_samples(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]) -> Ordered:
     """Samples of a dataset by a choice, or those that are given."""
     if not isinstance(dataset, Ordered):
-        return Samples(dataset, **choice)
+        return LabelledImages(dataset, **choice)
     if choice:
         raise InvalidInput("{0}: is chosen where the pairs are made", ", ".join(choice))
     return dataset
@@ -343,12 +343,12 @@ class Batches:
     workers : int
         Threads that make batches; 0 makes each when it is asked for.
     **choice
-        As `Samples` takes them.
+        As `LabelledImages` takes them.
 
     Raises
     ------
     InvalidInput
-        As `Samples` does, or a batch size below 1; and when an image cannot be read, which is named.
+        As `LabelledImages` does, or a batch size below 1; and when an image cannot be read, which is named.
     """
 
     def __init__(
@@ -361,10 +361,10 @@ class Batches:
     ) -> None:
         if workers < 0:
             raise InvalidInput("workers {0}: must be 0 or more", workers)
-        self.samples = samples_of(dataset, choice)
+        self.samples = make_samples(dataset, choice)
         self.epoch = 0
         self._chunks = chunks(len(self.samples), batch_size)
-        self._position = Position(self.samples, batch_size, len(self._chunks))
+        self._position = EpochPosition(self.samples, batch_size, len(self._chunks))
         self._workers = workers
 
     def set_epoch(self, epoch: int) -> None:
@@ -410,7 +410,7 @@ class Batches:
                 yield waiting.popleft().result()
 
 
-class Position:
+class EpochPosition:
     """Where in an epoch an iteration is: how many batches have been taken, not how many have been made ahead."""
 
     def __init__(self, samples: Ordered, batch_size: int, batches: int) -> None:
@@ -548,7 +548,7 @@ def _check_as_stored(img_size: tuple[int, int, int] | None, augment: Augmentatio
         raise InvalidInput("augment: images are not augmented as they are stored")
 
 
-def sized(img_size: Sequence[int] | int) -> tuple[int, int, int]:
+def check_size(img_size: Sequence[int] | int) -> tuple[int, int, int]:
     """Width, height and channels; raises InvalidInput for what is not such."""
     if isinstance(img_size, int):
         raise InvalidInput("image size {0}: must be a width, a height and 1 or 3 channels", img_size)
@@ -587,7 +587,7 @@ def _streamed(
 
 def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     """Rows of the table that are taken."""
-    parts = part_of(images.table)
+    parts = image_parts(images.table)
     if part != ALL and parts is None:
         raise InvalidInput(
             "part {0!r}: {1} is not split",
@@ -595,7 +595,7 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
             images.folder,
             remedy=Message("run terrainav split, or take the part {0!r}", ALL),
         )
-    chosen = taken(images.table)
+    chosen = usable_rows(images.table)
     if part != ALL and parts is not None:
         _check_parts(images, parts)
         chosen &= np.array([one == part for one in parts], np.bool_)
@@ -617,7 +617,7 @@ def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
             "table {0}: has split {1!r} ({2}); must be one of {3} or empty: split anew",
             images.folder / TABLE_FILE,
             value,
-            some(odd),
+            first_names(odd),
             ", ".join(known[:-1]),
         )
 
@@ -625,7 +625,7 @@ def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
 def _labels(dataset: Dataset, images: ImageSet) -> Labels:
     path = dataset.folder / LABELS_FILE
     if not is_file(path):
-        return labels_of_tables(one.table for one in dataset.image_sets.values())
+        return make_dataset_labels(one.table for one in dataset.image_sets.values())
     labels = Labels.load(path)
     _check_fit(labels, images, path)
     return labels
@@ -637,14 +637,14 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
     Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n: images of the training part that
     are, are none of those that the scaler was fitted on.
     """
-    parts = part_of(images.table)
+    parts = image_parts(images.table)
     if labels.fitted_on != TRAIN or parts is None:
         return
-    rows = np.flatnonzero(taken(images.table) & np.array([part == TRAIN for part in parts], np.bool_))
+    rows = np.flatnonzero(usable_rows(images.table) & np.array([part == TRAIN for part in parts], np.bool_))
     if not rows.size:
         return
     table = images.table
-    far = np.abs(labels.of(table.lat_deg[rows], table.lon_deg[rows])).max(axis=1)
+    far = np.abs(labels.transform(table.lat_deg[rows], table.lon_deg[rows])).max(axis=1)
     worst = int(np.argmax(far))
     if far[worst] > math.sqrt(max(labels.images, 1)):
         raise InvalidInput(
@@ -688,13 +688,13 @@ def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int6
         else (table.pose_lat_deg[rows], table.pose_lon_deg[rows])
     )
     _check_known(target, np.isfinite(lat_deg) & np.isfinite(lon_deg), images, rows)
-    values = labels.of(lat_deg, lon_deg).astype(np.float32)
+    values = labels.transform(lat_deg, lon_deg).astype(np.float32)
     lost = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if lost.size:
         first = int(lost[0])
         raise InvalidInput(
             "labels: {0} cannot be had in {1}, first Lat {2:g}, Lon {3:g}",
-            some([images.table.img_names[row] for row in rows[lost].tolist()]),
+            first_names([images.table.img_names[row] for row in rows[lost].tolist()]),
             labels.frame.crs,
             lat_deg[first],
             lon_deg[first],
@@ -709,5 +709,5 @@ def _check_known(target: str, known: NDArray[np.bool_], images: ImageSet, rows: 
             "targets {0}: the table of {1} does not say it of {2}",
             target,
             images.folder,
-            some([images.table.img_names[row] for row in rows[~known].tolist()]),
+            first_names([images.table.img_names[row] for row in rows[~known].tolist()]),
         )

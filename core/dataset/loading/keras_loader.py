@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...storage.stores import Address
 from ..dataset import Dataset
-from .batches import Ordered, chunks, optional_module, samples_of
+from .batches import Ordered, chunks, make_samples, optional_module
 
 
 class _KerasSamples:
@@ -30,7 +30,7 @@ class _KerasSamples:
     workers, use_multiprocessing, max_queue_size
         Of ``keras.utils.PyDataset``: threads, or processes, that make batches, and how many wait at most.
     **choice
-        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
+        Options of `LabelledImages`: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
         shards_at_once, cache_mb.
 
     Raises
@@ -38,7 +38,7 @@ class _KerasSamples:
     OutputError
         Keras or its backend is not installed.
     InvalidInput
-        As `Samples` does, or a batch size below 1; and when an image cannot be read, which is named.
+        As `LabelledImages` does, or a batch size below 1; and when an image cannot be read, which is named.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class _KerasSamples:
         super().__init__(
             workers=workers, use_multiprocessing=use_multiprocessing, max_queue_size=max_queue_size
         )  # type: ignore[call-arg]
-        self.samples = samples_of(dataset, choice)
+        self.samples = make_samples(dataset, choice)
         self._chunks = chunks(len(self.samples), batch_size)
         self._channels_first = _keras().config.image_data_format() == "channels_first"
         self.set_epoch(0)

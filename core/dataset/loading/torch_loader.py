@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput
 from ...storage.stores import Address, is_address
 from ..dataset import Dataset
-from .batches import Ordered, Position, chunks, optional_module, samples_of
+from .batches import EpochPosition, Ordered, chunks, make_samples, optional_module
 
 
 class _Order:
@@ -21,7 +21,7 @@ class _Order:
 
     def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
         self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
-        self.position = Position(dataset.samples, batch_size, len(self))
+        self.position = EpochPosition(dataset.samples, batch_size, len(self))
 
     def __len__(self) -> int:
         return len(self._chunks())
@@ -44,7 +44,7 @@ class _TorchSamples:
     Parameters
     ----------
     **choice
-        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
+        Options of `LabelledImages`: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
         shards_at_once, cache_mb.
 
     Raises
@@ -52,7 +52,7 @@ class _TorchSamples:
     OutputError
         PyTorch is not installed.
     InvalidInput
-        As `Samples` does; and when an image cannot be read, which is named.
+        As `LabelledImages` does; and when an image cannot be read, which is named.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class _TorchSamples:
 
     def __init__(self, dataset: Dataset | Address | Ordered, **choice: Any) -> None:
         torch = _torch()
-        self.samples = samples_of(dataset, choice)
+        self.samples = make_samples(dataset, choice)
         # In memory that workers share: those that stay from one epoch to the next are told of it, too.
         self._epoch = torch.zeros(1, dtype=torch.int64).share_memory_()
 

@@ -9,7 +9,7 @@ import shutil
 import numpy as np
 import pytest
 from pyproj import Transformer
-from terrainav.core.benchmark.folder import Benchmark, Mosaic
+from terrainav.core.benchmark.folder import Benchmark, ReferenceMosaic
 from terrainav.core.errors import InvalidInput
 
 
@@ -151,7 +151,7 @@ def test_numbers_that_are_none_are_named_with_their_line(copy):
     ],
 )
 def test_places_in_the_mosaic_are_those_of_proj(crs, west, north, lat, lon):
-    mosaic = Mosaic("mosaic.tif", crs, west, north, 2.0, 0.5, 4_000, 20_000)
+    mosaic = ReferenceMosaic("mosaic.tif", crs, west, north, 2.0, 0.5, 4_000, 20_000)
     x, y = Transformer.from_crs(4326, crs, always_xy=True).transform(lon, lat)
     if crs == "EPSG:3857" and x < west:
         x += 2.0 * 20_037_508.342789244

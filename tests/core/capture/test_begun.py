@@ -21,7 +21,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import FLAT_PARTS
 from terrainav.core.mission.plan import plan
 from terrainav.core.pairs.capturing import SETTINGS_FILE, capture_pairs
-from terrainav.core.pairs.places import Place
+from terrainav.core.pairs.places import PairPlace
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.views import spiral
 from terrainav.core.picture.heights import heights_of
@@ -254,7 +254,7 @@ def test_of_several_imageries_the_file_above_them_is_held(tmp_path):
 
 def test_pairs_are_held_to_their_settings(tmp_path):
     source = PatternSource()
-    places = tuple(Place(35.14 + 0.01 * at, -89.86, str(at)) for at in range(4))
+    places = tuple(PairPlace(35.14 + 0.01 * at, -89.86, str(at)) for at in range(4))
 
     def run(**changes):
         settings = PairSettings(

@@ -262,7 +262,7 @@ def test_columns_of_others_stay(dataset):
     folder, worked_out, source = dataset
     path = folder / "satellite" / "meta_data.csv"
     table = Table.load(path)
-    table.replaced({"split": ("train",) * len(table)}).save(path)
+    table.replace_other({"split": ("train",) * len(table)}).save(path)
     clean(folder, THRESHOLD)
     assert list(Table.load(path).other) == ["split", REJECTED]
     capture(worked_out, source, folder, resume=True)

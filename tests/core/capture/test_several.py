@@ -13,7 +13,7 @@ from pyproj import Transformer
 from terrainav.core.capture.several import capture_imageries
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.loading import Samples
+from terrainav.core.dataset.loading import LabelledImages
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import REJECTED, SPLIT
 from terrainav.core.errors import InvalidInput, OutputError
@@ -154,7 +154,7 @@ def test_images_of_one_place_are_in_one_part_in_all_imageries(tmp_path, how):
     assert len(parts) == len(plans["a"]) == len(plans["b"]) == sum(made.images.values()) + made.gap
     assert all(len(one) == 2 and len(set(one.values())) == 1 for one in parts.values())
     assert min(made.images.values()) > 0
-    train = Samples(tmp_path / "out", map_type="b", part="train")
+    train = LabelledImages(tmp_path / "out", map_type="b", part="train")
     assert len(train) == made.images["train"]
 
 

@@ -11,8 +11,8 @@ from osgeo import gdal, ogr, osr
 from pyproj import Transformer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.ground import boxes_of, of_camera
-from terrainav.core.dataset.loading.batches import Samples
+from terrainav.core.dataset.ground import are_camera_frames, ground_boxes
+from terrainav.core.dataset.loading.batches import LabelledImages
 from terrainav.core.errors import InvalidInput
 from terrainav.core.exports.kinds import export_as
 from terrainav.core.geodesy.camera import Camera
@@ -167,7 +167,7 @@ def test_footprints_and_loaded_images_are_those_of_the_turned_files(tmp_path):
         # To the whole pixels that the centres of the outermost ones are half a pixel inside of.
         assert np.abs(ends - there).max() < 1.1 * resolution
     for size in ((90, 60, 3), (60, 90, 3)):
-        samples = Samples(
+        samples = LabelledImages(
             tmp_path, part="all", img_size=size, dtype="uint8", augment=None, targets=("attitude",)
         )
         images, values = samples.take(np.arange(len(YAWS)), 0)
@@ -188,8 +188,8 @@ def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):
     assert made.overlap.least_along >= 0.3 - 0.01
     images = read_dataset(tmp_path).image_sets["satellite"]
     rows = np.arange(len(made))
-    assert not of_camera(images, rows, tmp_path)
-    boxes = boxes_of(images, rows, tmp_path, -89.86)
+    assert not are_camera_frames(images, rows, tmp_path)
+    boxes = ground_boxes(images, rows, tmp_path, -89.86)
     west, _, east, _ = made.edges
     scale = 2.0 * np.pi * 6378137.0
     assert np.abs((boxes.east_u - boxes.west_u) * scale - (east - west)).max() < 1e-6
@@ -209,8 +209,8 @@ def test_images_of_rows_along_meridians_are_read_as_the_map_frames_that_they_are
     images = read_dataset(tmp_path).image_sets["satellite"]
     rows = np.arange(len(made))
     assert np.any(images.table.yaw_deg % 90.0)
-    assert not of_camera(images, rows, tmp_path)
-    boxes = boxes_of(images, rows, tmp_path, -89.86)
+    assert not are_camera_frames(images, rows, tmp_path)
+    boxes = ground_boxes(images, rows, tmp_path, -89.86)
     west, _, east, _ = made.edges
     assert np.abs((boxes.east_u - boxes.west_u) * 2.0 * np.pi * 6378137.0 - (east - west)).max() < 1e-6
     with pytest.raises(InvalidInput, match="windows of the map"):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from terrainav.core.dataset.cells import CutCells, Rows
+from terrainav.core.dataset.cells import CsvRows, CutCells
 from terrainav.core.errors import InvalidInput
 
 from tests.support.thinning import examples
@@ -64,7 +64,7 @@ def number(cell: str) -> float | None:
 
 def cut(rows: list[list[str]]) -> CutCells:
     text = "".join(",".join(row) + "\n" for row in [["x"] * len(rows[0]), *rows])
-    (found,) = Rows([text], "table", [])
+    (found,) = CsvRows([text], "table", [])
     assert isinstance(found, CutCells)
     return found
 
@@ -72,7 +72,7 @@ def cut(rows: list[list[str]]) -> CutCells:
 def all_rows(texts: list[str]) -> tuple[list[str], list[list[str]]] | str:
     faults: list[tuple[int, str]] = []
     try:
-        rows = Rows(texts, "table", faults)
+        rows = CsvRows(texts, "table", faults)
         found = []
         for cells in rows:
             columns = [cells.texts(column) for column in range(len(rows.headers))]

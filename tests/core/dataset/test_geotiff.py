@@ -14,8 +14,8 @@ from terrainav.core.capture.writers import geotiff  # noqa: E402
 from terrainav.core.dataset.clean import clean  # noqa: E402
 from terrainav.core.dataset.dataset import read_dataset  # noqa: E402
 from terrainav.core.dataset.entropy import entropies_of  # noqa: E402
-from terrainav.core.dataset.geotiff import geotiff_of  # noqa: E402
-from terrainav.core.dataset.loading import Batches, Samples  # noqa: E402
+from terrainav.core.dataset.geotiff import parse_geotiff  # noqa: E402
+from terrainav.core.dataset.loading import Batches, LabelledImages  # noqa: E402
 from terrainav.core.dataset.loading.augment import Augmentation  # noqa: E402
 from terrainav.core.dataset.split import split  # noqa: E402
 from terrainav.core.dataset.table import Table  # noqa: E402
@@ -42,7 +42,7 @@ def test_what_is_written_is_read_by_us_and_by_gdal(data_type, count, masked, tmp
     (tmp_path / "n.tif").write_bytes(data)
     opened = gdal.Open(str(tmp_path / "n.tif"))
     shown = opened.ReadAsArray().reshape(-1, 30, 40)[:count]
-    read = geotiff_of(data)
+    read = parse_geotiff(data)
     if data_type == "uint8" and count in (1, 3):
         assert read is None
         assert np.array_equal(np.moveaxis(shown, 0, 2), values[..., :count])
@@ -76,7 +76,7 @@ def test_a_dataset_of_four_bands_is_read_split_and_loaded_as_it_is(dataset):
     if len(sizes) > 1:
         with pytest.raises(InvalidInput, match="4 bands of uint16, where the first one has"):
             list(Batches(dataset, part="all", dtype="stored"))
-    first = Samples(dataset, part="all", dtype="stored", shuffle=False)
+    first = LabelledImages(dataset, part="all", dtype="stored", shuffle=False)
     assert first.dtype == np.uint16
     taken, labels = first.take([0])
     assert np.array_equal(taken[0], images.pixels(0))
@@ -87,12 +87,12 @@ def test_loaders_refuse_what_they_would_change(dataset):
     with pytest.raises(
         InvalidInput, match=r"red, green, blue, nir \(uint16\), and not grey or colours"
     ) as caught:
-        Samples(dataset, part="all")
+        LabelledImages(dataset, part="all")
     assert "\n" not in str(caught.value)
     with pytest.raises(InvalidInput, match="not resized as they are stored"):
-        Samples(dataset, part="all", dtype="stored", img_size=(8, 8, 3))
+        LabelledImages(dataset, part="all", dtype="stored", img_size=(8, 8, 3))
     with pytest.raises(InvalidInput, match="not augmented as they are stored"):
-        Samples(dataset, part="all", dtype="stored", augment=Augmentation())
+        LabelledImages(dataset, part="all", dtype="stored", augment=Augmentation())
 
 
 def test_entropies_that_are_lost_are_worked_out_as_they_were(dataset):

@@ -15,9 +15,9 @@ from pyproj import Geod
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset import ground
 from terrainav.core.dataset.folder import PARTS
-from terrainav.core.dataset.ground import Boxes, near
+from terrainav.core.dataset.ground import GroundBoxes, find_near
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.table import GAP, Table, part_of
+from terrainav.core.dataset.table import GAP, Table, image_parts
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
@@ -35,7 +35,7 @@ PARTS_OR_GAP = (*PARTS, GAP)
 
 
 def parts_in(folder, map_type="satellite"):
-    return part_of(Table.load(folder / map_type / "meta_data.csv"))
+    return image_parts(Table.load(folder / map_type / "meta_data.csv"))
 
 
 def pixels_of(window, world):
@@ -160,7 +160,7 @@ BOX = st.tuples(st.floats(-0.6, 0.6), st.floats(-84, 84), st.floats(1e-6, 0.3), 
 def test_near_is_what_each_pair_says(first, second):
     def boxes(tuples):
         u, lat, width, height = np.array(tuples).T
-        return Boxes(u, u + width, lat, lat + height)
+        return GroundBoxes(u, u + width, lat, lat + height)
 
     mine, theirs = boxes(first), boxes(second)
     west, east, south, north = (edge[:, np.newaxis] for edge in mine)
@@ -172,7 +172,7 @@ def test_near_is_what_each_pair_says(first, second):
             & (south < theirs.north_deg)
             & (north > theirs.south_deg)
         )
-    np.testing.assert_array_equal(near(mine, theirs, 0.0), met.any(axis=1))
+    np.testing.assert_array_equal(find_near(mine, theirs, 0.0), met.any(axis=1))
 
 
 TURNED = [

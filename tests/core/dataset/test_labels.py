@@ -10,11 +10,11 @@ from pyproj import Geod, Transformer
 from terrainav.core.dataset.folder import FRAMES
 from terrainav.core.dataset.labels import (
     Labels,
-    frame_of,
-    labels_of,
-    labels_of_tables,
+    choose_frame,
+    make_dataset_labels,
+    make_labels,
     mark_unfinished,
-    middle_of,
+    middle_position,
 )
 from terrainav.core.errors import InvalidInput
 
@@ -43,23 +43,23 @@ POSITION_M, BY_POLES_M, ANYWHERE_M = 2e-8, 1e-6, 1e-3
     ],
 )
 def test_utm_zone_or_ups_of_the_middle(lat, lon, crs):
-    assert frame_of(np.array([lat]), np.array([lon])).crs == crs
+    assert choose_frame(np.array([lat]), np.array([lon])).crs == crs
 
 
 def test_labels_are_what_proj_makes_of_the_centres_scaled():
-    labels = labels_of(LAT, LON)
+    labels = make_labels(LAT, LON)
     east, north = Transformer.from_crs(4326, 32616, always_xy=True).transform(LON, LAT)
     metres = np.stack([east, north], axis=-1)
     np.testing.assert_allclose(labels.frame.forward(LAT, LON), metres, atol=1e-8)
     np.testing.assert_allclose(
-        labels.of(LAT, LON), (metres - metres.mean(axis=0)) / metres.std(axis=0), atol=1e-12
+        labels.transform(LAT, LON), (metres - metres.mean(axis=0)) / metres.std(axis=0), atol=1e-12
     )
 
 
 def off_m(lat, lon, frame):
     """How far positions are from what their labels give back, metres."""
-    labels = labels_of(lat, lon, frame)
-    back_lat, back_lon = labels.positions(labels.of(lat, lon))
+    labels = make_labels(lat, lon, frame)
+    back_lat, back_lon = labels.positions(labels.transform(lat, lon))
     assert ((back_lon >= -180.0) & (back_lon < 180.0)).all()
     return np.max(GEOD.inv(*(values.tolist() for values in (lon, lat, back_lon, back_lat)))[2])
 
@@ -104,7 +104,7 @@ def test_labels_of_any_place_come_back_or_are_refused(frame, lat, lon, spread, s
 @pytest.mark.parametrize("frame", FRAMES)
 def test_labels_are_continuous_across_the_antimeridian(frame):
     lat, lon = np.array([10.0, 10.0]), np.array([179.999, -179.999])
-    metres = labels_of(lat, lon, frame).frame.forward(lat, lon)
+    metres = make_labels(lat, lon, frame).frame.forward(lat, lon)
     east, north = metres[1] - metres[0]
     assert east == pytest.approx(219.3, rel=0.03)
     # In UTM north leans by the meridians' convergence, half a degree here.
@@ -112,24 +112,24 @@ def test_labels_are_continuous_across_the_antimeridian(frame):
 
 
 def test_middle_is_that_of_the_smallest_box():
-    assert middle_of(np.array([1.0, 2.0]), np.array([179.0, -177.0])) == (1.5, -179.0)
-    assert middle_of(np.array([1.0, 1.0, 2.0]), np.array([0.0, 0.1, 10.0])) == (1.5, 5.0)
+    assert middle_position(np.array([1.0, 2.0]), np.array([179.0, -177.0])) == (1.5, -179.0)
+    assert middle_position(np.array([1.0, 1.0, 2.0]), np.array([0.0, 0.1, 10.0])) == (1.5, 5.0)
 
 
 def test_several_zones_have_one_frame_which_is_said():
     lon = np.array([-90.5, -90.1, -89.9])
-    labels = labels_of(LAT, lon)
+    labels = make_labels(LAT, lon)
     assert labels.frame.crs == "EPSG:32615"
     assert labels.frame.zones == ("15N", "16N")
     assert labels.notes == (
         "the images lie in 2 UTM zones (15N, 16N): one frame, EPSG:32615, is for all of them",
     )
-    assert labels_of(LAT, LON).notes == ()
+    assert make_labels(LAT, LON).notes == ()
 
 
 def test_file_keeps_all_digits_and_says_what_it_is(tmp_path):
     for frame in (*FRAMES, "EPSG:32615"):
-        labels = labels_of(LAT, LON, frame, training=np.array([True, True, False]))
+        labels = make_labels(LAT, LON, frame, training=np.array([True, True, False]))
         labels.save(tmp_path / "labels.json")
         assert Labels.load(tmp_path / "labels.json") == labels
         document = json.loads((tmp_path / "labels.json").read_text())
@@ -140,23 +140,23 @@ def test_file_keeps_all_digits_and_says_what_it_is(tmp_path):
 
 def test_scaler_sees_the_training_part_only():
     training = np.array([True, True, False])
-    labels = labels_of(LAT, LON, training=training)
-    scaled = labels.of(LAT, LON)
+    labels = make_labels(LAT, LON, training=training)
+    scaled = labels.transform(LAT, LON)
     np.testing.assert_allclose(scaled[training].mean(axis=0), 0.0, atol=1e-12)
     assert abs(scaled[2]).max() > 1.0
     with pytest.raises(InvalidInput, match="training part"):
-        labels_of(LAT, LON, training=np.zeros(3, np.bool_))
+        make_labels(LAT, LON, training=np.zeros(3, np.bool_))
 
 
 def test_labels_of_tables_leave_failed_and_rejected_images_out_and_count_places_once():
     where = {"lat_deg": LAT, "lon_deg": LON}
     table = make_table(**where, other={"split": ("train", "test", "")})
-    labels = labels_of_tables([table, table])
+    labels = make_dataset_labels([table, table])
     assert (labels.fitted_on, labels.images) == ("train", 1)
-    assert labels_of_tables([make_table(**where)]).images == 2
-    assert labels_of_tables([make_table(**where, other={"rejected": ("dull", "", "")})]).images == 1
+    assert make_dataset_labels([make_table(**where)]).images == 2
+    assert make_dataset_labels([make_table(**where, other={"rejected": ("dull", "", "")})]).images == 1
     with pytest.raises(InvalidInput, match="no image that is there"):
-        labels_of_tables([make_table(**where, status=("failed",) * 3)])
+        make_dataset_labels([make_table(**where, status=("failed",) * 3)])
 
 
 @pytest.mark.parametrize(
@@ -170,17 +170,17 @@ def test_labels_of_tables_leave_failed_and_rejected_images_out_and_count_places_
 )
 def test_frames_that_are_none_are_refused(frame, said):
     with pytest.raises(InvalidInput, match=said):
-        labels_of(LAT, LON, frame)
+        make_labels(LAT, LON, frame)
 
 
 def test_frame_that_cannot_hold_the_images_is_refused():
     lat, lon = np.array([10.0, 10.0]), np.array([179.999, -179.999])
     with pytest.raises(InvalidInput, match=r"EPSG:3395 cannot hold all positions, such as 10\.0"):
-        labels_of(lat, lon, "EPSG:3395")
+        make_labels(lat, lon, "EPSG:3395")
     with pytest.raises(InvalidInput, match="cannot hold"):
-        labels_of(np.array([90.0]), np.array([0.0]), "mercator")
+        make_labels(np.array([90.0]), np.array([0.0]), "mercator")
     with pytest.raises(InvalidInput, match="needs one or more"):
-        labels_of(np.array([np.nan]), np.array([0.0]))
+        make_labels(np.array([np.nan]), np.array([0.0]))
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,7 @@ def test_frame_that_cannot_hold_the_images_is_refused():
 )
 def test_file_that_is_none_is_refused(tmp_path, change, said):
     path = tmp_path / "labels.json"
-    path.write_text(json.dumps({**json.loads(labels_of(LAT, LON).to_json()), **change}))
+    path.write_text(json.dumps({**json.loads(make_labels(LAT, LON).to_json()), **change}))
     with pytest.raises(InvalidInput, match=said):
         Labels.load(path)
 

@@ -10,7 +10,7 @@ from PIL import Image
 from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.entropy import entropy
-from terrainav.core.dataset.folder import deciding_folder, map_type_of
+from terrainav.core.dataset.folder import deciding_folder, map_type_name
 from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import InvalidInput
 
@@ -107,7 +107,7 @@ def test_several_overlaps_are_told_apart_and_each_has_its_own_roadmap(tmp_path):
 
 
 def test_names_of_folders():
-    assert [map_type_of(name) for name in ("satellite", "satellite_0", "roadmap_0.6", "my_map", "_0")] == [
+    assert [map_type_name(name) for name in ("satellite", "satellite_0", "roadmap_0.6", "my_map", "_0")] == [
         "satellite",
         "satellite",
         "roadmap",

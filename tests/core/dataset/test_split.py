@@ -14,9 +14,9 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.folder import PARTS
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
-from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.split import shuffled, split
-from terrainav.core.dataset.table import SPLIT, Table, part_of, taken
+from terrainav.core.dataset.loading import LabelledImages
+from terrainav.core.dataset.split import shuffle, split
+from terrainav.core.dataset.table import SPLIT, Table, image_parts, usable_rows
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -52,7 +52,7 @@ def in_row(tmp_path, count, **changes) -> Path:
 
 def parts_in(folder: Path, map_type: str = "satellite") -> dict[str, str]:
     table = Table.load(folder / map_type / "meta_data.csv")
-    return {Path(name).stem: part for name, part in zip(table.img_names, part_of(table))}
+    return {Path(name).stem: part for name, part in zip(table.img_names, image_parts(table))}
 
 
 def contents(folder: Path) -> dict[Path, bytes]:
@@ -68,9 +68,9 @@ def test_order_is_that_of_the_hashes_on_every_machine():
         "1_1_35.0_-89.8_19",
     ]
     # sha256sum of `2024:0_0_35.1_-89.9_19` and so on, sorted.
-    assert [names.index(name) for name in shuffled(names, 2024)] == [0, 2, 3, 1, 4]
-    assert [names.index(name) for name in shuffled(names, 7)] == [3, 0, 1, 4, 2]
-    assert shuffled(names[::-1], 2024) == shuffled(names, 2024)
+    assert [names.index(name) for name in shuffle(names, 2024)] == [0, 2, 3, 1, 4]
+    assert [names.index(name) for name in shuffle(names, 7)] == [3, 0, 1, 4, 2]
+    assert shuffle(names[::-1], 2024) == shuffle(names, 2024)
 
 
 @pytest.mark.parametrize("how", ["shuffled", "in-order"])
@@ -94,7 +94,7 @@ def test_in_order_follows_the_table_and_shuffled_the_hashes(tmp_path):
     assert list(parts_in(folder).values()) == ["train"] * 5 + ["validation"] * 3 + ["test"] * 2
     split(folder, (0.5, 0.3, 0.2))
     parts = parts_in(folder)
-    assert [parts[name] for name in shuffled(parts)] == ["train"] * 5 + ["validation"] * 3 + ["test"] * 2
+    assert [parts[name] for name in shuffle(parts)] == ["train"] * 5 + ["validation"] * 3 + ["test"] * 2
     other = split(folder, (0.5, 0.3, 0.2), seed=1)
     assert other.seed == 1
     assert parts_in(folder) != parts
@@ -142,8 +142,8 @@ def test_failed_and_rejected_images_are_in_no_part(captured, tmp_path):
     clean(folder, float(np.median(table.entropies)), move=True)
     made = split(folder)
     table = Table.load(folder / "satellite" / "meta_data.csv")
-    assert 0 < made.left_out == (~taken(table)).sum() < len(table)
-    assert [not part for part in part_of(table)] == [not one for one in taken(table).tolist()]
+    assert 0 < made.left_out == (~usable_rows(table)).sum() < len(table)
+    assert [not part for part in image_parts(table)] == [not one for one in usable_rows(table).tolist()]
 
 
 @pytest.mark.parametrize("written", [0, 1, 2])
@@ -168,12 +168,12 @@ def test_split_that_was_interrupted_is_told_until_it_is_done_again(tmp_path, mon
     monkeypatch.undo()
     assert (parts_in(folder) == parts_in(folder, "roadmap")) == (written != 1)
     with pytest.raises(InvalidInput, match="a split was interrupted"):
-        Samples(folder, img_size=(8, 8, 3))
+        LabelledImages(folder, img_size=(8, 8, 3))
     split(folder, seed=1)
     assert {path.relative_to(folder): data for path, data in contents(folder).items()} == {
         path.relative_to(done): data for path, data in contents(done).items()
     }
-    Samples(folder, img_size=(8, 8, 3))
+    LabelledImages(folder, img_size=(8, 8, 3))
 
 
 def test_dry_run_changes_nothing_and_says_the_same(tmp_path):

@@ -16,10 +16,10 @@ from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.runner import capture
 from terrainav.core.capture.writers import geotiff
 from terrainav.core.dataset.clean import clean, undo
-from terrainav.core.dataset.dataset import open_bands, open_image, open_masked, read_dataset, size_of
+from terrainav.core.dataset.dataset import image_size, open_bands, open_image, open_masked, read_dataset
 from terrainav.core.dataset.entropy import entropies_of
-from terrainav.core.dataset.ground import of_camera
-from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.ground import are_camera_frames
+from terrainav.core.dataset.loading import Batches, LabelledImages
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import SPLIT, Table
 from terrainav.core.errors import InvalidInput, OutputError
@@ -76,10 +76,10 @@ def test_images_are_those_of_the_folder_wherever_they_are(folders, place):
         assert found.file(row).read_bytes() == wanted.path(row).read_bytes()
         np.testing.assert_array_equal(found.pixels(row), wanted.pixels(row))
     image = found.file(3)
-    assert size_of(image) == size_of(wanted.path(3))
+    assert image_size(image) == image_size(wanted.path(3))
     assert open_bands(image) is None
     np.testing.assert_array_equal(open_masked(image)[0], open_masked(wanted.path(3))[0])
-    assert not of_camera(found, np.arange(2), read_dataset(place).folder)
+    assert not are_camera_frames(found, np.arange(2), read_dataset(place).folder)
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
@@ -114,9 +114,9 @@ def test_bands_and_places_on_the_map_are_read_from_shards(tmp_path):
     found = images_of(read_dataset(write_shards(tmp_path / "SHARDS", folder)))
     np.testing.assert_array_equal(found.pixels(0), values)
     assert open_bands(found.file(0)).bands == bands
-    assert size_of(found.file(0)) == (41, 31)
+    assert image_size(found.file(0)) == (41, 31)
     for row in (0, 1):
-        assert not of_camera(found, np.array([row]), folder)
+        assert not are_camera_frames(found, np.array([row]), folder)
 
 
 def test_a_split_is_the_folders(folders, place, tmp_path):
@@ -295,8 +295,8 @@ def test_what_a_capture_in_blocks_leaves_in_a_store_is_read(folders, tmp_path, l
     assert bool(found.shards) == (layout == "webdataset")
     for row, name in enumerate(found.table.img_names):
         assert found.file(row).read_bytes() == (wanted.image_folder / name).read_bytes()
-    assert not of_camera(found, np.arange(2), read_dataset(place).folder)
+    assert not are_camera_frames(found, np.arange(2), read_dataset(place).folder)
     split(place)
-    labels = Samples(place, part="train").labels
+    labels = LabelledImages(place, part="train").labels
     assert labels.fitted_on == "train"
     assert sum(len(one) for _, one in Batches(place, 4, part="all", img_size=(8, 8, 3))) == len(wanted)

@@ -130,7 +130,7 @@ def test_tables_of_some_columns_know_nothing_of_the_others():
         "lon_deg": np.array([3.0, 4.0]),
         "zoom": np.full(2, 17),
     }
-    table = Table.of(known, {"split": ("train", "")})
+    table = Table.from_columns(known, {"split": ("train", "")})
     assert table.status == ("", "")
     assert np.isnan(table.agl_m).all()
     assert_same(table_of(text_of(table)), table)

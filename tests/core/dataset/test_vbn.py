@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.table import Table, part_of, taken
-from terrainav.core.dataset.vbn import position_of
+from terrainav.core.dataset.table import Table, image_parts, usable_rows
+from terrainav.core.dataset.vbn import parse_position
 from terrainav.core.errors import InvalidInput
 
 from tests.support.published import picture, write_vbn
@@ -96,13 +96,13 @@ def test_numbers_that_do_not_fit_are_refused_without_names_in_common(tmp_path):
     ],
 )
 def test_positions_between_two_words(value):
-    assert position_of(value) == (35.5, -90.25, 1000.0)
+    assert parse_position(value) == (35.5, -90.25, 1000.0)
 
 
 def test_the_paper_program_would_read_the_same_numbers():
     """Its reader cuts at single spaces, and leaves the first and the last piece out."""
     for value in (" 35.5 -90.25 1000.0 ", " 35.5 -90.25 1000.0 0", "word 35.5 -90.25 1000.0 end"):
-        assert position_of(value) == tuple(map(float, value.split(" ")[1:-1]))
+        assert parse_position(value) == tuple(map(float, value.split(" ")[1:-1]))
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_the_paper_program_would_read_the_same_numbers():
 )
 def test_positions_that_are_none_are_refused(value, said):
     with pytest.raises(InvalidInput, match=said):
-        position_of(value)
+        parse_position(value)
 
 
 def test_texts_that_cannot_be_read_are_all_named(tmp_path):
@@ -166,8 +166,8 @@ def test_keys_that_are_columns_of_ours_are_kept_under_another_name(tmp_path):
     path.write_text(path.read_text() + more)
     images = images_of(tmp_path)
     assert images.there.all()
-    assert taken(images.table).all()
-    assert part_of(images.table) is None
+    assert usable_rows(images.table).all()
+    assert image_parts(images.table) is None
     images.table.save(tmp_path / "meta_data.csv")
     other = Table.load(tmp_path / "meta_data.csv").other
     assert (other["VBN Lat"], other["VBN VBN Lat"]) == (("a",), ("b",))

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from osgeo import ogr
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.table import seconds_of
+from terrainav.core.dataset.table import unix_seconds
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.exports.croissant import CROISSANT_FILE, write_croissant
 from terrainav.core.exports.formats import export
@@ -220,7 +220,7 @@ def test_trajectories_have_the_times_of_the_table(flown, tmp_path):
 
 def test_what_is_no_time_is_refused():
     with pytest.raises(InvalidInput, match="time_utc 'noon': is no time in ISO 8601"):
-        seconds_of(["", "noon"])
+        unix_seconds(["", "noon"])
 
 
 def test_the_command(dataset, tmp_path, monkeypatch, capsys):

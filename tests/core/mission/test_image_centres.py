@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pyproj import Transformer
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.labels import labels_of
+from terrainav.core.dataset.labels import make_labels
 from terrainav.core.dataset.table import Table
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
@@ -90,9 +90,9 @@ def test_the_table_and_labels_have_that_place_to_full_precision(tmp_path):
     with (tmp_path / "satellite" / "meta_data.csv").open(encoding="utf-8", newline="") as file:
         for row, (lat, lon) in zip(csv.DictReader(file), wanted.tolist()):
             assert (float(row["Lat"]), float(row["Lon"])) == pytest.approx((lat, lon), rel=0, abs=1e-9)
-    labels = labels_of(table.lat_deg, table.lon_deg)
+    labels = make_labels(table.lat_deg, table.lon_deg)
     utm = Transformer.from_crs(4326, 32618, always_xy=True)
-    found = labels.scaler.inverse(labels.of(table.lat_deg, table.lon_deg))
+    found = labels.scaler.inverse(labels.transform(table.lat_deg, table.lon_deg))
     np.testing.assert_allclose(found, np.transpose(utm.transform(*wanted.T[::-1])), rtol=0, atol=1e-3)
 
 

@@ -20,7 +20,7 @@ from terrainav.core.mission.parts import Terrain
 from terrainav.core.mission.relief.ground import Heights
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import TEST, TRAIN
-from terrainav.core.pairs.places import Place
+from terrainav.core.pairs.places import PairPlace
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.sheet import contact_sheet
 from terrainav.core.pairs.views import rings
@@ -31,7 +31,7 @@ from terrainav.core.world import WorldSource
 from tests.support.sources import PatternSource, missing
 
 GEOCENTRIC = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
-PLACES = tuple(Place(35.0 + 0.02 * at, -89.9 + 0.001 * at, f"place {at}") for at in range(5))
+PLACES = tuple(PairPlace(35.0 + 0.02 * at, -89.9 + 0.001 * at, f"place {at}") for at in range(5))
 SETTINGS = PairSettings(
     views=rings((100.0, 140.0), 3, (40.0,)), size_px=64, source="pattern", shares=(2.0, 2.0, 1.0)
 )
@@ -318,7 +318,7 @@ def test_several_tilts_are_captured_one_after_the_other_and_numbered_through(tmp
 
 
 def test_satellite_views_are_north_up_squares_as_sharp_at_every_latitude():
-    places = (Place(0.0, 10.0), Place(60.0, 10.0))
+    places = (PairPlace(0.0, 10.0), PairPlace(60.0, 10.0))
     worked_out = plan_pairs(places, PairSettings(shares=(1.0, 0.0, 0.0)), WorldSource.grid)
     satellite = worked_out.plans["satellite"]
     assert satellite.frames.on_map
@@ -357,8 +357,8 @@ def test_sizes_of_images_are_checked(size_px):
 def test_over_relief_the_drone_looks_at_the_ground_of_each_place(tmp_path):
     """Places at different heights: each in the middle of its images, whose pictures are those of the relief."""
     towns = (
-        Place(35.1408, -89.8606, "town"),
-        Place(35.1208, -89.86, "field"),
+        PairPlace(35.1408, -89.8606, "town"),
+        PairPlace(35.1208, -89.86, "field"),
     )
     settings = PairSettings(
         views=rings((60.0,), 2, (45.0,)),

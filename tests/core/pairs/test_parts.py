@@ -10,7 +10,7 @@ from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.pairs.parts import SHARES, part_places
-from terrainav.core.pairs.places import Place, spread_places
+from terrainav.core.pairs.places import PairPlace, spread_places
 
 GEOD = Geod(ellps="WGS84")
 # 30 km by 27 km.
@@ -53,7 +53,7 @@ def test_no_two_parts_share_ground(gap_m):
 
 
 def test_shared_ground_is_allowed_where_asked_for_and_told():
-    places = [Place(35.0 + 1e-4 * at, -89.0) for at in range(10)]
+    places = [PairPlace(35.0 + 1e-4 * at, -89.0) for at in range(10)]
     with pytest.raises(InvalidInput, match=r"places nearer than 1,000 m share ground .* none is left for"):
         parted(places, 500.0)
     parts = parted(places, 500.0, allow_shared_ground=True)
@@ -84,4 +84,4 @@ def test_shares_that_cannot_be_had_are_refused(shares, told):
 
 
 def test_all_places_may_be_of_one_part():
-    assert set(parted([Place(1.0, 2.0)], shares=(1.0, 0.0, 0.0)).of) == {"train"}
+    assert set(parted([PairPlace(1.0, 2.0)], shares=(1.0, 0.0, 0.0)).of) == {"train"}

@@ -8,7 +8,7 @@ import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.areas.area import Box
-from terrainav.core.pairs.places import Place, read_box, read_places, spread_places
+from terrainav.core.pairs.places import PairPlace, read_box, read_places, spread_places
 
 from tests.support.growth import PROPORTIONAL, growth
 
@@ -28,16 +28,16 @@ def test_lines_of_a_file_are_places_with_or_without_names(tmp_path):
         "\ufeff# campus\n\n35.12 -89.93\n-33.95,18.46, Sarah Baartman Hall\n\u221233.9_18.4\n1e1;2 4\u20135 North\n",
     )
     assert read_places(path) == (
-        Place(35.12, -89.93),
-        Place(-33.95, 18.46, "Sarah Baartman Hall"),
-        Place(-33.9, 18.4),
-        Place(10.0, 2.0, "4\u20135 North"),
+        PairPlace(35.12, -89.93),
+        PairPlace(-33.95, 18.46, "Sarah Baartman Hall"),
+        PairPlace(-33.9, 18.4),
+        PairPlace(10.0, 2.0, "4\u20135 North"),
     )
 
 
 def test_the_papers_coordinate_file_is_read_without_its_heights(tmp_path):
     path = written(tmp_path, "35.12 -89.93 120\n35.2 -89.9 150 90\n")
-    assert read_places(path) == (Place(35.12, -89.93), Place(35.2, -89.9))
+    assert read_places(path) == (PairPlace(35.12, -89.93), PairPlace(35.2, -89.9))
 
 
 def test_numbers_are_names_where_other_lines_have_words(tmp_path):

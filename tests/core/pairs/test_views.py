@@ -9,7 +9,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.footprint import exact
-from terrainav.core.pairs.views import View, reach_m, rings, spiral, standing_poses
+from terrainav.core.pairs.views import PairView, reach_m, rings, spiral, standing_poses
 
 from tests.core.geodesy.inverse import image_points
 
@@ -30,12 +30,14 @@ def test_the_spiral_is_that_of_university_1652():
 def test_rings_have_every_height_yaw_and_tilt():
     views = rings((120, 160), 4, (30, 60))
     assert len(views) == len(set(views)) == 16
-    assert views[:2] == (View(120.0, 0.0, 30.0), View(120.0, 90.0, 30.0))
+    assert views[:2] == (PairView(120.0, 0.0, 30.0), PairView(120.0, 90.0, 30.0))
     assert {view.tilt_deg for view in views[:8]} == {30.0}
 
 
 @pytest.mark.parametrize("ground", [WGS84, WGS84.raised(2500.0)])
-@pytest.mark.parametrize("view", [View(120.0, 0.0, 0.0), View(256.0, 200.0, 45.0), View(500.0, -70.0, 80.0)])
+@pytest.mark.parametrize(
+    "view", [PairView(120.0, 0.0, 0.0), PairView(256.0, 200.0, 45.0), PairView(500.0, -70.0, 80.0)]
+)
 def test_the_place_is_in_the_middle_of_the_picture(view, ground):
     poses = standing_poses(LAT, LON, view, ground)
     seen = image_points(CAMERA, poses, LAT[:, np.newaxis], LON[:, np.newaxis], ground)
@@ -44,7 +46,7 @@ def test_the_place_is_in_the_middle_of_the_picture(view, ground):
 
 
 def test_the_camera_stands_off_against_its_view():
-    poses = standing_poses(LAT, LON, View(200.0, 30.0, 45.0))
+    poses = standing_poses(LAT, LON, PairView(200.0, 30.0, 45.0))
     for lat, lon, place_lat, place_lon in zip(poses.lat_deg, poses.lon_deg, LAT, LON):
         azimuth, _, distance = GEOD.inv(lon, lat, place_lon, place_lat)
         assert azimuth == pytest.approx(30.0, abs=0.001)
@@ -75,15 +77,15 @@ def test_no_ground_is_seen_beyond_the_reach():
 
 
 def test_views_of_the_horizon_reach_without_end():
-    assert np.isinf(reach_m(LAT, (View(120.0, 0.0, 70.0),), CAMERA)).all()
+    assert np.isinf(reach_m(LAT, (PairView(120.0, 0.0, 70.0),), CAMERA)).all()
 
 
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: View(0.0, 0.0, 0.0), "height above ground 0.0 m"),
-        (lambda: View(100.0, 0.0, 81.0), "tilt 81.0 deg: must be from 0"),
-        (lambda: View(100.0, 0.0, float("nan")), "tilt nan deg"),
+        (lambda: PairView(0.0, 0.0, 0.0), "height above ground 0.0 m"),
+        (lambda: PairView(100.0, 0.0, 81.0), "tilt 81.0 deg: must be from 0"),
+        (lambda: PairView(100.0, 0.0, float("nan")), "tilt nan deg"),
         (lambda: rings((120, 120), 3, (45,)), "heights 120 120: each may be named once"),
         (lambda: rings((120,), 0, (45,)), "0 yaws"),
         (lambda: rings((120,), 3, ()), "no tilt"),

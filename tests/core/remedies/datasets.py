@@ -17,11 +17,11 @@ from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.convert import convert
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.folder import TABLE_FILE
-from terrainav.core.dataset.labels import LABELS_FILE, labels_of, labels_of_tables, mark_unfinished
-from terrainav.core.dataset.loading import Batches, Samples, augment
+from terrainav.core.dataset.labels import LABELS_FILE, make_dataset_labels, make_labels, mark_unfinished
+from terrainav.core.dataset.loading import Batches, LabelledImages, augment
 from terrainav.core.dataset.loading.batches import optional_module
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.table import Table, part_of
+from terrainav.core.dataset.table import Table, image_parts
 from terrainav.core.errors import Cancelled
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
@@ -58,7 +58,7 @@ def images_in(folder, map_type="satellite"):
 
 def sample(folder, **options):
     """Load the first image of every part."""
-    return Samples(folder, part="all", **options).image(0, 0)
+    return LabelledImages(folder, part="all", **options).image(0, 0)
 
 
 def copied(folder, name="copy"):
@@ -291,7 +291,7 @@ def _other_size(case: Case) -> None:
     first = read_dataset(folder).image_sets["satellite"].table.img_names.index(image.name)
 
     def load(folder):
-        return Samples(folder, part="all", map_type="satellite", img_size=(16, 16, 3)).image(first, 0)
+        return LabelledImages(folder, part="all", map_type="satellite", img_size=(16, 16, 3)).image(first, 0)
 
     Image.new("RGB", (20, 20)).save(image)
     other = copied(folder)
@@ -318,7 +318,7 @@ def _other_size(case: Case) -> None:
 @remedy("dataset/dataset.py", "image {}: is not there; put it back, or capture it again (--resume)")
 def _lost(case: Case) -> None:
     folder = captured(case)
-    samples = Samples(folder, part="all", map_type="satellite")
+    samples = LabelledImages(folder, part="all", map_type="satellite")
     image = samples.path(0)
     image.rename(case.tmp_path / "kept.png")
     case.refused(lambda: samples.image(0, 0))
@@ -399,16 +399,16 @@ def _no_such_system(case: Case) -> None:
 @remedy("dataset/labels.py", "frame {}: {} cannot hold all positions, such as {}; choose mission or utm")
 def _cannot_hold(case: Case) -> None:
     lat, lon = np.array([10.0, 10.0]), np.array([179.999, -179.999])
-    case.refused(lambda: labels_of(lat, lon, "EPSG:3395"))
-    case.follow("choose mission", lambda: labels_of(lat, lon, "mission"))
-    case.follow("utm", lambda: labels_of(lat, lon, "utm"))
+    case.refused(lambda: make_labels(lat, lon, "EPSG:3395"))
+    case.follow("choose mission", lambda: make_labels(lat, lon, "mission"))
+    case.follow("utm", lambda: make_labels(lat, lon, "utm"))
 
 
 @remedy("dataset/labels.py", "frame {}: {} cannot hold all positions, such as {}; choose {}")
 def _not_by_zones(case: Case) -> None:
     lat, lon = np.array([0.0, 0.0]), np.array([0.0, 180.0])
-    case.refused(lambda: labels_of(lat, lon, "utm"))
-    case.follow("choose mission", lambda: labels_of(lat, lon, "mission"))
+    case.refused(lambda: make_labels(lat, lon, "utm"))
+    case.follow("choose mission", lambda: make_labels(lat, lon, "mission"))
 
 
 @remedy(
@@ -418,7 +418,7 @@ def _no_training(case: Case) -> None:
     folder = captured(case)
     table = read_dataset(folder).image_sets["satellite"].table
     where = table.lat_deg, table.lon_deg
-    case.refused(lambda: labels_of(*where, training=np.zeros(len(table.lat_deg), bool)))
+    case.refused(lambda: make_labels(*where, training=np.zeros(len(table.lat_deg), bool)))
     case.follow("split anew", lambda: bool(split(folder).images["train"]))
 
 
@@ -430,7 +430,7 @@ def _none_left(case: Case) -> None:
     folder = captured(case)
 
     def labels():
-        return labels_of_tables(one.table for one in read_dataset(folder).image_sets.values())
+        return make_dataset_labels(one.table for one in read_dataset(folder).image_sets.values())
 
     clean(folder, 8.0)
     case.refused(labels)
@@ -442,7 +442,7 @@ def _none_left(case: Case) -> None:
     case.follow("clean anew", cleaned)
     other = captured(case, name="other")
     case.follow(
-        "capture", lambda: labels_of_tables(one.table for one in read_dataset(other).image_sets.values())
+        "capture", lambda: make_dataset_labels(one.table for one in read_dataset(other).image_sets.values())
     )
 
 
@@ -653,32 +653,32 @@ def _no_text(case: Case) -> None:
 @remedy("dataset/loading/batches.py", "part {}: {} is not split; run terrainav split, or take the part {}")
 def _not_split(case: Case) -> None:
     folder = captured(case)
-    case.refused(lambda: Samples(folder, part="train"))
-    case.follow("take the part 'all'", lambda: Samples(folder, part="all"))
+    case.refused(lambda: LabelledImages(folder, part="train"))
+    case.follow("take the part 'all'", lambda: LabelledImages(folder, part="all"))
     case.follow("run terrainav split", lambda: case.run("split", str(folder)).returncode == 0)
-    Samples(folder, part="train")
+    LabelledImages(folder, part="train")
 
 
 @remedy("dataset/loading/batches.py", "folder {}: has no images {}; split, clean or capture it anew")
 def _no_images(case: Case) -> None:
     folder = captured(case)
     split(folder, (0.5, 0.0, 0.5))
-    case.refused(lambda: Samples(folder, part="validation"))
+    case.refused(lambda: LabelledImages(folder, part="validation"))
 
     def split_anew():
         split(folder)
-        Samples(folder, part="validation")
+        LabelledImages(folder, part="validation")
 
     case.follow("split", split_anew)
     clean(folder, 8.0)
-    case.refused(lambda: Samples(folder, part="all"))
+    case.refused(lambda: LabelledImages(folder, part="all"))
 
     def cleaned():
         clean(folder, 0.0)
-        Samples(folder, part="all")
+        LabelledImages(folder, part="all")
 
     case.follow("clean", cleaned)
-    case.follow("capture it anew", lambda: Samples(captured(case, name="other"), part="all"))
+    case.follow("capture it anew", lambda: LabelledImages(captured(case, name="other"), part="all"))
 
 
 @remedy(
@@ -689,12 +689,12 @@ def _no_images(case: Case) -> None:
 def _turned_targets(case: Case) -> None:
     folder = captured(case)
     chosen = {"part": "all", "targets": ("attitude",)}
-    case.refused(lambda: Samples(folder, augment=augment.Augmentation(), **chosen))
+    case.refused(lambda: LabelledImages(folder, augment=augment.Augmentation(), **chosen))
     shaded = augment.Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, contrast=0.2, brightness=0.1)
     case.follow(
-        "take one of contrast and brightness alone", lambda: Samples(folder, augment=shaded, **chosen)
+        "take one of contrast and brightness alone", lambda: LabelledImages(folder, augment=shaded, **chosen)
     )
-    case.follow("leave the augmentation out", lambda: Samples(folder, augment=None, **chosen))
+    case.follow("leave the augmentation out", lambda: LabelledImages(folder, augment=None, **chosen))
 
 
 @remedy("dataset/loading/batches.py", "table {}: has split {} ({}); must be one of {} or empty: split anew")
@@ -702,11 +702,11 @@ def _odd_part(case: Case) -> None:
     folder = captured(case)
     split(folder)
     edited(folder / "satellite" / TABLE_FILE, "train", "practice", 1)
-    case.refused(lambda: Samples(folder, part="test", map_type="satellite"))
+    case.refused(lambda: LabelledImages(folder, part="test", map_type="satellite"))
 
     def anew():
         split(folder)
-        Samples(folder, part="test", map_type="satellite")
+        LabelledImages(folder, part="test", map_type="satellite")
 
     case.follow("split anew", anew)
 
@@ -723,11 +723,11 @@ def _of_another(case: Case) -> None:
     for one in (folder, elsewhere):
         split(one)
     shutil.copy(elsewhere / LABELS_FILE, folder / LABELS_FILE)
-    case.refused(lambda: Samples(folder))
+    case.refused(lambda: LabelledImages(folder))
 
     def anew():
         split(folder)
-        Samples(folder)
+        LabelledImages(folder)
 
     case.follow("have it made anew by split", anew)
 
@@ -742,17 +742,17 @@ def _not_in_frame(case: Case) -> None:
     # A table that was worked on since, and tells of the south pole.
     path = folder / "satellite" / TABLE_FILE
     table = Table.load(path)
-    at = part_of(table).index("test")
+    at = image_parts(table).index("test")
     pole = table.img_names[at].replace(f"_{table.lat_deg[at]!r}_", "_-90.0_")
     (folder / "satellite" / table.img_names[at]).rename(folder / "satellite" / pole)
     lat, names = table.lat_deg.copy(), list(table.img_names)
     lat[at], names[at] = -90.0, pole
     replace(table, lat_deg=lat, img_names=tuple(names)).save(path)
-    case.refused(lambda: Samples(folder, part="all"))
+    case.refused(lambda: LabelledImages(folder, part="all"))
 
     def another():
         split(folder, frame="mission")
-        Samples(folder, part="all")
+        LabelledImages(folder, part="all")
 
     case.follow("split with another --frame", another)
 
@@ -829,7 +829,7 @@ def _reflections(case: Case) -> None:
     case.follow("take smaller", lambda: turned(1, 100))
     case.follow("less narrow images", lambda: turned(40, 40))
     folder = captured(case)
-    case.follow("do not augment", lambda: Samples(folder, part="all", augment=None).image(0, 0))
+    case.follow("do not augment", lambda: LabelledImages(folder, part="all", augment=None).image(0, 0))
 
 
 @remedy(

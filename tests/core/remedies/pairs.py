@@ -11,15 +11,15 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import check_shares, part_places
-from terrainav.core.pairs.places import Place, read_box, read_places, spread_places
+from terrainav.core.pairs.places import PairPlace, read_box, read_places, spread_places
 from terrainav.core.pairs.planning import PairSettings, places_in_box, plan_pairs
 from terrainav.core.pairs.sheet import contact_sheet
-from terrainav.core.pairs.views import View, rings, standing_poses
+from terrainav.core.pairs.views import PairView, rings, standing_poses
 
 from tests.support.remedies import Case, remedy
 from tests.support.sources import PatternSource
 
-PLACES = tuple(Place(35.0 + 0.02 * at, -89.9, f"place {at}") for at in range(2))
+PLACES = tuple(PairPlace(35.0 + 0.02 * at, -89.9, f"place {at}") for at in range(2))
 SETTINGS = PairSettings(
     views=rings((100.0,), 1, (0.0,)), size_px=32, source="pattern", shares=(1.0, 1.0, 0.0)
 )
@@ -113,7 +113,7 @@ CROWDED = (
 @remedy("pairs/parts.py", CROWDED)
 def _crowded(case: Case) -> None:
     shares = (1.0, 1.0, 0.0)
-    near, far = ([Place(35.0 + step * at, -89.0) for at in range(4)] for step in (1e-2, 1e-1))
+    near, far = ([PairPlace(35.0 + step * at, -89.0) for at in range(4)] for step in (1e-2, 1e-1))
     case.refused(lambda: shared(near, shares, 500.0, gap_m=400.0))
     case.follow("places farther apart", lambda: shared(far, shares, 500.0, gap_m=400.0))
     case.follow("give", lambda: True)
@@ -239,7 +239,7 @@ def _no_pairs(case: Case) -> None:
 )
 def _cannot_look(case: Case) -> None:
     def poses(agl, tilt):
-        return standing_poses(np.array([35.0]), np.array([10.0]), View(agl, 0.0, tilt))
+        return standing_poses(np.array([35.0]), np.array([10.0]), PairView(agl, 0.0, tilt))
 
     case.refused(lambda: poses(1e6, 75.0))
     case.follow("fly lower", lambda: poses(1e3, 75.0))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.dataset.loading.augment import Augmentation, Change, changed
+from terrainav.core.dataset.loading.augment import Augmentation, Change, apply_change
 from terrainav.core.errors import InvalidInput
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -58,8 +58,8 @@ def by_definition(pixels, change):
 @pytest.mark.parametrize("number", range(6))
 def test_pixels_are_those_of_the_definition(shape, number):
     pixels = textured(*shape)
-    change = Augmentation(180.0).change_of(NAMES[number], 7, 1)
-    found = pixels_of(changed(image_of(pixels), change))
+    change = Augmentation(180.0).draw_change(NAMES[number], 7, 1)
+    found = pixels_of(apply_change(image_of(pixels), change))
     assert found.shape == shape
     # Cut to whole levels, of positions that are off by half a step of the coefficients: at most 255 levels a pixel.
     steps = max(shape) * 2.0**-16 * 255
@@ -72,7 +72,7 @@ def test_pixels_are_those_of_the_definition(shape, number):
 @pytest.mark.parametrize("turns", [1, 2, -1])
 def test_quarter_turns_are_counter_clockwise_and_exact(size, turns):
     pixels = textured(*size)
-    found = changed(image_of(pixels), Change(rotation_deg=90.0 * turns))
+    found = apply_change(image_of(pixels), Change(rotation_deg=90.0 * turns))
     np.testing.assert_array_equal(pixels_of(found), np.rot90(pixels, turns))
 
 
@@ -80,9 +80,9 @@ def test_quarter_turns_are_counter_clockwise_and_exact(size, turns):
 def test_mirroring_is_exact(shape):
     pixels = textured(*shape)
     image = image_of(pixels)
-    np.testing.assert_array_equal(pixels_of(changed(image, Change(mirrored=True))), pixels[:, ::-1])
-    np.testing.assert_array_equal(pixels_of(changed(image, Change(upside_down=True))), pixels[::-1])
-    assert changed(image, Change()) is image
+    np.testing.assert_array_equal(pixels_of(apply_change(image, Change(mirrored=True))), pixels[:, ::-1])
+    np.testing.assert_array_equal(pixels_of(apply_change(image, Change(upside_down=True))), pixels[::-1])
+    assert apply_change(image, Change()) is image
 
 
 @pytest.mark.parametrize("size", [(60, 80), (61, 81)])
@@ -102,8 +102,8 @@ def test_the_centre_stays_where_it_is(size):
 def test_magnification_shows_less_and_that_larger():
     pixels = np.zeros((41, 41, 1), np.uint8)
     pixels[15:26, 15:26] = 200
-    twice = pixels_of(changed(image_of(pixels), Change(magnification=2.0)))
-    half = pixels_of(changed(image_of(pixels), Change(magnification=0.5)))
+    twice = pixels_of(apply_change(image_of(pixels), Change(magnification=2.0)))
+    half = pixels_of(apply_change(image_of(pixels), Change(magnification=0.5)))
     assert (twice[20] > 100).sum() == pytest.approx(22, abs=1)
     # In between lies ground that was beyond the borders: the square comes again there.
     assert (half[20, 10:31] > 100).sum() == pytest.approx(5.5, abs=1)
@@ -114,23 +114,23 @@ def test_nothing_but_the_image_is_seen_beyond_its_borders(size):
     """An image of one grey stays one, however it lies: no corner is filled with anything else."""
     image = Image.new("L", size, 77)
     for rotation_deg in (0.0, 13.0, 45.0, 90.0, 180.0):
-        found = changed(image, Change(rotation_deg=rotation_deg, magnification=0.5))
+        found = apply_change(image, Change(rotation_deg=rotation_deg, magnification=0.5))
         assert found.size == size
         assert found.getextrema() == (77, 77)
 
 
 def test_contrast_is_about_the_mean_and_brightness_a_share_of_the_range():
     image = image_of(np.repeat(np.arange(100, 150, dtype=np.uint8)[None, :, None], 3, axis=2))
-    flat = np.asarray(changed(image, Change(contrast=0.5)), np.float64)
+    flat = np.asarray(apply_change(image, Change(contrast=0.5)), np.float64)
     assert flat.mean() == pytest.approx(124.5, abs=0.5)
     assert np.ptp(flat) == pytest.approx(49 / 2, abs=1.0)
-    lighter = np.asarray(changed(image, Change(brightness=0.2)), np.float64)
+    lighter = np.asarray(apply_change(image, Change(brightness=0.2)), np.float64)
     np.testing.assert_array_equal(lighter, np.asarray(image) + 51.0)
-    assert changed(image, Change(contrast=2.0, brightness=1.0)).getextrema() == ((255, 255),) * 3
+    assert apply_change(image, Change(contrast=2.0, brightness=1.0)).getextrema() == ((255, 255),) * 3
 
 
 def test_changes_fill_their_ranges_evenly():
-    found = [ALL.change_of(name, 2024, 0) for name in NAMES]
+    found = [ALL.draw_change(name, 2024, 0) for name in NAMES]
     turns = np.array([one.rotation_deg for one in found])
     scales = np.log([one.magnification for one in found]) / math.log(1.3)
     contrasts = np.array([one.contrast - 1.0 for one in found]) / 0.4
@@ -147,17 +147,17 @@ def test_changes_fill_their_ranges_evenly():
 
 def test_what_is_drawn_follows_from_seed_epoch_and_name_alone():
     usual = Augmentation()
-    one = usual.change_of(NAMES[0], 2024, 0)
-    assert one == usual.change_of(NAMES[0], 2024, 0)
+    one = usual.draw_change(NAMES[0], 2024, 0)
+    assert one == usual.draw_change(NAMES[0], 2024, 0)
     others = {
-        usual.change_of(name, seed, epoch) for name in NAMES[:5] for seed in (1, 2024) for epoch in (0, 1)
+        usual.draw_change(name, seed, epoch) for name in NAMES[:5] for seed in (1, 2024) for epoch in (0, 1)
     }
     assert one in others
     assert len(others) == 20
     # What is asked for besides leaves the rest as it is; nothing is asked for by default.
-    assert ALL.change_of(NAMES[0], 2024, 0)[:4] == one[:4]
+    assert ALL.draw_change(NAMES[0], 2024, 0)[:4] == one[:4]
     assert one[4:] == (1.0, 0.0)
-    assert Augmentation(0.0, flip=False, zoom=0.0).change_of(NAMES[0], 2024, 0) == Change()
+    assert Augmentation(0.0, flip=False, zoom=0.0).draw_change(NAMES[0], 2024, 0) == Change()
 
 
 #: Of ten images of `textured`, changed in every way: made on x86-64 with Pillow 9.4; equal with Pillow 13.0.
@@ -200,4 +200,4 @@ def test_ranges_are_checked(choice, words):
 
 def test_images_too_narrow_to_be_turned_are_refused_before_memory_is_taken():
     with pytest.raises(InvalidInput, match=r"image of 60000 x 1 px: augmented, it needs \d+ x \d+ px"):
-        changed(Image.new("L", (60000, 1)), Change(rotation_deg=45.0))
+        apply_change(Image.new("L", (60000, 1)), Change(rotation_deg=45.0))

@@ -16,8 +16,8 @@ import pytest
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import open_image, read_dataset
-from terrainav.core.dataset.labels import labels_of
-from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.labels import make_labels
+from terrainav.core.dataset.loading import Batches, LabelledImages
 from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.dataset.loading.batches import chunks, optional_module
 from terrainav.core.errors import InvalidInput, OutputError
@@ -71,7 +71,7 @@ def flown(tmp_path_factory):
 def test_labels_may_be_of_the_camera(flown):
     worked_out, folder = flown
     targets = ("attitude", "camera", "height", "image")
-    samples = Samples(folder, part="all", targets=targets, img_size=(16, 12, 3))
+    samples = LabelledImages(folder, part="all", targets=targets, img_size=(16, 12, 3))
     assert samples.columns == (
         *(
             "yaw_deg",
@@ -93,7 +93,7 @@ def test_labels_may_be_of_the_camera(flown):
     np.testing.assert_allclose(lat, worked_out.lat_deg[at], atol=FLOAT32_DEG)
     np.testing.assert_allclose(lon, worked_out.lon_deg[at], atol=FLOAT32_DEG)
     np.testing.assert_array_equal(
-        samples.values[:, 6:], Samples(folder, part="all", img_size=(16, 12, 3)).values
+        samples.values[:, 6:], LabelledImages(folder, part="all", img_size=(16, 12, 3)).values
     )
     assert samples.augment is None
     images, labels = samples.take([0, 1])
@@ -103,10 +103,10 @@ def test_labels_may_be_of_the_camera(flown):
 def test_labels_that_there_are_not_are_refused(folder, flown):
     for targets in ((), "camera", ("camera", "camera"), ("place",)):
         with pytest.raises(InvalidInput, match="must be some of image, camera, height, attitude, each once"):
-            Samples(folder, part="all", targets=targets)
+            LabelledImages(folder, part="all", targets=targets)
     for target in ("camera", "height", "attitude"):
         with pytest.raises(InvalidInput, match=f"targets {target}: the table of .* does not say it of 0_0_"):
-            Samples(folder, part="all", targets=(target,))
+            LabelledImages(folder, part="all", targets=(target,))
 
 
 def test_the_command_loads_labels_of_the_camera(run, flown):
@@ -139,25 +139,27 @@ def test_batches_have_the_pixels_and_positions_of_their_rows(folder):
 
 
 def test_failed_rejected_and_gap_are_never_taken(folder):
-    assert numbers_of(Samples(folder)) == [0, 1, 3, 5, 7, 8, 9, 11, 13, 15, 16, 17, 19, 21]
-    assert numbers_of(Samples(folder, part="test")) == [4, 12, 20]
-    assert numbers_of(Samples(folder, part="all")) == list(range(22))
+    assert numbers_of(LabelledImages(folder)) == [0, 1, 3, 5, 7, 8, 9, 11, 13, 15, 16, 17, 19, 21]
+    assert numbers_of(LabelledImages(folder, part="test")) == [4, 12, 20]
+    assert numbers_of(LabelledImages(folder, part="all")) == list(range(22))
 
 
 def test_training_is_shuffled_anew_for_each_epoch_and_nothing_else_is(folder):
-    samples = Samples(folder)
+    samples = LabelledImages(folder)
     orders = [samples.order(epoch).tolist() for epoch in range(4)]
     assert all(sorted(order) == list(range(14)) for order in orders)
     assert len(set(map(tuple, orders))) == 4
-    assert Samples(folder).order(3).tolist() == orders[3]
-    assert Samples(folder, seed=1).order().tolist() != orders[0]
+    assert LabelledImages(folder).order(3).tolist() == orders[3]
+    assert LabelledImages(folder, seed=1).order().tolist() != orders[0]
     for choice in ({"part": "test"}, {"shuffle": False}):
-        assert Samples(folder, **choice).order(2).tolist() == list(range(len(Samples(folder, **choice))))
-    assert Samples(folder, part="test", shuffle=True).shuffle
+        assert LabelledImages(folder, **choice).order(2).tolist() == list(
+            range(len(LabelledImages(folder, **choice)))
+        )
+    assert LabelledImages(folder, part="test", shuffle=True).shuffle
 
 
 def test_the_order_is_the_same_on_every_machine(folder):
-    assert Samples(folder).order(1).tolist() == [12, 8, 10, 9, 11, 13, 2, 1, 4, 5, 0, 3, 7, 6]
+    assert LabelledImages(folder).order(1).tolist() == [12, 8, 10, 9, 11, 13, 2, 1, 4, 5, 0, 3, 7, 6]
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
@@ -177,24 +179,26 @@ def test_batches_are_the_same_for_any_number_of_workers(folder, workers):
 
 def test_what_is_done_to_an_image_follows_from_seed_epoch_and_name_alone(folder):
     usual = Augmentation()
-    train = Samples(folder, dtype="uint8")
-    every = Samples(folder, part="all", dtype="uint8", augment=usual)
+    train = LabelledImages(folder, dtype="uint8")
+    every = LabelledImages(folder, part="all", dtype="uint8", augment=usual)
     for index, number in enumerate(numbers_of(train)):
         image = train.image(index, 2)
         np.testing.assert_array_equal(image, every.image(number, 2))
         meant = usual.applied(Image.fromarray(pixels_of(number)), train.names[index], 2024, 2)
         np.testing.assert_array_equal(image, np.asarray(meant))
     assert train.augment == usual
-    assert Samples(folder, augment=None).augment is None
-    assert Samples(folder, part="test").augment is None
-    assert not np.array_equal(train.image(0, 2), Samples(folder, seed=1).image(0, 2))
+    assert LabelledImages(folder, augment=None).augment is None
+    assert LabelledImages(folder, part="test").augment is None
+    assert not np.array_equal(train.image(0, 2), LabelledImages(folder, seed=1).image(0, 2))
 
 
 def test_a_place_is_changed_alike_in_all_map_types(tmp_path):
     folder = write_dataset(tmp_path / "OUT", map_types=("satellite", "roadmap"))
     for path in (folder / "satellite").glob("*.png"):
         (folder / "roadmap" / path.name).write_bytes(path.read_bytes())
-    ground, road = (Samples(folder, map_type=one).take(range(14), 1) for one in ("satellite", "roadmap"))
+    ground, road = (
+        LabelledImages(folder, map_type=one).take(range(14), 1) for one in ("satellite", "roadmap")
+    )
     np.testing.assert_array_equal(ground[0], road[0])
     np.testing.assert_array_equal(ground[1], road[1])
 
@@ -266,7 +270,7 @@ def test_images_that_cannot_be_read_are_named_in_one_line(folder, fault, workers
 
 
 def test_sizes_that_differ_are_named_and_made_equal_by_img_size(folder):
-    samples = Samples(folder, part="all")
+    samples = LabelledImages(folder, part="all")
     path = samples.path(4)
     Image.fromarray(pixels_of(4, 31, 40)).save(path)
     with pytest.raises(
@@ -276,11 +280,11 @@ def test_sizes_that_differ_are_named_and_made_equal_by_img_size(folder):
     Image.fromarray(pixels_of(4)).convert("L").save(path)
     with pytest.raises(InvalidInput, match="1 channels, where the first one has 40 x 30 and 3"):
         samples.take(range(6))
-    assert Samples(folder, part="all", img_size=SIZE).take(range(6))[0].shape == (6, 16, 20, 3)
+    assert LabelledImages(folder, part="all", img_size=SIZE).take(range(6))[0].shape == (6, 16, 20, 3)
 
 
 def test_an_image_is_found_where_cleaning_has_put_it(folder):
-    samples = Samples(folder, part="all", dtype="uint8")
+    samples = LabelledImages(folder, part="all", dtype="uint8")
     path = samples.path(3)
     (path.parent / "rejected").mkdir()
     path.rename(path.parent / "rejected" / path.name)
@@ -288,20 +292,22 @@ def test_an_image_is_found_where_cleaning_has_put_it(folder):
 
 
 def test_labels_are_those_of_the_folder_or_those_given(folder):
-    own = Samples(folder).labels
-    others = labels_of(np.array([10.0, 11.0]), np.array([20.0, 21.0]), "mercator")
-    assert Samples(folder, labels=others).labels is others
+    own = LabelledImages(folder).labels
+    others = make_labels(np.array([10.0, 11.0]), np.array([20.0, 21.0]), "mercator")
+    assert LabelledImages(folder, labels=others).labels is others
     others.save(folder / "labels.json")
-    assert Samples(folder).labels == others != own
+    assert LabelledImages(folder).labels == others != own
     np.testing.assert_allclose(
-        Samples(folder).values, others.of(*own.positions(Samples(folder, labels=own).values)), rtol=1e-6
+        LabelledImages(folder).values,
+        others.transform(*own.positions(LabelledImages(folder, labels=own).values)),
+        rtol=1e-6,
     )
 
 
 def test_threads_are_a_few_batches_ahead_and_end_with_the_loop(folder, monkeypatch):
     begun, before = [], threading.active_count()
-    take = Samples.take
-    monkeypatch.setattr(Samples, "take", lambda self, *which: begun.append(1) or take(self, *which))
+    take = LabelledImages.take
+    monkeypatch.setattr(LabelledImages, "take", lambda self, *which: begun.append(1) or take(self, *which))
     for count, _ in enumerate(Batches(folder, 1, workers=2), 1):
         assert len(begun) <= count + 2
         if count == 5:
@@ -311,7 +317,7 @@ def test_threads_are_a_few_batches_ahead_and_end_with_the_loop(folder, monkeypat
 
 
 def test_samples_can_be_sent_to_other_processes(folder):
-    samples = Samples(folder, img_size=SIZE)
+    samples = LabelledImages(folder, img_size=SIZE)
     again = pickle.loads(pickle.dumps(samples))
     for one, other in zip(samples.take([3, 1], 2), again.take([3, 1], 2)):
         np.testing.assert_array_equal(one, other)
@@ -319,12 +325,12 @@ def test_samples_can_be_sent_to_other_processes(folder):
 
 def test_a_dataset_that_is_read_already_is_taken_as_it_is(folder):
     dataset = read_dataset(folder)
-    assert Samples(dataset, map_type="roadmap").images is dataset.image_set("roadmap")
+    assert LabelledImages(dataset, map_type="roadmap").images is dataset.image_set("roadmap")
 
 
 def test_without_satellite_images_the_first_map_type_is_taken(tmp_path):
     folder = write_dataset(tmp_path / "OUT", map_types=("terrain", "roadmap"))
-    assert Samples(folder).images.map_type == "roadmap"
+    assert LabelledImages(folder).images.map_type == "roadmap"
 
 
 @pytest.mark.parametrize(
@@ -352,10 +358,10 @@ def test_choices_are_checked(folder, choice, words):
 def test_a_part_needs_a_split_and_images(tmp_path):
     unsplit = write_dataset(tmp_path / "unsplit", split=False)
     with pytest.raises(InvalidInput, match=r"part 'train': .* is not split; run terrainav split"):
-        Samples(unsplit)
-    assert len(Samples(unsplit, part="all")) == 22
+        LabelledImages(unsplit)
+    assert len(LabelledImages(unsplit, part="all")) == 22
     with pytest.raises(InvalidInput, match="has no images in the part 'test'"):
-        Samples(write_dataset(tmp_path / "few", 4), part="test")
+        LabelledImages(write_dataset(tmp_path / "few", 4), part="test")
 
 
 def test_chunks_cover_all_or_all_that_fill_a_batch():
@@ -453,21 +459,21 @@ def test_parts_that_there_are_not_are_named(folder):
     with pytest.raises(
         InvalidInput, match=r"has split 'Train' \(0_0_.*\); must be one of train, .* or empty"
     ):
-        Samples(folder)
-    assert len(Samples(folder, part="all")) == 22
+        LabelledImages(folder)
+    assert len(LabelledImages(folder, part="all")) == 22
 
 
 def test_labels_of_another_dataset_are_refused(folder, tmp_path):
     lat, lon = np.array([-33.8, -33.9]), np.array([18.4, 18.7])
-    labels_of(lat, lon, "mercator", training=np.array([True, True])).save(folder / "labels.json")
+    make_labels(lat, lon, "mercator", training=np.array([True, True])).save(folder / "labels.json")
     with pytest.raises(
         InvalidInput, match=r"labels\.json: is of another dataset or split, as 0_0_.* lies [\d,]+"
     ):
-        Samples(folder)
+        LabelledImages(folder)
     (folder / "labels.json").unlink()
-    own = Samples(folder).labels
+    own = LabelledImages(folder).labels
     own.save(folder / "labels.json")
-    assert Samples(folder).labels == own
+    assert LabelledImages(folder).labels == own
 
 
 def test_positions_that_the_frame_does_not_have_are_named(folder):
@@ -476,9 +482,9 @@ def test_positions_that_the_frame_does_not_have_are_named(folder):
     lat_deg = images.table.lat_deg.copy()
     lat_deg[0] = -90.0
     pole = replace(images, table=replace(images.table, lat_deg=lat_deg))
-    labels = labels_of(lat_deg[1:], images.table.lon_deg[1:], "mercator")
+    labels = make_labels(lat_deg[1:], images.table.lon_deg[1:], "mercator")
     with pytest.raises(InvalidInput, match=r"0_0_.* cannot be had in EPSG:\d+, first Lat -90"):
-        Samples(replace(read, image_sets={"satellite": pole}), labels=labels)
+        LabelledImages(replace(read, image_sets={"satellite": pole}), labels=labels)
 
 
 def test_an_image_of_another_size_than_the_table_says_is_named_with_img_size_too(folder):
@@ -486,7 +492,7 @@ def test_an_image_of_another_size_than_the_table_says_is_named_with_img_size_too
     head, *rows = path.read_text(encoding="utf-8").splitlines()
     sized = [head + ",image_width_px,image_height_px", *(row + ",40,30" for row in rows)]
     path.write_text("\n".join(sized) + "\n", encoding="utf-8")
-    samples = Samples(folder, img_size=SIZE)
+    samples = LabelledImages(folder, img_size=SIZE)
     assert samples.image(2).shape == (16, 20, 3)
     Image.new("RGB", (7, 5)).save(samples.path(2))
     with pytest.raises(InvalidInput, match=r"has 7 x 5 px, and 40 x 30 px in the table"):
@@ -495,12 +501,12 @@ def test_an_image_of_another_size_than_the_table_says_is_named_with_img_size_too
 
 def test_sizes_beyond_memory_are_refused(folder, monkeypatch):
     with pytest.raises(InvalidInput, match="image size 1000000 1000000 3: must be 89,478,485 px or less"):
-        Samples(folder, img_size=(1_000_000, 1_000_000, 3))
+        LabelledImages(folder, img_size=(1_000_000, 1_000_000, 3))
 
     def none_left(*_):
         raise MemoryError
 
-    samples = Samples(folder, img_size=SIZE)
+    samples = LabelledImages(folder, img_size=SIZE)
     monkeypatch.setattr(np, "empty", none_left)
     with pytest.raises(
         InvalidInput, match="batch of 2 images of 20 x 16 px and 3 channels: does not fit into memory"

@@ -17,7 +17,7 @@ from uuid import uuid4
 import numpy as np
 import pytest
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.loading import Batches, Samples, streaming
+from terrainav.core.dataset.loading import Batches, LabelledImages, streaming
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.storage import stores
 from terrainav.core.storage.files import PARTIAL_ENDING
@@ -104,7 +104,7 @@ def of_torch(loader):
 
 @pytest.mark.parametrize("at_once", [1, 2, 3, SHARDS, 100])
 def test_each_image_comes_once_and_the_images_of_a_group_together(shards, at_once):
-    samples = Samples(shards, **{**CHOICE, "shards_at_once": at_once})
+    samples = LabelledImages(shards, **{**CHOICE, "shards_at_once": at_once})
     shard_of = [samples.images.table.shard[row] for row in range(IMAGES)]
     orders = [samples.order(epoch).tolist() for epoch in range(4)]
     for order in orders:
@@ -118,13 +118,13 @@ def test_each_image_comes_once_and_the_images_of_a_group_together(shards, at_onc
         counts = {one: sum(group[name] == one for name in shard_of) for one in set(groups)}
         assert [one for one in sorted(counts) for _ in range(counts[one])] == groups
     assert len({tuple(order) for order in orders}) == 4
-    assert orders[2] == Samples(shards, **{**CHOICE, "shards_at_once": at_once}).order(2).tolist()
-    other = Samples(shards, seed=7, **{**CHOICE, "shards_at_once": at_once})
+    assert orders[2] == LabelledImages(shards, **{**CHOICE, "shards_at_once": at_once}).order(2).tolist()
+    other = LabelledImages(shards, seed=7, **{**CHOICE, "shards_at_once": at_once})
     assert orders[0] != other.order(0).tolist()
 
 
 def test_images_of_a_group_are_mixed(shards):
-    samples = Samples(shards, **CHOICE)
+    samples = LabelledImages(shards, **CHOICE)
     shard_of = samples.images.table.shard
     runs = sum(shard_of[a] != shard_of[b] for a, b in zip(samples.order(1), samples.order(1)[1:]))
     assert runs > SHARDS
@@ -138,7 +138,7 @@ def test_without_shuffling_shards_follow_each_other(folders, tmp_path, temporary
     mixed = [lines[7 * row % IMAGES] for row in range(IMAGES)]
     stores.put(path, "\n".join([head, *mixed, ""]).encode())
     choice = {**CHOICE, "shuffle": False, "shards_at_once": 1}
-    samples = Samples(place, **choice)
+    samples = LabelledImages(place, **choice)
     order, table = samples.order(3).tolist(), samples.images.table
     assert sorted(order) == list(range(IMAGES))
     names = [table.shard[index] for index in order]
@@ -155,7 +155,7 @@ def test_without_shuffling_shards_follow_each_other(folders, tmp_path, temporary
 def test_the_order_of_an_epoch_stays_what_it_was(shards):
     """What has been trained with a seed can be had again by later versions."""
     wanted = [15, 19, 18, 17, 4, 5, 3, 16, 12, 14, 8, 13, 2, 1, 0, 7, 6, 10, 9, 11]
-    assert Samples(shards, **CHOICE).order(1).tolist() == wanted
+    assert LabelledImages(shards, **CHOICE).order(1).tolist() == wanted
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_the_order_of_an_epoch_stays_what_it_was(shards):
 )
 def test_options_are_checked(shards, name, value):
     with pytest.raises(InvalidInput, match="must be"):
-        Samples(shards, **{**CHOICE, name: value})
+        LabelledImages(shards, **{**CHOICE, name: value})
 
 
 # --- the same batches, whoever makes them
@@ -180,7 +180,7 @@ def test_threads_make_the_same_batches_from_every_place(shards, in_s3, in_memory
 
 
 def test_images_are_those_of_the_folder(folders, shards):
-    plain, packed = (Samples(one, **CHOICE) for one in (folders, shards))
+    plain, packed = (LabelledImages(one, **CHOICE) for one in (folders, shards))
     for index in range(IMAGES):
         np.testing.assert_array_equal(packed.image(index), plain.image(index))
 
@@ -264,7 +264,7 @@ def test_never_more_is_kept_than_there_is_room_for(in_memory, shards, kept, work
 
 def test_the_least_recently_needed_make_room(in_memory, temporary, fetched):
     """Of three groups one is left over: in a second pass over two of them nothing is fetched again."""
-    samples = Samples(in_memory, **{**CHOICE, "shards_at_once": 1}, cache_mb=None)
+    samples = LabelledImages(in_memory, **{**CHOICE, "shards_at_once": 1}, cache_mb=None)
     order = samples.order(0)
     for start in range(0, IMAGES, 2):
         samples.batch(order[start : start + 2])
@@ -283,7 +283,7 @@ def settled(samples):
 
 
 def test_the_next_group_is_fetched_ahead(in_memory, temporary):
-    samples = Samples(in_memory, **CHOICE)
+    samples = LabelledImages(in_memory, **CHOICE)
     order, shard_of = samples.order(0), samples.images.table.shard
     samples.batch(order[:1])
     settled(samples)
@@ -293,7 +293,7 @@ def test_the_next_group_is_fetched_ahead(in_memory, temporary):
 
 
 def test_single_images_and_random_ones_are_read_by_their_ranges(in_memory, shards, temporary, fetched):
-    samples, local = (Samples(one, **{**CHOICE, "shards_at_once": 1}) for one in (in_memory, shards))
+    samples, local = (LabelledImages(one, **{**CHOICE, "shards_at_once": 1}) for one in (in_memory, shards))
     np.testing.assert_array_equal(samples.image(5), local.image(5))
     apart = [int(samples.order(0)[at]) for at in (0, IMAGES - 1)]
     assert_same([samples.batch(apart)], [local.take(apart)])
@@ -350,7 +350,7 @@ def test_a_worker_waits_for_the_one_that_fetches(in_memory, temporary, monkeypat
         return get_range(path, start, length)
 
     monkeypatch.setattr(streaming, "get_range", slow)
-    samples = Samples(in_memory, **CHOICE)
+    samples = LabelledImages(in_memory, **CHOICE)
     order = samples.order(0)
     threads = [threading.Thread(target=samples.batch, args=(order[:4],)) for _ in range(10)]
     for one in threads:
@@ -476,7 +476,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
 def test_webdataset_has_the_same_images(in_s3, shards):
     """An epoch of ours, from S3, against what webdataset unpacks of the files, whatever the order."""
     wds = pytest.importorskip("webdataset")
-    samples = Samples(in_s3, **CHOICE)
+    samples = LabelledImages(in_s3, **CHOICE)
     paths = sorted(Path(shards, "satellite").glob("*.tar"))
     theirs = {}
     for sample in wds.WebDataset([str(one) for one in paths], shardshuffle=False, empty_check=False):

@@ -9,7 +9,7 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 
 from terrainav.core.bands import BandMetadata, Bands  # noqa: E402
 from terrainav.core.capture.writers import geotiff  # noqa: E402
-from terrainav.core.dataset.loading import Samples  # noqa: E402
+from terrainav.core.dataset.loading import LabelledImages  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.mission.areas.area import Points  # noqa: E402
 from terrainav.core.mosaic.orthomosaic import make_orthomosaic  # noqa: E402
@@ -201,11 +201,11 @@ def test_loaders_say_what_stored_values_mean(data_type, tmp_path):
     lat, lon = place()
     area = Points(((lat, lon, 60.0), (lat + 1e-4, lon, 60.0)))
     captured(stated(tmp_path / "r.tif", noise(data_type, 3)), tmp_path / "out", area)
-    samples = Samples(tmp_path / "out", part="all", dtype="stored")
+    samples = LabelledImages(tmp_path / "out", part="all", dtype="stored")
     assert [(one.scale, one.offset, one.unit) for one in samples.bands.each_metadata] == list(QUANTITIES[:3])
     assert samples.bands.names == NIR[:3]
     if data_type == "uint8":
-        assert Samples(tmp_path / "out", part="all").bands is None
+        assert LabelledImages(tmp_path / "out", part="all").bands is None
 
 
 def test_a_palette_of_more_than_256_colours_is_looked_up(tmp_path, library):
