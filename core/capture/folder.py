@@ -111,10 +111,10 @@ def captured_mission(plan: Plan) -> Mission:
 
     Of pixels that are not the Web-Mercator map's in EPSG:3857 it is left to the source, as that code names the map's.
     """
-    own = plan.grid.own
-    if own is None or own.crs == WebMercator.crs or plan.mission.imagery.crs:
+    crs = plan.grid.plane.crs
+    if crs == WebMercator.crs or plan.mission.imagery.crs:
         return plan.mission
-    return plan.mission.with_(crs=own.crs)
+    return plan.mission.with_(crs=crs)
 
 
 def is_of(mark: bytes, mission: Mission) -> bool:

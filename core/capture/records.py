@@ -281,8 +281,8 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     if not plan.relief.is_level:
         camera.update(height_m=plan.height_m[at])
         camera.update(facade_share=np.array([row.facade_share for row in rows], np.float64))
-    own = plan.grid.own
-    if own is not None:
+    plane = plan.grid.plane
+    if not plane.wraps:
         pixel = (np.full(len(at), size) for size in plan.grid.pixel_size(plan.zoom))
         camera.update(zip(("pixel_width", "pixel_height"), pixel))
         camera.update(west=plan.edges[0][at], north=plan.edges[3][at])
@@ -302,7 +302,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "image_width_px": image_width,
         "image_height_px": image_height,
         **_intrinsics(plan, at),
-        **({} if own is None else {"crs": (own.crs,) * len(at)}),
+        **({} if plane.wraps else {"crs": (plane.crs,) * len(at)}),
         "sky_share": np.array([row.sky_share for row in rows], np.float64),
         "unmapped_share": np.array([row.unmapped_share for row in rows], np.float64),
         "source": (source.title,) * len(at),

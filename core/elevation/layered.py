@@ -176,7 +176,7 @@ def _window(
     lows, highs = np.zeros(2), np.zeros(2)
     if there.any():
         lows, highs = (np.array([f(u[there]), f(v[there])]) for f in (np.min, np.max))
-    if cut and grid.own is not None and grid.extent is not None:
+    if cut and not grid.plane.wraps and grid.extent is not None:
         ends = np.array(grid.extent)
         lows, highs = (np.clip(at, ends.min(axis=0), ends.max(axis=0)) for at in (lows, highs))
     middle = float(np.mean(lat)), float(np.mean(lon))
@@ -187,7 +187,7 @@ def _window(
         world = grid.world_px(zoom)
         left, top = (int(np.floor(at * world - 0.5)) - _MARGIN_PX for at in lows)
         right, bottom = (int(np.ceil(at * world - 0.5)) + 1 + _MARGIN_PX for at in highs)
-        if grid.own is None:
+        if grid.plane.wraps:
             top, bottom = max(min(top, world - 2), 0), min(max(bottom, 2), world)
         few = (right - left) * (bottom - top) <= MOST_CELLS
         if zoom <= grid.min_zoom or (few and 2.0 * size_m > wanted_m):

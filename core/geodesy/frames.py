@@ -12,7 +12,7 @@ from ..errors import InvalidInput
 from .accuracy import Scene, bound_px, map_noise_px
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
-from .mercator import PixelGrid, lat_to_v, lon_to_u, wrap_lon_deg
+from .mercator import MERCATOR, PixelGrid, Plane, lat_to_v, lon_to_u, wrap_lon_deg
 from .planes import ProjectedPlane
 
 #: Steps of the edges of pictures that are asked for by their centre, px: below a micrometre of ground and far above
@@ -101,21 +101,18 @@ class Sizes(NamedTuple):
         return np.flatnonzero(change), np.cumsum(change) - 1
 
 
-def quarter_turns(poses: Poses, own: ProjectedPlane | None = None) -> Numbers:
-    """Clockwise quarter turns from the north of a map nearest to where the tops of images point, 0 to 3, (n,).
-
-    Parameters
-    ----------
-    own : ProjectedPlane or None
-        The plane whose north counts; None for the Web-Mercator map.
-    """
-    if own is None and not any(poses.yaw_deg.strides):
+def quarter_turns(poses: Poses, plane: Plane = MERCATOR) -> Numbers:
+    """Clockwise quarter turns from a plane's north nearest to where the tops of images point, 0 to 3, (n,)."""
+    yaw = plane.grid_azimuth_deg(poses.yaw_deg, poses.lat_deg, poses.lon_deg)
+    if not any(yaw.strides):
         # One yaw for all takes no memory.
-        turns = np.mod(np.rint(poses.yaw_deg[:1] / _QUARTER_DEG), 4.0).astype(np.int64)
-        return np.broadcast_to(turns, poses.yaw_deg.shape)
-    yaw = poses.yaw_deg if own is None else poses.yaw_deg + own.north_deg(poses.lat_deg, poses.lon_deg)
-    turned: Numbers = np.mod(np.rint(yaw / _QUARTER_DEG), 4.0).astype(np.int64)
-    return turned
+        return np.broadcast_to(_turns(yaw[:1]), yaw.shape)
+    return _turns(yaw)
+
+
+def _turns(yaw_deg: Floats) -> Numbers:
+    turns: Numbers = np.mod(np.rint(yaw_deg / _QUARTER_DEG), 4.0).astype(np.int64)
+    return turns
 
 
 def swapped(turns: Numbers, width: Floats | float, height: Floats | float) -> tuple[Floats, Floats]:
@@ -143,7 +140,7 @@ def on_map(turns: Numbers, column: Floats, row: Floats) -> tuple[Floats, Floats]
 
 
 def map_frame_edges(
-    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, own: ProjectedPlane | None = None
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, plane: Plane = MERCATOR
 ) -> FrameEdges:
     """Map-frame edges of nadir cameras, through the exact midpoints of the image edges.
 
@@ -151,8 +148,8 @@ def map_frame_edges(
     ----------
     poses : Poses
         (n,); their attitude is taken as level, and their yaw as the nearest quarter turn from the map's north.
-    own : ProjectedPlane or None
-        The plane of the frames; None for the Web-Mercator map.
+    plane : WebMercator or ProjectedPlane
+        The plane of the frames.
 
     Raises
     ------
@@ -161,15 +158,17 @@ def map_frame_edges(
         the picture.
     """
     lat_deg, agl_m = poses.lat_deg, poses.agl_m
-    yaw_deg = 0.0 if own is None else -own.north_deg(lat_deg, poses.lon_deg)
+    grid_north_deg = -plane.north_deg(lat_deg, poses.lon_deg)
     points: Floats = np.array(EDGE_MIDPOINTS)
-    turned = quarter_turns(poses, own) % 2 == 1
+    turned = quarter_turns(poses, plane) % 2 == 1
     if turned.any():
         # The width of the image lies from north to south there.
         tan_x, tan_y = camera.half_tangents
         across = points * np.array([tan_y / tan_x, tan_x / tan_y])
         points = np.where(turned[:, np.newaxis, np.newaxis], across, points)
-    seen = trace(lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(points, yaw_deg), ground)
+    seen = trace(
+        lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(points, grid_north_deg), ground
+    )
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
@@ -178,21 +177,12 @@ def map_frame_edges(
             camera.fov_deg,
             remedy="fly lower or narrow the field of view",
         )
-    if own is not None:
-        u, v = own.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
-        refuse_beyond_plane(own, poses, np.isfinite(u).all(axis=1))
-        return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
-    north, east, south = seen.lat_deg[:, 0], seen.dlon_deg[:, 1], seen.lat_deg[:, 2]
-    over_pole = (np.abs(seen.dlon_deg[:, 0]) > 90.0) | (np.abs(seen.dlon_deg[:, 2]) > 90.0)
-    if over_pole.any():
-        at = int(np.flatnonzero(over_pole)[0])
-        raise InvalidInput(
-            "image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
-            float(lat_deg[at]),
-            float(agl_m[at]),
-            remedy="fly lower or farther from the pole",
-        )
-    return FrameEdges(-east / 360.0, east / 360.0, lat_to_v(north), lat_to_v(south))
+    u, v = plane.seen(seen.lat_deg, poses.lon_deg[:, np.newaxis], seen.dlon_deg)
+    beyond = np.flatnonzero(plane.lacks_frames(u, seen.dlon_deg))
+    if len(beyond):
+        at = int(beyond[0])
+        raise plane.frame_error(float(lat_deg[at]), float(poses.lon_deg[at]), float(agl_m[at]))
+    return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
 
 
 def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
@@ -233,19 +223,6 @@ def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
     return np.where(np.isfinite(bound), bound, np.inf)
 
 
-def refuse_beyond_plane(own: ProjectedPlane, poses: Poses, reached: NDArray[np.bool_]) -> None:
-    """Refuse poses that a projection does not reach; ``reached`` is (n,)."""
-    if not reached.all():
-        at = int(np.flatnonzero(~reached)[0])
-        raise InvalidInput(
-            "image at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
-            float(poses.lat_deg[at]),
-            float(poses.lon_deg[at]),
-            own.name,
-            remedy="choose an area that the source shows",
-        )
-
-
 def windows_of(
     edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int
 ) -> Windows:
@@ -272,7 +249,7 @@ def windows_of(
 
 def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """`Poses.runs`, whose geometry differs by longitude alone: on a plane of a source's own each pose is one."""
-    if grid.own is None:
+    if grid.plane.wraps:
         return poses.runs()
     every = np.arange(len(poses.lat_deg))
     return every, every
@@ -284,7 +261,7 @@ def map_windows(
     """Map frames of nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
     first, run = runs_on(grid, poses)
     return windows_of(
-        map_frame_edges(camera, poses.take(first), ground, grid.own), run, poses.lon_deg, grid, zoom
+        map_frame_edges(camera, poses.take(first), ground, grid.plane), run, poses.lon_deg, grid, zoom
     )
 
 

@@ -7,16 +7,17 @@ pixels at a zoom is the fraction times the world's width in pixels there.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar, Union
+from typing import ClassVar, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
+from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 from .ellipsoid import WGS84
-from .planes import ProjectedPlane
+from .planes import At, ProjectedPlane
 
 #: Whole numbers, one or many.
 Whole = TypeVar("Whole", int, NDArray[np.int64])
@@ -70,7 +71,15 @@ def wrap_lon_deg(lon_deg: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class WebMercator:
-    """The plane of EPSG:3857 as world fractions; `planes.ProjectedPlane` says what the methods do."""
+    """The plane of EPSG:3857 as world fractions; `planes.ProjectedPlane` says what the methods do.
+
+    It goes around the Earth: u is continuous across the antimeridian, and frames count from the camera's meridian.
+    """
+
+    wraps: ClassVar[bool] = True
+    widest_cell: ClassVar[float] = 90.0 / 360.0
+    name: ClassVar[str] = "EPSG:3857"
+    unit_m: ClassVar[float] = 1.0
 
     crs: str = "EPSG:3857"
     west: float = -HALF_WORLD_M
@@ -86,9 +95,67 @@ class WebMercator:
         """Latitude and longitude (not wrapped) in degrees of world fractions (any shape)."""
         return v_to_lat(v), u_to_lon(u)
 
+    def meridian_u(self, lon_deg: Floats) -> Floats:
+        """World fractions of the cameras' meridians, which frames and views count from."""
+        return lon_to_u(lon_deg)
+
+    def seen(self, lat_deg: Floats, _lon_deg: Floats, dlon_deg: Floats, /) -> tuple[Floats, Floats]:
+        """Fractions of ground ``dlon_deg`` east of cameras, u from the camera's meridian."""
+        return dlon_deg / 360.0, lat_to_v(lat_deg)
+
+    def shows(self, v: Floats) -> Flags:
+        """Which positions lie within the map's latitudes (any shape)."""
+        return np.asarray((v >= 0.0) & (v <= 1.0))
+
+    def shorter(self, du: Floats) -> Floats:
+        """Distances along u, >= 0, by the shorter way around the Earth."""
+        return np.minimum(du, 1.0 - du)
+
+    def wrapped(self, at: At, count: int) -> At:
+        """Columns, or positions, within a world of so many."""
+        return at % count
+
+    def clipped(self, row: Numbers, count: int) -> Numbers:
+        """Rows within the map, where it ends."""
+        return np.clip(row, 0, count - 1)
+
+    def grid_azimuth_deg(self, azimuth_deg: Floats, _lat_deg: Floats, _lon_deg: Floats, /) -> Floats:
+        """Azimuths counted from grid north, which is true north."""
+        return azimuth_deg
+
+    def north_deg(self, lat_deg: Floats, _lon_deg: Floats, /) -> Floats:
+        """Direction of true north from grid north: 0."""
+        return np.broadcast_to(np.float64(0.0), np.shape(lat_deg))
+
+    def ground_m(self, lat_deg: Floats, _lon_deg: Floats, /) -> tuple[Floats, Floats]:
+        """Metres of ground on the ellipsoid that u and v of 1 span at positions (any shape)."""
+        cosine = np.cos(np.radians(lat_deg))
+        across, down = WGS84.normal_radius_m(lat_deg), WGS84.meridional_radius_m(lat_deg)
+        return self.width * (across / WGS84.a_m * cosine), self.height * (down / WGS84.a_m * cosine)
+
+    def bends(self, v: Floats, _places: Callable[[], tuple[Floats, Floats]], /) -> Floats:
+        """Bend at positions: the steepness of the latitude."""
+        steepness: Floats = np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
+        return steepness
+
+    def lacks_frames(self, _u: Floats, dlon_deg: Floats, /) -> Flags:
+        """Which frames (n,) no rectangle holds, by the midpoints of their upper, right, lower and left edges (n, 4)."""
+        return np.asarray((np.abs(dlon_deg[:, 0]) > 90.0) | (np.abs(dlon_deg[:, 2]) > 90.0))
+
+    def frame_error(self, lat_deg: float, _lon_deg: float, agl_m: float, /) -> InvalidInput:
+        """Error of such a frame."""
+        return InvalidInput(
+            "image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
+            lat_deg,
+            agl_m,
+            remedy="fly lower or farther from the pole",
+        )
+
 
 #: A plane that pictures may lie in.
 Plane = Union[WebMercator, ProjectedPlane]
+#: The Web-Mercator map.
+MERCATOR = WebMercator()
 
 
 #: What sides of an outline may leave their chords by, as a share of their length.
@@ -130,7 +197,7 @@ class PixelGrid:
     max_size_px: int | None = None
     centre_decimals: int | None = None
     extent: tuple[tuple[float, float], ...] | None = None
-    plane: Plane = WebMercator()
+    plane: Plane = MERCATOR
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
@@ -164,22 +231,19 @@ class PixelGrid:
 
     def meridian_u(self, lon_deg: Floats) -> Floats:
         """World fractions that frames and views count from: cameras' meridians on the map, else the plane's west."""
-        return np.zeros(np.shape(lon_deg)) if self.own else lon_to_u(lon_deg)
+        return self.plane.meridian_u(lon_deg)
 
     def wrapped(self, column: Whole, zoom: int) -> Whole:
         """Columns of tiles within the world, which the map goes on around, and a plane of its own does not."""
-        return column if self.own else column % (1 << zoom)
+        return self.plane.wrapped(column, 1 << zoom)
 
     def wrapped_px(self, left_px: Floats | Numbers, zoom: int) -> Floats | Numbers:
         """Left edges within the world, as `wrapped` has columns."""
-        return left_px if self.own else np.mod(left_px, self.world_px(zoom))
+        return self.plane.wrapped(left_px, self.world_px(zoom))
 
     def ground_m_per_px(self, lat_deg: Floats, lon_deg: Floats, zoom: int) -> Floats:
         """Metres of ground per px, along the pixels' rows on the ellipsoid, at ``zoom`` and positions (any shape)."""
-        if self.own is not None:
-            return self.own.ground_m(lat_deg, lon_deg)[0] / self.world_px(zoom)
-        shrink = WGS84.normal_radius_m(lat_deg) / WGS84.a_m * np.cos(np.radians(lat_deg))
-        size: Floats = self.pixel_size(zoom)[0] * shrink
+        size: Floats = self.plane.ground_m(lat_deg, lon_deg)[0] / self.world_px(zoom)
         return size
 
     def edges(

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..arrays import Floats
+from ..arrays import Flags, Floats, Numbers
+from ..errors import InvalidInput
 from .ellipsoid import WGS84, arctan2, sin_cos, trace
 
 if TYPE_CHECKING:
     from pyproj import CRS
 
 
+#: Whole numbers or positions, one or many.
+At = TypeVar("At", int, NDArray[Any])
+
+#: A bend that no cell keeps within a pixel of.
+_NO_BOUND = 1e12
 #: Height from which, and tangents at which, ground is looked at to find what a projection does to it: first derivatives
 #: over 20 m of ground, whose noise (2e-9 m) turns north by 1e-10 rad, and second ones over 2 km.
 _ABOVE_M, _NEAR, _FAR = 1e3, 1e-2, 1.0
@@ -43,6 +51,11 @@ class ProjectedPlane:
         Of the rectangle up to u = v = 1, likewise.
     """
 
+    #: Whether u goes on around the Earth.
+    wraps: ClassVar[bool] = False
+    #: Spread of u beyond which the ground of a cell lies on two sides of a pole.
+    widest_cell: ClassVar[float] = math.inf
+
     crs: str
     west: float
     north: float
@@ -60,6 +73,54 @@ class ProjectedPlane:
         return self.from_crs(
             self.west + np.asarray(u, np.float64) * self.width,
             self.north - np.asarray(v, np.float64) * self.height,
+        )
+
+    def meridian_u(self, lon_deg: Floats) -> Floats:
+        """Fractions that frames and views count from, of cameras at longitudes (any shape): the plane's west."""
+        return np.zeros(np.shape(lon_deg))
+
+    def seen(self, lat_deg: Floats, lon_deg: Floats, dlon_deg: Floats) -> tuple[Floats, Floats]:
+        """Fractions of ground ``dlon_deg`` east of cameras at longitudes (any shapes), u from `meridian_u`."""
+        return self.forward(lat_deg, lon_deg + dlon_deg)
+
+    def shows(self, v: Floats) -> Flags:
+        """Which positions the projection reaches (any shape)."""
+        return np.asarray(np.isfinite(v))
+
+    def shorter(self, du: Floats) -> Floats:
+        """Distances along u, >= 0, by the shorter way where there are two."""
+        return du
+
+    def wrapped(self, at: At, _count: int, /) -> At:
+        """Columns, or positions, of a world of so many: the plane ends, and has no others."""
+        return at
+
+    def clipped(self, row: Numbers, _count: int, /) -> Numbers:
+        """Rows of a world of so many, which sources may have beyond the plane."""
+        return row
+
+    def grid_azimuth_deg(self, azimuth_deg: Floats, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """True azimuths at positions (n,), counted from grid north."""
+        return azimuth_deg + self.north_deg(lat_deg, lon_deg)
+
+    def bends(self, v: Floats, places: Callable[[], tuple[Floats, Floats]]) -> Floats:
+        """`bend` at positions by v, or by their latitudes and longitudes, (any shape); too much where it is unknown."""
+        shown = self.shows(v)
+        bend = self.bend(*(np.where(shown, angle, 0.0) for angle in places()))
+        return np.where(shown & np.isfinite(bend), bend, _NO_BOUND)
+
+    def lacks_frames(self, u: Floats, _dlon_deg: Floats, /) -> Flags:
+        """Which frames (n,) no rectangle holds, by the midpoints of their edges (n, 4): u, and degrees east."""
+        return np.asarray(~np.isfinite(u).all(axis=1))
+
+    def frame_error(self, lat_deg: float, lon_deg: float, _agl_m: float, /) -> InvalidInput:
+        """Error of such a frame."""
+        return InvalidInput(
+            "image at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
+            lat_deg,
+            lon_deg,
+            self.name,
+            remedy="choose an area that the source shows",
         )
 
     def to_crs(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:

@@ -12,7 +12,7 @@ from .camera import Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, above_tangent_plane_m, sight_lines
 from .footprint import Corners, exact, image_centres
 from .frames import FrameEdges
-from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from .mercator import MERCATOR, Plane, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .planes import ProjectedPlane, TurnedPlane
 from .projections import NOISE_M, LocalPlane
 
@@ -33,7 +33,7 @@ _RATIO_REACH = 16.0
 
 
 def inscribed_edges(
-    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0, plane: Plane = MERCATOR
 ) -> FrameEdges:
     """Largest rectangles inside the ground seen by cameras, about the centres of the images.
 
@@ -57,6 +57,8 @@ def inscribed_edges(
     InvalidInput
         No ray of a camera meets the Earth.
     """
+    if isinstance(plane, ProjectedPlane):
+        return _edges_in_plane(plane, camera, poses, ground, pixel)
     if len(poses.lat_deg) > _BATCH:
         starts = range(0, len(poses.lat_deg), _BATCH)
         parts = [
@@ -316,8 +318,8 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
     return Sides(x - across, y - up, x + across, y + up)
 
 
-def inscribed_edges_on(
-    own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
+def _edges_in_plane(
+    own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float
 ) -> FrameEdges:
     """`inscribed_edges` on the plane of a source's CRS; empty where part of an image shows no ground."""
     plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)

@@ -16,8 +16,7 @@ from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import Scene, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
-from .mercator import PixelGrid, lat_to_v
-from .planes import ProjectedPlane
+from .mercator import MERCATOR, PixelGrid, Plane
 
 #: A zoom serves while its pixels, seen in the image, are between this and half of it: rounding to the nearest.
 _NEAREST = 2.0**0.5
@@ -46,10 +45,6 @@ _MOST_UNEVEN = 1.5
 _BEYOND_SECOND_ORDER = 1.3
 #: Rays this much longer than the view's axis, 70° off it, are beyond what the bound was validated for.
 _LONGEST_RAY = 3.0
-#: Longitudes of one cell farther apart than this are on two sides of a pole or of the camera's far meridian.
-_FAR_SIDE_DEG = 90.0
-#: A bend that no cell keeps within a pixel of.
-_NO_BOUND = 1e12
 #: Tiles by which positions may lie beyond a plane of a source's own: at 0.1 m a pixel, 1,700 km.
 _BEYOND_TILES = 1 << 26
 #: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
@@ -194,7 +189,7 @@ class View:
         if int(counts.max(initial=0)) > most:
             raise self._too_many_tiles()
         # Tiles beyond a plane of a source's own count from below 0.
-        beyond = _BEYOND_TILES if self.grid.own else 0
+        beyond = 0 if self.grid.plane.wraps else _BEYOND_TILES
         ends, keys = np.cumsum(counts), np.empty(0, np.int64)
         start = begun = 0
         while start < len(counts):
@@ -233,8 +228,7 @@ class View:
             np.floor((v * world + reach) / size).astype(np.int64)
             for v, reach in ((north, -KERNEL_REACH_PX), (south, KERNEL_REACH_PX))
         )
-        if not self.grid.own:
-            first_y, last_y = (np.clip(row, 0, world // size - 1) for row in (first_y, last_y))
+        first_y, last_y = (self.grid.plane.clipped(row, world // size) for row in (first_y, last_y))
         return first_x, last_x, first_y, last_y
 
     def tiles(self, lon_deg: float) -> list[tuple[int, int, int]]:
@@ -283,7 +277,7 @@ def view(
     by_rays : bool
         Trace every pixel though the mesh would do: for kernels that only single samples can have.
     """
-    rays = ImageRays.of(scene, grid.own)
+    rays = ImageRays.of(scene, grid.plane)
     by_rays = by_rays or tolerance_px == 0.0
     cells = mesh(rays, _EXTENT_TOLERANCE_PX if by_rays else tolerance_px)
     width, height = scene.one_size_px
@@ -421,7 +415,7 @@ def _spans(
         with np.errstate(invalid="ignore"):
             way = np.abs(next_du - du)
             # Points beyond a pole, or beyond the camera's far meridian, are near though their longitudes are not.
-            length = np.hypot(way if rays.own else np.minimum(way, 1.0 - way), next_v - v)
+            length = np.hypot(rays.plane.shorter(way), next_v - v)
         spans = np.where(hit & np.isfinite(length), length, spans)
     return np.asarray(spans, np.float64)
 
@@ -448,16 +442,18 @@ class ImageRays(NamedTuple):
     origin: Floats
     per_x: Floats
     per_y: Floats
-    own: ProjectedPlane | None = None
+    plane: Plane = MERCATOR
 
     @classmethod
-    def of(cls, scene: Scene, own: ProjectedPlane | None = None) -> ImageRays:
-        """Rays of a scene of one pose, over the Web-Mercator map or over a plane of a source's own."""
+    def of(cls, scene: Scene, plane: Plane = MERCATOR) -> ImageRays:
+        """Rays of a scene of one pose, over a plane."""
         pose = scene.poses
         corner, right, below = scene.camera.rays_enu(
             ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), *(float(angle[0]) for angle in pose.attitude)
         )
-        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, own)
+        return cls(
+            scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane
+        )
 
     def at(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
@@ -475,25 +471,20 @@ class ImageRays(NamedTuple):
     ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
         seen = self.ground(x_px, y_px)
-        if self.own is not None:
-            return *self.own.forward(seen.lat_deg, self.scene.poses.lon_deg[0] + seen.dlon_deg), seen.hit
-        return seen.dlon_deg / 360.0, lat_to_v(seen.lat_deg), seen.hit
+        return *self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg), seen.hit
 
     def on_map(self, v: Floats) -> NDArray[np.bool_]:
         """Which positions lie within the map's latitudes, or are reached by the plane's projection."""
-        if self.own is not None:
-            return np.asarray(np.isfinite(v))
-        return np.asarray((v >= 0.0) & (v <= 1.0))
+        return self.plane.shows(v)
 
     def bends(self, x_px: Floats | Numbers, y_px: Floats | Numbers, v: Floats) -> Floats:
         """How much straight lines of the ground bend at image points, over the Earth's curvature (`Plane.bend`)."""
-        if self.own is None:
-            steepness: Floats = np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
-            return steepness
-        seen = self.ground(x_px, y_px)
-        lat, lon = (np.where(np.isfinite(v), angle, 0.0) for angle in (seen.lat_deg, seen.dlon_deg))
-        bend = self.own.bend(lat, self.scene.poses.lon_deg[0] + lon)
-        return np.where(np.isfinite(v) & np.isfinite(bend), bend, _NO_BOUND)
+
+        def places() -> tuple[Floats, Floats]:
+            seen = self.ground(x_px, y_px)
+            return seen.lat_deg, self.scene.poses.lon_deg[0] + seen.dlon_deg
+
+        return self.plane.bends(v, places)
 
     def clearance(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
         """As `ellipsoid.clearance`."""
@@ -548,8 +539,7 @@ def _fitting(
     thinness = size.max(axis=1) / size.min(axis=1)
     bound = _BEYOND_SECOND_ORDER * (along_x + along_y) + float(mesh_noise_px(rays.scene)[0]) * thinness
     whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
-    if rays.own is None:
-        whole &= spread <= _FAR_SIDE_DEG / 360.0
+    whole &= spread <= rays.plane.widest_cell
     even = np.maximum(uneven_x, uneven_y) <= _MOST_UNEVEN
     return bound, whole & even & (bound <= tolerance_px)
 

@@ -98,12 +98,12 @@ def _trial_tile(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, z
         at_u, at_v = (float(one) for one in grid.plane.forward(np.array(lat_deg), np.array(lon_deg)))
         inside = np.isfinite(at_u) and np.isfinite(at_v) and north <= at_v <= south
         # On the map, an extent across the antimeridian continues beyond 1.
-        turns = (0.0,) if grid.own else (0.0, 1.0, -1.0)
+        turns = (0.0, 1.0, -1.0) if grid.plane.wraps else (0.0,)
         there = next((at_u + turn for turn in turns if west <= at_u + turn <= east), None)
         if inside and there is not None:
             u, v = there, at_v
     count = 1 << zoom
     column, row = (
-        min(max(int(np.floor(one * count)), 0), count - 1) for one in (u % 1.0 if not grid.own else u, v)
+        min(max(int(np.floor(one * count)), 0), count - 1) for one in (u % 1.0 if grid.plane.wraps else u, v)
     )
     return Tile(zoom, column, row)

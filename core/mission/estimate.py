@@ -392,21 +392,21 @@ def _over_relief(plan: Plan) -> dict[str, Any]:
 
 def own_pixels(plan: Plan) -> str:
     """Return what the pixels of a source in a CRS of its own are for pictures; empty where they are the map's."""
-    own, native = plan.grid.own, plan.grid.native_zoom
-    if own is None:
+    plane, native = plan.grid.plane, plan.grid.native_zoom
+    if plane.wraps:
         return ""
-    size = length_text(plan.grid.pixel_size(native)[0] * own.unit_m)
+    size = length_text(plan.grid.pixel_size(native)[0] * plane.unit_m)
     if plan.zoom == native:
-        return Message("the source's own pixels, {0} in {1}", size, own.name)
+        return Message("the source's own pixels, {0} in {1}", size, plane.name)
     if plan.zoom > native:
         return Message(
             "the source's own pixels, {0} in {1}, upsampled {2} times",
             size,
-            own.name,
+            plane.name,
             1 << (plan.zoom - native),
         )
     each = 1 << (native - plan.zoom)
-    return Message("means of {2} x {2} of the source's own pixels, {0} in {1}", size, own.name, each)
+    return Message("means of {2} x {2} of the source's own pixels, {0} in {1}", size, plane.name, each)
 
 
 def beyond_imagery(plan: Plan) -> tuple[str, ...]:

@@ -30,13 +30,13 @@ def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
     whole: Flags = seen.hit.all(axis=1)
     lat, lon = seen.lat_deg, seen.lon_deg
     with np.errstate(invalid="ignore"):
-        u, v = grid.plane.forward(lat, lon if grid.own is None else wrap_lon_deg(lon))
+        u, v = grid.plane.forward(lat, lon if grid.plane.wraps else wrap_lon_deg(lon))
         if grid.extent is None:
             whole &= (np.isfinite(u) & (v >= 0.0) & (v <= 1.0)).all(axis=1)
             return whole
     corners = np.array(grid.extent, np.float64)
     corners = corners if twice_area(corners) > 0.0 else corners[::-1]
-    if grid.own is None:
+    if grid.plane.wraps:
         # Longitudes are continuous along a rim; the extent may be whole turns of the world away.
         u = u - np.rint(u[:, :1] - corners[:, 0].mean())
     along = np.roll(corners, -1, axis=0) - corners

@@ -330,7 +330,7 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
-    return accuracy.outside_flat_domain(_ends(mission), None if grid.own is None else 0.0)
+    return accuracy.outside_flat_domain(_ends(mission), None if grid.plane.wraps else 0.0)
 
 
 def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
@@ -340,7 +340,7 @@ def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
     """
     if mission.flight.row_azimuth_deg % _QUARTER_DEG:
         return False
-    return grid.own is not None or mission.flight.facing != NORTH
+    return not grid.plane.wraps or mission.flight.facing != NORTH
 
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
@@ -406,7 +406,7 @@ def _accuracy(
         footprint=footprint,
         picture=picture,
         pixels=pixels,
-        condition=accuracy.condition_number(scene, on_mercator=grid.own is None),
+        condition=accuracy.condition_number(scene, on_mercator=grid.plane.wraps),
         terrain_px_per_m=accuracy.terrain_px_per_m(scene),
         left_out=tuple(_left_out(mission, scene, picture.method, pixels)),
     )

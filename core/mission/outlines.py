@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
+from ..geodesy.planes import ProjectedPlane
 from .areas.area import cut_half_plane
 from .plan import Plan
 
@@ -48,14 +49,14 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
     list of (easting, northing)
         Several where it crosses the antimeridian.
     """
-    own = plan.grid.own
+    plane = plan.grid.plane
     if plan.frames.on_map:
         for edges in zip(*(edge[part].tolist() for edge in plan.edges)):
-            yield _rectangles(*edges) if own is None else [_rectangle(*edges)]
+            yield _rectangles(*edges) if plane.wraps else [_rectangle(*edges)]
         return
-    if own is not None:
+    if isinstance(plane, ProjectedPlane):
         for index in range(*part.indices(len(plan))):
-            x, y = own.to_crs(*_ground_seen(plan, index)[::-1])
+            x, y = plane.to_crs(*_ground_seen(plan, index)[::-1])
             reached = np.isfinite(x)
             yield [(x[reached], y[reached])] if reached.sum() > 2 else []
         return
@@ -174,7 +175,7 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
     lat, lon, hit = (values[part] for values in plan.corners)
     wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
     small = np.maximum(np.ptp(lat, axis=1), wide_deg) < _STRAIGHT_DEG
-    if plan.grid.own is not None:
+    if not plan.grid.plane.wraps:
         # The map ends before meridians come so near to each other.
         small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
     # Over relief every edge is bent.

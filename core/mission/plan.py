@@ -353,8 +353,10 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     if mission.wind is None:
         return nominal
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
-    own = stated_times_s(mission, layout.column)
-    interval_s = np.diff(own) if own is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
+    stated = stated_times_s(mission, layout.column)
+    interval_s = (
+        np.diff(stated) if stated is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
+    )
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))

@@ -17,7 +17,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
 from ..geodesy.frames import runs_on
-from ..geodesy.mercator import PixelGrid, lat_to_v, wrap_lon_deg
+from ..geodesy.mercator import PixelGrid, wrap_lon_deg
 from ..geodesy.raytracing.tracing import Tracing, settled
 from ..geodesy.view import View, view
 from .layout.frames import Frames, Runs, sampled_zooms
@@ -166,9 +166,11 @@ class CameraViews:
             starts = np.arange(0, count, -(-count // most))
             starts = np.union1d(starts, [part.first for part in passes]).astype(np.intp)
         # A pole is infinitely far up or down the map, and no other place lies by a distance from there.
-        moved = np.zeros(count), np.clip(lat_to_v(self.poses.lat_deg), -1.0, 2.0)
-        if self.grid.own is not None:
-            moved = self.grid.own.forward(self.poses.lat_deg, self.poses.lon_deg)
+        u, v = self.grid.plane.forward(self.poses.lat_deg, self.poses.lon_deg)
+        moved = (
+            np.zeros(count) if self.grid.plane.wraps else u,
+            np.clip(v, -1.0, 2.0) if self.grid.plane.wraps else v,
+        )
         seen: NDArray[np.int64] = np.empty(0, np.int64)
         for start, end in zip(starts.tolist(), np.append(starts[1:], count).tolist()):
             u, v = (place[start:end] - place[start] for place in moved)

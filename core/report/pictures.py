@@ -177,7 +177,7 @@ class Bench:
         """What makes the map frame of the capture."""
         plan = self.plan
         pose = plan.poses.take(np.array([self.index]))
-        turns, (width, height) = int(quarter_turns(pose, plan.grid.own)[0]), self.size_px
+        turns, (width, height) = int(quarter_turns(pose, plan.grid.plane)[0]), self.size_px
         if plan.frames.on_map:
             window = window_of(plan, self.index)
         else:

@@ -15,8 +15,7 @@ from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Footprint, outline
 from ..geodesy.frames import in_image, map_frame_edges, quarter_turns, runs_on
-from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.planes import ProjectedPlane
+from ..geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
 
@@ -108,14 +107,14 @@ def map_frame_error_px(plan: Plan) -> Error:
     Rounding moves the frame, not what it shows: the picture says where it lies to the last digit.
     """
     scene = scene_of(plan, captures(plan))
-    edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.own)
+    edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.plane)
     along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
     west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
     du, v = west + (east - west) * along, top + (bottom - top) * down
     shares = (np.broadcast_to(part, v.shape) for part in (along, down))
-    column, row = in_image(quarter_turns(scene.poses, plan.grid.own), *shares)
+    column, row = in_image(quarter_turns(scene.poses, plan.grid.plane), *shares)
     x, y = 2.0 * column - 1.0, 1.0 - 2.0 * row
-    return float(map_errors_px(scene, du, v, x, y, plan.grid.own).max())
+    return float(map_errors_px(scene, du, v, x, y, plan.grid.plane).max())
 
 
 def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
@@ -126,7 +125,7 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
     found: list[float] = []
     for index in spread(len(plan), _IMAGES).tolist():
         scene = scene_of(plan, np.array([index], np.intp))
-        rays = ImageRays.of(scene, plan.grid.own)
+        rays = ImageRays.of(scene, plan.grid.plane)
         cells = mesh(rays, tolerance_px)
         if len(cells.loose):
             found += _traced(rays)
@@ -228,17 +227,17 @@ def _worst(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -
     scene = rays.scene
     x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
     across, down, right, up = (part[np.newaxis] for part in (du, v, x, y))
-    return float(map_errors_px(scene, across, down, right, up, rays.own).max())
+    return float(map_errors_px(scene, across, down, right, up, rays.plane).max())
 
 
 def map_frame_problem(plan: Plan) -> str:
     """Why captures have no map frame at all, whatever its error; empty where they have one."""
     scene = scene_of(plan, captures(plan))
     try:
-        edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.own)
+        edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.plane)
     except InvalidInput as wrong:
         return Message(wrong)
-    if plan.grid.own is None and ((edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any()):
+    if plan.grid.plane.wraps and ((edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any()):
         return "it reaches beyond the map's latitudes"
     return ""
 
@@ -252,15 +251,15 @@ def floor_px(scene: Scene) -> float:
 
 
 def map_errors_px(
-    scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats, own: ProjectedPlane | None = None
+    scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR
 ) -> Floats:
     """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
 
     They become degrees in long double: in float64 that is as wrong as what is measured. Those of a plane of a source's
     own become degrees by PROJ, which is good to some nanometres.
     """
-    if own is not None:
-        own_lat, own_lon = own.inverse(du, v)
+    if not plane.wraps:
+        own_lat, own_lon = plane.inverse(du, v)
         return errors_px(scene, own_lat, wrap_lon_deg(own_lon - scene.poses.lon_deg[:, np.newaxis]), x, y)
     across, down = (np.asarray(part, np.longdouble) for part in (du, v))
     lat: Long = np.arctan(np.sinh(_radians((0.5 - down) * 360))) / _radians(np.ones_like(down))

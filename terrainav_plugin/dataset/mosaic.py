@@ -361,7 +361,7 @@ def build_overviews(
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[MosaicRaster, Placed]]:
     world = plan.grid.world_px(plan.zoom)
     left_px = np.asarray(plan.windows.left_px, np.float64)
-    turn = np.floor(left_px / world) if plan.grid.own is None else np.zeros(len(plan))
+    turn = np.floor(left_px / world) if plan.grid.plane.wraps else np.zeros(len(plan))
     turns = np.unique(turn)
     order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
     for map_type in plan.mission.imagery.map_types:
@@ -421,7 +421,7 @@ def _virtual_raster(
     across, down = plan.grid.pixel_size(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
     # The axes are those of the geotransform, in whatever order the CRS itself has them.
-    axes = "" if plan.grid.own is None else ' dataAxisToSRSAxisMapping="1,2"'
+    axes = "" if plan.grid.plane.wraps else ' dataAxisToSRSAxisMapping="1,2"'
     yield f"<SRS{axes}>{xml_text(wkt_1(plan.grid.plane.crs))}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {across!r}, 0.0, {north!r}, 0.0, {-down!r}</GeoTransform>\n"
     sources = list(_sources(plan, placed, shown.data_type, folder))

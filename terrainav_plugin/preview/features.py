@@ -215,7 +215,7 @@ class FlightLine:
         if self.is_short:
             return
         # Legs longer than the pictures beside them may cross a view that no picture of them touches.
-        if plan.grid.own is None:
+        if plan.grid.plane.wraps:
             x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
         else:
             x, y = placed(plan.grid.plane, plan.lon_deg, plan.lat_deg)
@@ -243,10 +243,12 @@ class FlightLine:
     def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
         """Whether the legs of the whole flight lie far enough apart on the screen, over all, to be told apart."""
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
-        own = self._plan.grid.own
+        plane = self._plan.grid.plane
         # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.
         shrunk = (
-            np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if own is None else own.unit_m
+            np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole]))))
+            if plane.wraps
+            else plane.unit_m
         )
         length_m = self._plan.direct.distance_m / shrunk
         # Legs closer than 10 px on the screen would hide everything else.

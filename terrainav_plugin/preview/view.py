@@ -79,8 +79,8 @@ MERCATOR = PreviewWorld()
 
 def preview_world(plan: Plan) -> PreviewWorld:
     """World that a plan is looked at in."""
-    own = plan.grid.own
-    if own is None:
+    plane = plan.grid.plane
+    if plane.wraps:
         return MERCATOR
     west, south, east, north = plan.edges
     edges = float(west.min()), float(south.min()), float(east.max()), float(north.max())
@@ -89,13 +89,13 @@ def preview_world(plan: Plan) -> PreviewWorld:
         lat, lon, _ = plan.corners
         east_deg = (lon - plan.lon_deg[:, np.newaxis]) * np.cos(np.radians(plan.lat_deg))[:, np.newaxis]
         degrees = np.hypot(lat - plan.lat_deg[:, np.newaxis], east_deg)
-        reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / own.unit_m
+        reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / plane.unit_m
     longest = max(edges[2] - edges[0], edges[3] - edges[1]) + 2.0 * reach
     # A power of two, so that the cells of a density have round sides.
     # The world is at least four times as wide as what the images show.
     size = 2.0 ** math.ceil(math.log2(4.0 * longest))
     middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
-    return PreviewWorld(own.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
+    return PreviewWorld(plane.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
 
 
 class Rect(NamedTuple):

@@ -189,10 +189,10 @@ class LayerSource:
     ) -> Bytes | None:
         """Pixels of one layer; None where it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
-        if self.grid.own is not None and tile.zoom <= self.grid.native_zoom:
+        if not self.grid.plane.wraps and tile.zoom <= self.grid.native_zoom:
             factor = 1 << (self.grid.native_zoom - tile.zoom)
             return averaged(pipes, tile.left_px, tile.top_px, size, factor, self._jobs)
-        if self.grid.own is not None and resamples_early(layer):
+        if not self.grid.plane.wraps and resamples_early(layer):
             return pipes.block(settings.extent(), size, self._jobs)
         if layer.providerType() == FILE_PROVIDER:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)

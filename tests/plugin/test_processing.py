@@ -253,7 +253,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
         ("column", expected.column),
         ("row", expected.row),
         ("left_px", expected.windows.left_px),
-        ("width_px", expected.width_px),
+        ("width_px", expected.frames.width_px),
         ("time_s", expected.times_s),
     ):
         assert [feature[name] for feature in found] == np.asarray(values).tolist()
@@ -266,7 +266,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
         [point.x() for point in points], expected.lon_deg / 180.0 * HALF_WORLD_M, rtol=1e-12
     )
     (line,) = features_of(results["FLIGHT"])
-    assert line["length_m"] == expected.flight_distance_m
+    assert line["length_m"] == expected.direct.distance_m
     assert line.geometry().constGet().vertexCount() == len(expected)
     summary = estimate(expected, OFFLINE)
     assert results["IMAGES"] == len(expected)

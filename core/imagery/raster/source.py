@@ -380,7 +380,7 @@ class RasterSource:
         footprints = footprints.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
         # Where boxes are large still, blocks of pixels are summed up as they are read.
         # Of a raster's own pixels all those that one of a lower zoom is the mean of make one block.
-        least = _LEAST_OF_BLOCKS if self.grid.own is None else 1.0
+        least = _LEAST_OF_BLOCKS if self.grid.plane.wraps else 1.0
         x, y = (
             max(int(_smallest(size) / least + _SLIVER_PX), 1)
             for size in (footprints.width_px, footprints.height_px)

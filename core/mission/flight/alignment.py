@@ -206,7 +206,7 @@ class _Flights:
         mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
         # Map frames of rows along the map's axes shift captures by their rounding.
         along_axes = azimuth_deg % EASTWARD_DEG == 0.0
-        from_positions = self._from_positions and self._heights is None and self._grid.own is None
+        from_positions = self._from_positions and self._heights is None and self._grid.plane.wraps
         if along_axes or not from_positions or not is_rotated(mission):
             return flown_m(self.plan(azimuth_deg))
         layout, _ = lay_out_rotated(mission, ground_of(mission))

@@ -531,7 +531,7 @@ def imagery_share(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> I
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
     outside, partly = _pictures_beyond(windows, extent, grid, zoom)
-    share = None if isinstance(area, Points) or grid.own else _share(area, extent)
+    share = None if isinstance(area, Points) or not grid.plane.wraps else _share(area, extent)
     return ImageryShare(share, outside, partly)
 
 
@@ -559,7 +559,7 @@ def _pictures_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: in
     left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
     room = _ROUNDED_PX / world_px
     inside, touched = np.zeros(len(left), bool), np.zeros(len(left), bool)
-    for turn in [0.0] if grid.own else _turns(np.concatenate([left, right]), extent):
+    for turn in [0.0] if not grid.plane.wraps else _turns(np.concatenate([left, right]), extent):
         corners = extent + np.array([turn, 0.0])
         (west, north), (east, south) = corners.min(axis=0), corners.max(axis=0)
         held = np.ones(len(left), bool)

@@ -127,7 +127,7 @@ class MapFrames:
     @classmethod
     def of_windows(cls, windows: Windows, poses: Poses, grid: PixelGrid) -> MapFrames:
         """Frames of windows (n,), turned as their cameras are."""
-        turns = quarter_turns(poses, grid.own)
+        turns = quarter_turns(poses, grid.plane)
         wide, high = windows.width_px, windows.height_px
         if turns.any():
             across = turns % 2 == 1
@@ -259,7 +259,7 @@ class CameraFrames:
         corners = plan.corners
         if plan.relief.has_holes:
             return True
-        if plan.grid.own is not None:
+        if not plan.grid.plane.wraps:
             return not corners.hit.all()
         beyond = np.abs(corners.lat_deg) > MAX_LAT_DEG
         return bool(not corners.hit.all() or beyond.any() or plan.views.poles.any())

@@ -22,14 +22,12 @@ from ...geodesy.frames import (
     Windows,
     map_frame_edges,
     quarter_turns,
-    refuse_beyond_plane,
     runs_on,
     swapped,
     windows_of,
 )
-from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
-from ...geodesy.planes import ProjectedPlane
-from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
+from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, Plane, fitting_zoom, lat_to_v, wrap_lon_deg
+from ...geodesy.rectangles import inscribed_edges
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..areas.area import Points
@@ -149,7 +147,7 @@ def framed(
     if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    still = mission.wind is None and grid.own is None and flown is None
+    still = mission.wind is None and grid.plane.wraps and flown is None
     alike = passes and still and framing.resamples
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)
@@ -194,8 +192,7 @@ class _SinglePoints:
     @cached_property
     def first(self) -> PlacedCaptures:
         """Captures at the points; yaws that the mission gives them count from grid north."""
-        layout, own = lay_out_points(self.mission), self.grid.own
-        return PlacedCaptures(layout if own is None else _from_grid_north(self.mission, own, layout))
+        return PlacedCaptures(_from_grid_north(self.mission, self.grid.plane, lay_out_points(self.mission)))
 
     def place(self, _zoom: int, /) -> PlacedCaptures:
         """The same at every zoom."""
@@ -259,7 +256,7 @@ class _RowsInPlane:
     @property
     def needs_room(self) -> bool:
         """Whether frames are rounded to pixels; those of cameras about an area lie where they are."""
-        return self.grid.own is not None or not self.framing.resamples
+        return not (self.grid.plane.wraps and self.framing.resamples)
 
     @cached_property
     def first(self) -> PlacedCaptures:
@@ -269,8 +266,8 @@ class _RowsInPlane:
     def place(self, zoom: int, /) -> PlacedCaptures:
         """Captures whose outermost frames, or all, leave room for the rounding of their edges."""
         grid = self.grid
-        if grid.own is not None:
-            return self._placed(room_m=_ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom)))
+        if not grid.plane.wraps:
+            return self._placed(room_m=_ROUNDED_PX * grid.plane.unit_m * max(grid.pixel_size(zoom)))
         # Map frames have rounded edges, and lie a little across the axes of a plane about the area.
         off_px = _ROUNDED_PX + self.mission.accuracy.error_budget_px
         layout = self.first.layout
@@ -283,7 +280,7 @@ class _RowsInPlane:
         lower, ground = _deepest_share(least, self.relief), ground_of(self.mission)
         return PlacedCaptures(
             *lay_out_polygons(
-                least, lambda part: lay_out_rotated(part, ground, self.grid.own, lower=lower, **room)
+                least, lambda part: lay_out_rotated(part, ground, self.grid.plane, lower=lower, **room)
             )
         )
 
@@ -292,7 +289,7 @@ def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief
     """Way of placing a mission's captures."""
     if isinstance(mission.area, Points):
         return _SinglePoints(mission, grid)
-    if is_rotated(mission) or grid.own is not None:
+    if is_rotated(mission) or not grid.plane.wraps:
         return _RowsInPlane(mission, grid, framing, relief)
     return _RowsAlongParallels(mission, grid, framing, relief)
 
@@ -313,14 +310,16 @@ def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: 
     return windows_of(edges, run, poses.lon_deg, grid, zoom)
 
 
-def _from_grid_north(mission: Mission, own: ProjectedPlane, layout: Layout) -> Layout:
-    """Points whose yaw counts from the north of a source's own CRS, as rows do there; that of a point is its own."""
-    north_deg = own.north_deg(layout.lat_deg, layout.lon_deg)
-    reached = np.isfinite(north_deg) & np.isfinite(own.forward(layout.lat_deg, layout.lon_deg)[0])
-    refuse_beyond_plane(own, nominal_poses(mission, layout), reached)
+def _from_grid_north(mission: Mission, plane: Plane, layout: Layout) -> Layout:
+    """Points whose yaw counts from the plane's north, as in rows; yaws of a table and of a track are true."""
+    north_deg = plane.north_deg(layout.lat_deg, layout.lon_deg)
+    with np.errstate(invalid="ignore"):
+        beyond = ~np.isfinite(north_deg + plane.forward(layout.lat_deg, layout.lon_deg)[0])
+    if beyond.any():
+        at = int(np.flatnonzero(beyond)[0])
+        raise plane.frame_error(float(layout.lat_deg[at]), float(layout.lon_deg[at]), float(layout.agl_m[at]))
     own_yaws = isinstance(mission.area, Points) and mission.area.yaws_deg
-    if own_yaws or mission.flight.facing == TRACK:
-        # Its own, and true; and so is that of its track.
+    if own_yaws or mission.flight.facing == TRACK or plane.wraps:
         return layout
     return layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
 
@@ -447,8 +446,8 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
     """Zoom whose pixels come nearest in ratio to those of an image, which show ``px_m`` right below each capture."""
     stretch = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
-        if grid.own is None
-        else float(np.median(grid.own.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
+        if grid.plane.wraps
+        else float(np.median(grid.plane.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
     )
     span = float(np.median(px_m / np.maximum(stretch, 1.0)))
     return fitting_detail(span, grid, (grid.min_zoom, finest_zoom_of(mission, grid)))
@@ -486,7 +485,7 @@ class MapFraming:
 
     def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
         """Edges through the midpoints of the images' edges, whatever the pixel."""
-        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.own)
+        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.plane)
 
     def frames(self, _layout: Layout, windows: Windows, poses: Poses, /) -> MapFrames:
         """Frames as large as their windows."""
@@ -506,7 +505,7 @@ class MapFraming:
         first, run = runs_on(grid, poses)
         edges = self.edges(poses.take(first), 0.0)
         if mission.output.img_size is not None:
-            sizes = swapped(quarter_turns(poses.take(first), grid.own), *edges.size)
+            sizes = swapped(quarter_turns(poses.take(first), grid.plane), *edges.size)
             zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, sizes, grid)), grid.min_zoom)
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
@@ -541,11 +540,7 @@ class CameraFraming:
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
         """Edges of the rectangles inside, with room for their rounding."""
-        if self.grid.own is not None:
-            return inscribed_edges_on(
-                self.grid.own, self.mission.camera, poses, ground_of(self.mission), pixel
-            )
-        return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
+        return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel, self.grid.plane)
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
         """Frames of `sizes`."""
@@ -642,9 +637,9 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest:
 
     Those of a CRS of its own are as large as it says: its scale is not held against them.
     """
-    own = grid.own
     for zoom in range(grid.min_zoom, highest + 1):
-        if own is not None and grid.pixel_size(zoom)[0] * own.unit_m <= gsd_m_per_px * (1.0 + _SAME_PIXEL):
+        pixel_m = grid.pixel_size(zoom)[0] * grid.plane.unit_m
+        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + _SAME_PIXEL):
             return zoom
         if float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom).max()) <= gsd_m_per_px:
             return zoom
@@ -691,7 +686,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     windows, poses, zoom = framed.windows, framed.poses, framed.zoom
     world = grid.world_px(zoom)
     _, top, _, bottom = windows.bounds_px
-    if grid.own is not None:
+    if not grid.plane.wraps:
         outside = np.zeros(len(top), bool)
     elif not framed.frames.on_map:
         middle = (top + bottom) / 2.0

@@ -12,7 +12,7 @@ from ...arrays import Flags, Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
-from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane, geodesic_ends
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
@@ -141,7 +141,7 @@ def is_rotated(mission: Mission) -> bool:
 def lay_out_rotated(
     mission: Mission,
     ground: Ellipsoid,
-    own: ProjectedPlane | None = None,
+    source: Plane = MERCATOR,
     room_m: float = 0.0,
     narrowed_m: float = 0.0,
     lower: float = 1.0,
@@ -165,7 +165,7 @@ def lay_out_rotated(
         raise InvalidInput(
             "layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}",
             mission.flight.layout,
-            "" if own is None else own.name,
+            source.name,
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
@@ -183,7 +183,7 @@ def lay_out_rotated(
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     box = area.bounds
-    if own is None:
+    if source.wraps:
         refuse_beyond_mercator(bounds_with_margin(mission, area))
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
     turned_deg = mission.flight.row_azimuth_deg - EASTWARD_DEG
@@ -191,7 +191,9 @@ def lay_out_rotated(
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
-        plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
+        plane: RowsPlane = LocalPlane(*middle, angle)
+        if isinstance(source, ProjectedPlane):
+            plane = source.turned(*_middle_on(source, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
         part, sides, back = _laid_out(mission, area, plane, ground, flown, (room_m, narrowed_m), lower)
         parts.append(part._replace(row=part.row + rows))

@@ -60,7 +60,7 @@ def test_no_flight_is_shorter_than_the_shortest():
     mission = Mission(field, 220.0, WIDE, overlap_across=0.3)
     found = align_rows(mission, GRID)
     others = [
-        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).flight_distance_m
+        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).direct.distance_m
         for azimuth in range(0, 180, 15)
     ]
     assert found.made.direct.distance_m <= min(others)

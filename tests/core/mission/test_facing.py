@@ -80,7 +80,7 @@ def test_a_fixed_azimuth_is_that_of_every_image(name):
 def test_the_long_side_across_the_track_takes_fewer_rows_and_a_shorter_flight():
     north, track = (plan(SCENES["track"].with_(facing=facing), GRID) for facing in ("north", "track"))
     assert track.rows < north.rows
-    assert track.flight_distance_m < 0.9 * north.flight_distance_m
+    assert track.direct.distance_m < 0.9 * north.direct.distance_m
 
 
 @settings(max_examples=examples(25), deadline=None)

@@ -448,23 +448,23 @@ def test_resizing_takes_no_finer_zoom_than_it_needs(width, height, tile_px, agl)
 
 def test_camera_frames_are_made_no_larger_than_they_are_written():
     mission = Mission(AGRICENTER, 120.0, tilt_deg=10.0)
-    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).size_px == (320, 240)
-    assert plan(mission.with_(img_size=(224, 224, 3)), GRID).size_px == (299, 224)
-    assert plan(mission.with_(img_size=(1280, 960, 3)), GRID).size_px == (640, 480)
+    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).frames.largest_px == (320, 240)
+    assert plan(mission.with_(img_size=(224, 224, 3)), GRID).frames.largest_px == (299, 224)
+    assert plan(mission.with_(img_size=(1280, 960, 3)), GRID).frames.largest_px == (640, 480)
     assert plan(mission.with_(img_size=(320, 240, 3)), GRID).zoom == plan(mission, GRID).zoom - 1
 
 
 def test_requested_and_delivered_are_of_the_files():
     mission = Mission(AGRICENTER, 120.0)
     asked = plan(mission.with_(gsd_m_per_px=0.3), GRID)
-    assert (asked.requested_gsd_m_per_px, asked.zoom) == (0.3, 19)
+    assert (asked.resolution.requested_m_per_px, asked.zoom) == (0.3, 19)
     resized = plan(mission.with_(img_size=(256, 256, 3)), GRID)
     width = float(np.median(resized.frames.width_px))
     assert resized.resolution.delivered_m_per_px == pytest.approx(
         plan(mission, GRID).resolution.delivered_m_per_px * width / 256
     )
     tall = plan(mission.with_(camera=Camera(78.8, 0.5), img_size=(256, 256, 3)), GRID)
-    assert tall.delivered_gsd_m_per_px == pytest.approx(
+    assert tall.resolution.delivered_m_per_px == pytest.approx(
         max(tall.mission.camera.ground_size_m(120.0)) / 256, rel=0.01
     )
     in_wind = mission.with_(wind=Wind(8.0, 250.0, 0.2))
