@@ -23,7 +23,17 @@ AREA = Box(35.16, -89.90, 35.115, -89.823)
 # Tiles with pixels of their own up to zoom 17, which are served to 19.
 COARSE = "esri-world-imagery"
 # What says something about a mission that is planned.
-ROOMS = ("estimate", "layout/framing", "layout/rotated", "layout/rows", "methods", "mission", "plan")
+ROOMS = (
+    "estimate",
+    "layout/framing",
+    "layout/rotated",
+    "layout/parallels",
+    "layout/paper",
+    "layout/rows",
+    "methods",
+    "mission",
+    "plan",
+)
 
 
 def options_in_messages():

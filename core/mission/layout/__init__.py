@@ -2,7 +2,10 @@
 
 In reading order:
 
-- `rows`: rows along parallels, the paper's UTM grid, or single points
+- `rows`: captures in flight order, and what all layouts have in common; single points
+- `parallels`: rows along parallels
+- `paper`: the published datasets' grid in UTM
+- `entry`: where a flight enters its layout
 - `rotated`: rows that are turned from east, or crossed
 - `polygons`: several polygons as one flight
 - `no_fly`: captures over no-fly areas, which are left out

@@ -34,20 +34,13 @@ from ..areas.area import Points
 from ..mission import Mission
 from ..parts import FIRST, TRACK
 from ..relief.ground import Flown, Relief
+from .entry import from_entry
 from .frames import CameraFrames, Frames, MapFrames, finest_zoom_of
 from .no_fly import left_out
+from .parallels import lay_out
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import (
-    Layout,
-    bounds_with_margin,
-    from_entry,
-    lay_out,
-    lay_out_points,
-    point_angles_deg,
-    row_yaws_deg,
-    sees_below,
-)
+from .rows import Layout, bounds_with_margin, lay_out_points, point_angles_deg, row_yaws_deg, sees_below
 
 #: Places and nominal poses to the poses that are flown.
 Disturbed = Callable[[Layout, Poses], Poses]

@@ -14,8 +14,9 @@ from ...geodesy.ellipsoid import WGS84, sin_cos
 from ..areas.area import Polygons
 from ..mission import Mission
 from ..parts import ONE_WAY, PAPER
+from .entry import keeps_ways, turned_yaws_deg
 from .rotated import Pass
-from .rows import Layout, keeps_ways, picked, refuse_too_many, turned_yaws_deg
+from .rows import Layout, picked, refuse_too_many
 
 #: Rows of one polygon, and their passes where they lie in planes.
 LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]

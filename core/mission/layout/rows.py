@@ -1,65 +1,34 @@
-"""Where the captures of a mission stand: rows along parallels, the paper's UTM grid, or single points."""
+"""Captures in flight order, and their order, yaws and margins: what all layouts have in common."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
-from ...geodesy.ellipsoid import WGS84, gauss_legendre
+from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from ...geodesy.projections import utm_zone
-from ..areas.area import Box, Points, Polygon, Polygons, row_spans, touching
+from ..areas.area import Box, Points, Polygon, Polygons, touching
 from ..flight.motion import legs
 from ..mission import Mission
-from ..parts import COMPASS_CORNERS, EASTWARD_DEG, FIRST, NEAREST, NORTH, ONE_WAY, TRACK
+from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
-#: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
-Frames = Callable[[Floats, Floats], FrameEdges]
-#: The same for latitudes alone: those that any capture there has at least.
+#: Edges of the frames that any capture has at least, at latitudes in degrees, (n,).
 RowFrames = Callable[[Floats], FrameEdges]
-
-#: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
-#: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
-_MEETING_PX = 1e-3
 #: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
 #: beyond the area.
-_ROUNDING_PX = 0.5
-#: Rows are settled when no centre moves by more than this share of the world in a pass (0.4 µm of ground), or
-#: by more than the noise of adding so many of them up: this times the root of their number.
-_SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
-#: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
-#: from limit to limit); only frames that all but hold a pole take longer.
-_PASSES = 500
-#: Passes after each other that may come no nearer before rows are given up: those that settle come nearer within ten.
-_STALLED = 50
-#: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
-_FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
-#: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
-_COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
-#: Rows from which their images are counted beforehand; the share of those that are needed in any case, and what there
-#: are at most, so that a limit that is raised to the number named is enough.
-_MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
-#: Over relief, heights from which frames of a row are worked out, and stretches of rows that are looked at together.
-_HEIGHTS, _STRETCHES = 5, 2_000_000
-#: Times the images that a mission may have beyond which they are not counted capture by capture.
-_FAR_TOO_MANY = 20.0
+ROUNDING_PX = 0.5
 #: Points this near to each other are one place, from which there is no way to go.
 _NO_LEG_M = 1e-6
 #: Angles of margins are so much larger than on a sphere of the Earth's least radius, for what the Earth is none.
 _MARGIN_SHARE = 1.01
-#: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
-_COUNT_GUARD = 1e-9
-#: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
-_UTM_REACH_DEG = 30.0
 
 
 class Layout(NamedTuple):
@@ -75,93 +44,6 @@ class Layout(NamedTuple):
     lon_deg: Floats
     agl_m: Floats
     yaw_deg: Floats
-
-
-class Below(Protocol):
-    """Relief below a mission: how high captures are over the highest of what they see."""
-
-    @property
-    def is_level(self) -> bool:
-        """Whether there is none."""
-        ...
-
-    @property
-    def within_m(self) -> float:
-        """Distance within which places are not told apart."""
-        ...
-
-    def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """Of captures at latitudes (n,), wherever in the area, the least."""
-        ...
-
-    def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """And the greatest."""
-        ...
-
-    def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Of captures within `within_m` of places (n,), at least; NaN where there is no ground."""
-        ...
-
-    @property
-    def deepest_m(self) -> float:
-        """Greatest height of a capture over the lowest of what it sees."""
-        ...
-
-
-def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> Layout:
-    """Places of a mission's captures.
-
-    Parameters
-    ----------
-    frames : callable
-        Edges of the mission's frames at given latitudes and heights of the camera; what is covered lies in them, not
-        below the camera, where that looks aside.
-    pixel : float
-        Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
-        leave room for the rounding of their edges.
-    relief : Below
-        Ground below: rows are tighter where it is higher.
-
-    Raises
-    ------
-    InvalidInput
-        More captures than ``mission.max_images``; an area beyond Web Mercator's latitudes; a camera that
-        sees past the horizon.
-    """
-    area = mission.area
-    if isinstance(area, (Points, Polygons)):
-        raise InvalidInput("points have no rows, and several polygons have rows each by themselves")
-    refuse_beyond_mercator(bounds_with_margin(mission, area))
-
-    aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
-
-    def row_frames(lat_deg: Floats) -> FrameEdges:
-        least = frames(lat_deg, relief.least_seen_agl_m(lat_deg))
-        if relief.is_level or not aside:
-            return least
-        # What is seen aside lies farther away from higher up: what images from all heights hold.
-        most = frames(lat_deg, relief.most_seen_agl_m(lat_deg))
-        west, top = (np.maximum(*edges) for edges in ((least.west_u, most.west_u), (least.top_v, most.top_v)))
-        east, bottom = (
-            np.minimum(*edges) for edges in ((least.east_u, most.east_u), (least.bottom_v, most.bottom_v))
-        )
-        held = (east > west) & (bottom > top)
-        return FrameEdges(*(np.where(held, *edges) for edges in zip((west, east, top, bottom), least)))
-
-    if mission.flight.layout == "paper":
-        return _paper(mission, area, row_frames)
-    if not (relief.is_level or sees_below(mission)):
-        deep = np.float64(relief.deepest_m)
-        return _cover(
-            mission,
-            area,
-            row_frames,
-            pixel,
-            deepest=lambda lat_deg: frames(lat_deg, np.broadcast_to(deep, lat_deg.shape)),
-        )
-    if relief.is_level or aside:
-        return _cover(mission, area, row_frames, pixel)
-    return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
 
 
 #: Of the Antarctic and the Arctic.
@@ -248,9 +130,6 @@ def _wrapped(angle_deg: float) -> float:
     return float(wrap_lon_deg(np.array(angle_deg)))
 
 
-# --- rows along parallels
-
-
 def sees_below(mission: Mission) -> bool:
     """Whether images show the ground right below the camera: of those that do not what they show of lower ground moves.
 
@@ -261,82 +140,6 @@ def sees_below(mission: Mission) -> bool:
         np.array([[0.0, 0.0, -1.0]]), 0.0, attitude.tilt_deg, attitude.roll_deg
     )
     return bool(in_front[0] and (np.abs(below[0]) <= 1.0).all())
-
-
-def _cover(
-    mission: Mission,
-    area: Box | Polygon,
-    frames: RowFrames,
-    pixel: float,
-    along: _Along | None = None,
-    deepest: RowFrames | None = None,
-) -> Layout:
-    """Rows whose frames cover an area, and whose frames over the lowest ground, ``deepest``, reach its edges, too.
-
-    Those over the ground between lie between both.
-    """
-    box = bounds_with_margin(mission, area)
-    if deepest is not None:
-        box = _reaching(box, frames, deepest)
-    rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
-    rounding = _ROUNDING_PX * pixel
-    lower = edges if deepest is None else deepest(v_to_lat(rows_v))
-    either = _either(edges, lower)
-    top_v, bottom_v, beside_deg = _with_margin(mission, either.top_v - rounding, either.bottom_v + rounding)
-    if along is None and len(rows_v) > _MANY_ROWS:
-        # Following a polygon through many rows takes a while: images show the whole of it at least.
-        one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
-        most_m2 = float(np.max(one_m2 * 360.0 * edges.size[0]))
-        refuse_too_many(_SURELY * area.area_m2() / most_m2, mission.output.max_images)
-    spans = row_spans(area, top_v, bottom_v)
-    if mission.flight.margin_m:
-        spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])
-    used = ~np.isnan(spans[:, 0])
-    lat, spans = v_to_lat(rows_v[used]), spans[used]
-    edges, lower, either = (FrameEdges(*(edge[used] for edge in some)) for some in (edges, lower, either))
-
-    width, _ = edges.size
-    step = width * (1.0 - mission.flight.overlap_along) - _MEETING_PX * pixel
-    refuse_no_step(step, mission.flight.overlap_along, mission)
-    west_u = lon_to_u(spans[:, 0]) - rounding - np.maximum(lower.west_u - edges.west_u, 0.0)
-    east_u = lon_to_u(spans[:, 1]) + rounding + np.maximum(edges.east_u - lower.east_u, 0.0)
-    counts = np.maximum(np.ceil((east_u - west_u - width) / step), 0.0) + 1.0
-    if along is not None:
-        if float(counts.sum()) > _FAR_TOO_MANY * mission.output.max_images:
-            refuse_too_many(float(counts.sum()), mission.output.max_images)
-        row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
-        either = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
-    else:
-        refuse_too_many(float(counts.sum()), mission.output.max_images)
-        per_row = counts.astype(np.int64)
-        row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
-        column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
-        middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
-        u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
-        either = FrameEdges(*(edge[row] for edge in either))
-    layout = _level(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(_over(mission, area, layout, either, rounding), mission.flight.order)
-
-
-def _reaching(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
-    """Box so much higher that rows whose frames cover it cover what was asked for on the lowest ground, too."""
-    ends = np.array([box.north_deg, box.south_deg])
-    high, low = frames(ends), deepest(ends)
-    north = np.maximum(low.top_v - high.top_v, 0.0).max()
-    south = np.maximum(high.bottom_v - low.bottom_v, 0.0).max()
-    top, bottom = lat_to_v(ends[:1])[0] - north, lat_to_v(ends[1:])[0] + south
-    north_deg, south_deg = (float(v_to_lat(np.clip(at, 0.0, 1.0))) for at in (top, bottom))
-    return replace(box, north_deg=max(north_deg, box.north_deg), south_deg=min(south_deg, box.south_deg))
-
-
-def _either(frames: FrameEdges, others: FrameEdges) -> FrameEdges:
-    """Frames about each two of some."""
-    return FrameEdges(
-        np.minimum(frames.west_u, others.west_u),
-        np.maximum(frames.east_u, others.east_u),
-        np.minimum(frames.top_v, others.top_v),
-        np.maximum(frames.bottom_v, others.bottom_v),
-    )
 
 
 def bounds_with_margin(mission: Mission, area: Box | Polygon | Polygons) -> Box:
@@ -355,7 +158,7 @@ def _margin_angle(mission: Mission) -> float:
     return _MARGIN_SHARE * mission.flight.margin_m * WGS84.a_m / WGS84.b_m**2
 
 
-def _with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Floats, Floats, Floats]:
+def edges_with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Floats, Floats, Floats]:
     """Bands (n,) as high as what of an area has its margin in them, and how far that may reach beside it, degrees.
 
     On a sphere the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
@@ -370,7 +173,7 @@ def _with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Flo
     return np.minimum(top, top_v), np.maximum(bottom, bottom_v), beside
 
 
-def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
+def level_layout(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
     """Captures of the mission's height, of rows that are flown east or west."""
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), row.shape)
     out, *back = row_yaws_deg(mission)
@@ -387,19 +190,6 @@ def is_flown_back(mission: Mission, row: Numbers) -> NDArray[np.bool_]:
     return np.asarray((row % 2 == 1) & (mission.flight.order != ONE_WAY))
 
 
-def _over(
-    mission: Mission, area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float
-) -> Layout:
-    """Captures whose frames, grown by what rounding and the margin may add, share ground with the area."""
-    if isinstance(area, Box):
-        return layout
-    u = lon_to_u(layout.lon_deg)
-    west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
-    top_v, bottom_v, beside = _with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
-    keep = touching(area, west - beside, v_to_lat(bottom_v), east + beside, v_to_lat(top_v))
-    return picked(layout, keep)
-
-
 def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
     """Refuse steps from capture to capture, or from row to row, that do not go on."""
     if not (step > 0.0).all():
@@ -413,349 +203,6 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
         raise InvalidInput(
             "overlap {0}: leaves under 0.001 px between captures", overlap, remedy="overlap less"
         )
-
-
-def _row_centres(
-    mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
-) -> tuple[Floats, FrameEdges]:
-    """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
-    rows = _ParallelRows(mission, box, frames, pixel, refuse_early=refuse_early)
-    centres, edges = rows.settle(rows.first_top, rows.most())
-    count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
-    while count > len(centres):
-        # Rows share a part of the higher one, and so come nearer to each other than their number was counted for.
-        refuse_too_many(count, mission.output.max_images)
-        missing, step = rows.last_bottom - edges.bottom_v[-1], edges.bottom_v[-1] - edges.bottom_v[-2]
-        centres, edges = rows.settle(rows.first_top, len(centres) + math.ceil(missing / step) + _COUNT_MORE)
-        count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
-    spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
-    shift = rows.centring_shift(count, spare)
-    placed, edges = rows.lean(*rows.settle(rows.first_top - shift, count))
-    rows.refuse_gaps(placed)
-    return placed, edges
-
-
-class _ParallelRows:
-    """Rows of frames between two parallels, as world fractions."""
-
-    def __init__(
-        self, mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
-    ) -> None:
-        self._mission, self._frames = mission, frames
-        self._north, self._south = (
-            float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
-        )
-        self._meeting = _MEETING_PX * pixel
-        # Of rows as wide as the box it is known beforehand how many images they have.
-        known = refuse_early and isinstance(mission.area, Box)
-        self._across = box.span_deg / 360.0 if known else 0.0
-        self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
-        self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
-        self._least, self._most = self._cameras()
-        # The shift that centres them is tried before it is taken, and takes as long as all else.
-        self._settled: dict[tuple[float, int], tuple[Floats, FrameEdges]] = {}
-
-    def _cameras(self) -> tuple[float, float]:
-        """Where cameras may stand to have their frames in the area, by half a frame or more."""
-        places = np.array([self._north, self._south])
-        edges = self._frames(v_to_lat(places))
-        aside = (edges.top_v + edges.bottom_v) / 2.0 - places
-        if float(np.abs(aside).max()) > _FAR_ASIDE:
-            return self._cameras_by_trying()
-        # The centre of a frame that is symmetric about the camera's place differs from it by Mercator's stretch alone.
-        level = np.abs(aside) < edges.size[1] / 4.0
-        half = edges.size[1] / 2.0
-        cameras = np.where(level, places + np.array([-1.0, 1.0]) * half, places - 1.5 * aside)
-        return max(min(self._north, float(cameras.min())), 0.0), min(
-            max(self._south, float(cameras.max())), 1.0
-        )
-
-    def _cameras_by_trying(self) -> tuple[float, float]:
-        """Where cameras may stand whose frames lie so far aside that how far changes with their latitude."""
-        tried = np.linspace(0.0, 1.0, _TRIED_PLACES)
-        edges = self._frames(v_to_lat(tried))
-        sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
-        if not sees.any():
-            raise InvalidInput(
-                "a camera at {0:g} m with this tilt sees the area from nowhere on the map",
-                self._mission.flight.agl_m,
-                field="tilt_deg",
-                remedy="tilt it less or fly lower",
-            )
-        places = tried[sees]
-        highest, lowest = (
-            np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0))
-        )
-        if self._out_of_sight(highest - self._north) or self._out_of_sight(self._south - lowest):
-            raise self._gaps()
-        return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
-
-    def _out_of_sight(self, missing: Floats) -> bool:
-        """Whether frames of cameras at the tried places all end so far before a side of the area."""
-        nearest = int(np.argmin(missing))
-        # Between places a frame may reach further than at them, but not beyond the first and the last.
-        between = 0 < nearest < _TRIED_PLACES - 1
-        return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
-
-    def _gaps(self) -> InvalidInput:
-        if self._mission.attitude.tilt_deg or self._mission.attitude.roll_deg:
-            return InvalidInput(
-                "rows from {0:g} m cannot be placed so that their images cover this area",
-                self._mission.flight.agl_m,
-                remedy="tilt the camera less, fly lower or take a smaller area",
-            )
-        return InvalidInput(
-            "rows from {0:g} m cannot be placed so that their images cover this area",
-            self._mission.flight.agl_m,
-            remedy="fly lower or take a smaller area",
-        )
-
-    def refuse_gaps(self, centres: Floats) -> None:
-        """Refuse rows that were not settled where cameras may stand: their frames are elsewhere."""
-        if bool(((centres < self._least - _SETTLED) | (centres > self._most + _SETTLED)).any()):
-            raise self._gaps()
-
-    def _edges(self, centres: Floats) -> FrameEdges:
-        """Edges of frames at the centres, each centre taken as its nearest where cameras may stand.
-
-        A settled row's centre lies there; the ones beyond are only on their way.
-        """
-        inside = np.clip(centres, self._least, self._most)
-        edges = self._frames(v_to_lat(inside))
-        moved = centres - inside
-        return edges._replace(top_v=edges.top_v + moved, bottom_v=edges.bottom_v + moved)
-
-    def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
-        """Distance of each row from the one before, for rows at these centres."""
-        height = edges.bottom_v - edges.top_v
-        shared = self._mission.flight.overlap_across * np.maximum(height[1:], height[:-1])
-        below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
-        steps: Floats = below + above - shared - self._meeting
-        refuse_no_step(steps, self._mission.flight.overlap_across, self._mission)
-        return steps
-
-    def most(self) -> int:
-        """Rows that surely reach from north to south: the integral of rows per height, and some."""
-        nodes, weights = gauss_legendre(_COUNT_NODES)
-        half = (self._south - self._north) / 2.0
-        edges = self._edges(self._north + half * (1.0 + nodes))
-        step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.flight.overlap_across) - self._meeting
-        refuse_no_step(step, self._mission.flight.overlap_across, self._mission)
-        count = half * float(np.sum(weights / step))
-        refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.output.max_images)
-        if count > _MANY_ROWS:
-            # Rows are placed in seconds then: what is beyond the limit in any case is refused before.
-            width, _ = edges.size
-            columns = np.ceil(
-                np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.flight.overlap_along))
-            )
-            images = half * float(np.sum(weights / step * (columns + 1.0)))
-            # The last row ends with the area: those that only its own height has room for are not flown.
-            images *= max(
-                1.0
-                - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,
-                0.0,
-            )
-            if images * _SURELY > self._mission.output.max_images:
-                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.output.max_images)
-        return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
-
-    def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
-        """Centres of rows that follow each other from a first top edge, and their edges; kept for the next time."""
-        if (top, count) not in self._settled:
-            self._settled = {(top, count): self._settle(top, count)}
-        return self._settled[top, count]
-
-    def _settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
-        """Settle rows.
-
-        A row's place depends on its own height and those before: all are placed at once, again and again
-        with the heights of the last pass (Picard iteration), until none moves.
-        """
-        centres = np.linspace(max(top, self._north), self._south, count)
-        settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
-        nearest, stalled = math.inf, 0
-        for _ in range(_PASSES):
-            edges = self._edges(centres)
-            placed = np.cumsum(
-                np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
-            )
-            moved = float(np.max(np.abs(placed - centres)))
-            centres = placed
-            if moved <= settled:
-                return centres, self._edges(centres)
-            nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
-            if stalled == _STALLED:
-                break
-        raise InvalidInput(
-            "rows from {0:g} m cannot be placed so near to a pole",
-            self._mission.flight.agl_m,
-            remedy="fly lower or farther from it",
-        )
-
-    def centring_shift(self, count: int, spare: float) -> float:
-        """Distance northward that makes the rows reach as far beyond the area's north as beyond its south."""
-        if spare <= 0.0:
-            return 0.0
-
-        def below(shift: float) -> float:
-            return float(self.settle(self.first_top - shift, count)[1].bottom_v[-1]) - self.last_bottom
-
-        guess = min(spare / 2.0, self.first_top)
-        unequal = below(guess) - guess
-        # One secant step: heights change so slowly with latitude that what remains is of second order.
-        shift = guess * spare / (spare - unequal) if unequal < spare else guess
-        shift = max(min(shift, self.first_top), min(spare - (1.0 - self.last_bottom), self.first_top), 0.0)
-        return shift if below(shift) >= 0.0 else 0.0
-
-    def lean(self, centres: Floats, edges: FrameEdges) -> tuple[Floats, FrameEdges]:
-        """Rows whose last one, where it would reach beyond the map's end, ends there instead."""
-        if edges.bottom_v[-1] <= 1.0:
-            return centres, edges
-        inside, outside = 0.5, float(centres[-1])
-        while outside - inside > _SETTLED:
-            middle = (inside + outside) / 2.0
-            if self._edges(np.array([middle])).bottom_v[0] <= 1.0:
-                inside = middle
-            else:
-                outside = middle
-        centres = np.append(centres[:-1], inside)
-        return centres, self._edges(centres)
-
-
-# --- along rows over relief
-
-
-class _Placed(NamedTuple):
-    """Captures along rows, arrays (n,), by rows: indices, world fractions, and edges of their frames from there."""
-
-    row: Numbers
-    column: Numbers
-    u: Floats
-    west: Floats
-    east: Floats
-
-    @classmethod
-    def joined(cls, parts: list[_Placed]) -> _Placed:
-        """All of several parts, by rows."""
-        placed = cls(*(np.concatenate(values) for values in zip(*parts)))
-        return placed.taken(np.argsort(placed.row, kind="stable"))
-
-    def taken(self, which: NDArray[Any]) -> _Placed:
-        """Some of them, by their indices or by whether they are taken."""
-        row, column, *places = self
-        return _Placed(row[which], column[which], *(values[which] for values in places))
-
-    def of(self, rows: NDArray[np.bool_]) -> _Placed:
-        """Those of some of the rows, which are told (r,)."""
-        return self.taken(rows[self.row])
-
-
-class _Stretches(NamedTuple):
-    """Rows (r,) in stretches (r, m) of one size, in world fractions: what captures show that stand in them."""
-
-    first_u: Floats
-    size_u: Floats
-    west: Floats
-    east: Floats
-
-    @classmethod
-    def of(
-        cls, lat_deg: Floats, first_u: Floats, size_u: Floats, count: int, frames: Frames, relief: Below
-    ) -> _Stretches:
-        """Stretches of rows: frames in each are those from the least height over what is seen from anywhere in it."""
-        u = first_u[:, np.newaxis] + (np.arange(count) + 0.5) * size_u[:, np.newaxis]
-        seen = relief.seen_agl_m(np.repeat(lat_deg, count), u_to_lon(u.ravel())).reshape(u.shape)
-        seen = np.fmax(seen, relief.least_seen_agl_m(lat_deg)[:, np.newaxis])
-        # Frames are nearly as large as their height: between a few of these, no smaller a share of it than at both.
-        lowest, ratio = seen.min(axis=1), seen.max(axis=1) / seen.min(axis=1)
-        heights = lowest[:, np.newaxis] * ratio[:, np.newaxis] ** np.linspace(0.0, 1.0, _HEIGHTS)
-        edges = frames(np.repeat(lat_deg, _HEIGHTS), heights.ravel())
-        with np.errstate(invalid="ignore"):
-            above = np.log(seen / lowest[:, np.newaxis]) / np.log(ratio)[:, np.newaxis] * (_HEIGHTS - 1)
-        at = np.clip(np.nan_to_num(above), 0, _HEIGHTS - 2).astype(np.intp)
-        west, east = (edge.reshape(heights.shape) / heights for edge in (edges.west_u, edges.east_u))
-        west, east = np.maximum(west[:, :-1], west[:, 1:]), np.minimum(east[:, :-1], east[:, 1:])
-        return cls(first_u, size_u, *(seen * np.take_along_axis(edge, at, axis=1) for edge in (west, east)))
-
-    def walk(self, west_u: Floats, east_u: Floats, not_shared: float, meeting: float) -> _Placed:
-        """Captures from each row's west to its east, (r,), each as far from the one before as may be.
-
-        Its frame begins where the one before has left but a share ``1 - not_shared`` of both; they meet inside each
-        other by ``meeting``.
-        """
-        ahead = np.arange(math.ceil(float(((self.east - self.west).max(axis=1) / self.size_u).max())) + 2)
-        count = self.west.shape[1]
-        rows = np.arange(len(west_u))
-        # How far frames may begin, and by what share of their part to the west captures may stand beyond that.
-        limit, share, u = west_u, 1.0, west_u
-        found: list[_Placed] = []
-        while len(rows):
-            first, size = self.first_u[rows, np.newaxis], self.size_u[rows, np.newaxis]
-            now = np.floor((u[:, np.newaxis] - first) / size).astype(np.int64)
-            at = np.clip(now + ahead, 0, count - 1)
-            west = self.west[rows[:, np.newaxis], at]
-            farthest = limit[:, np.newaxis] - share * west
-            begin = first + at * size
-            # The last of those stretches that a capture may stand in.
-            best = len(ahead) - 1 - np.argmax((farthest >= begin)[:, ::-1], axis=1)[:, np.newaxis]
-            at, farthest, begin = (
-                np.take_along_axis(values, best, axis=1) for values in (at, farthest, begin)
-            )
-            u = np.minimum(farthest, begin + size)[:, 0]
-            west, east = self.west[rows, at[:, 0]], self.east[rows, at[:, 0]]
-            found.append(_Placed(rows, np.full(len(rows), len(found)), u, west, east))
-            on = u + east < east_u[rows]
-            rows, u, share = rows[on], u[on], not_shared
-            limit = u + not_shared * east[on] - meeting
-        return _Placed.joined(found)
-
-
-class _Along(NamedTuple):
-    """Captures along rows that are flown straight down over relief: as far from each other as what they show allows."""
-
-    mission: Mission
-    frames: Frames
-    relief: Below
-    meeting: float
-
-    def placed(self, lat_deg: Floats, west_u: Floats, east_u: Floats, least: FrameEdges) -> _Placed:
-        """Captures of rows (r,) that show what lies between two world fractions; ``least`` is what any of them shows.
-
-        Raises
-        ------
-        InvalidInput
-            More captures than the mission may have.
-        """
-        limit = self.mission.output.max_images
-        parallel_m = 2.0 * math.pi * WGS84.normal_radius_m(lat_deg) * np.cos(np.radians(lat_deg))
-        size, (room, _) = self.relief.within_m / parallel_m, least.size
-        stretches = np.ceil((east_u - west_u + 2.0 * room) / size)
-        blocks = np.flatnonzero(np.diff(np.floor(np.cumsum(stretches) / _STRETCHES))) + 1
-        found, images = [], 0
-        for some in np.split(np.arange(len(lat_deg)), blocks):
-            west, east = west_u[some], east_u[some]
-            row = _Stretches.of(
-                lat_deg[some],
-                west - room[some],
-                size[some],
-                int(stretches[some].max()),
-                self.frames,
-                self.relief,
-            )
-            step = 1.0 - self.mission.flight.overlap_along, self.meeting
-            placed = row.walk(west, east, *step)
-            # As far beyond one end as beyond the other, where that takes no more captures.
-            last = np.append(np.diff(placed.row) > 0, True)
-            beyond = (placed.u + placed.east)[last] - east
-            centred = row.walk(west - np.minimum(beyond / 2.0, room[some]), east, *step)
-            better = np.bincount(centred.row) <= np.bincount(placed.row)
-            both = placed.of(~better), centred.of(better)
-            images += sum(len(part.row) for part in both)
-            if images <= limit:
-                found += [part._replace(row=some[part.row]) for part in both]
-        refuse_too_many(images, limit)
-        return _Placed.joined(found)
 
 
 def picked(layout: Layout, which: NDArray[Any]) -> Layout:
@@ -777,164 +224,14 @@ def in_order(layout: Layout, order: str) -> Layout:
     return picked(layout, np.lexsort((column, layout.row)))
 
 
-def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
-    """Captures in the order in which a flight takes them that enters their rows where the mission's route says.
-
-    The rows are those of the layout, flown from their other end, in the opposite order, or both. Of the four captures
-    that a flight may begin with each belongs to the corner of the compass that, all together, they are nearest to. A
-    further pass begins where it is nearest to the end of the one before. Points keep their order.
-
-    Parameters
-    ----------
-    firsts : tuple of int
-        Index of the first capture of each pass, and of each of several polygons, which keep their order; none for a
-        single one.
-    """
-    route = mission.route
-    if isinstance(mission.area, Points) or route.entry == FIRST:
+def images_touching(
+    mission: Mission, area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float
+) -> Layout:
+    """Captures whose frames, grown by what rounding and the margin may add, share ground with the area."""
+    if isinstance(area, Box):
         return layout
-    starts = sorted({0, *(first for first in firsts if first < len(layout.row))})
-    north = layout.lat_deg - layout.lat_deg[0]
-    east = (layout.lon_deg - layout.lon_deg[0]) * math.cos(math.radians(float(layout.lat_deg.mean())))
-    place = np.stack([east, north], axis=1)
-    orders: list[Numbers] = []
-    yaw = layout.yaw_deg
-    for start, end in zip(starts, [*starts[1:], len(layout.row)]):
-        found = _ways(layout, slice(start, end), mission.flight.order)
-        # Cameras that see aside along their track stand where their own way of flying needs them.
-        found = [one for one in found if not (one.turned and keeps_ways(mission))]
-        ways = [one.order + start for one in found]
-        begins = place[[one[0] for one in ways]]
-        if orders:
-            chosen = _nearest(begins, place[orders[-1][-1]])
-        elif route.entry == NEAREST and route.takeoff is not None:
-            lat, lon = route.takeoff
-            turn = 360.0 * round((float(layout.lon_deg[0]) - lon) / 360.0)
-            scale = math.cos(math.radians(float(layout.lat_deg.mean())))
-            home = np.array([(lon + turn - layout.lon_deg[0]) * scale, lat - layout.lat_deg[0]])
-            chosen = _nearest(begins, home)
-        else:
-            chosen = _nearest_to_corner(begins, place[start:end], route.entry)
-        if found[chosen].turned:
-            yaw = turned_yaws_deg(mission, yaw, slice(start, end))
-        orders.append(ways[chosen])
-    return picked(layout._replace(yaw_deg=yaw), np.concatenate(orders))
-
-
-def keeps_ways(mission: Mission) -> bool:
-    """Whether rows are to be flown the way that they are laid out: images see aside, and along their track."""
-    sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
-    return sees_aside and mission.flight.facing == TRACK
-
-
-def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
-    """Yaws of captures (n,), of which some are flown the other way."""
-    if mission.flight.facing != TRACK:
-        return yaw_deg
-    turned = np.array(yaw_deg)
-    turned[which] = wrap_lon_deg(turned[which] + 180.0)
-    return turned
-
-
-class _RowOrder(NamedTuple):
-    """An order of a pass, and whether each of its rows is flown the other way than it is laid out."""
-
-    order: Numbers
-    turned: bool
-
-
-def _ways(layout: Layout, part: slice, order: str) -> list[_RowOrder]:
-    """Orders of a pass: from its first row or its last, and along its first row or back."""
-    _, row = np.unique(layout.row[part], return_inverse=True)
-    last, column = int(row.max()), layout.column[part]
-    found = []
-    for rows, from_last in ((row, False), (last - row, True)):
-        back = np.zeros_like(rows) if order == ONE_WAY else rows % 2
-        # Of an even number of rows the last one is laid out backwards.
-        is_other = from_last and order != ONE_WAY and last % 2 == 1
-        for own, turned in ((column, is_other), (-column, not is_other)):
-            found.append(_RowOrder(np.lexsort((np.where(back, -own, own), rows)), turned))
-    return found
-
-
-def _nearest(places: Floats, to: Floats) -> int:
-    return int(np.argmin(np.hypot(*(places - to).T)))
-
-
-def _nearest_to_corner(begins: Floats, places: Floats, entry: str) -> int:
-    """Which of places (v, 2) belongs to a corner of the box around places (n, 2).
-
-    Of four each belongs to one: as those lie nearest to them, all together.
-    """
-    low, high = places.min(axis=0), places.max(axis=0)
-    corners = np.array(
-        [[(low, high)[side > 0][axis] for axis, side in enumerate(both)] for both in COMPASS_CORNERS.values()]
-    )
-    asked = list(COMPASS_CORNERS).index(entry)
-    if len(begins) < len(corners):
-        return _nearest(begins, corners[asked])
-    apart = np.square(begins[np.newaxis] - corners[:, np.newaxis]).sum(axis=-1)
-    found = min(itertools.permutations(range(4)), key=lambda which: float(apart[range(4), which].sum()))
-    return found[asked]
-
-
-# --- the paper's grid
-
-
-def _paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
-    """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
-    if mission.flight.margin_m:
-        raise InvalidInput(
-            "margin {0:g} m: the layout {1} has none",
-            mission.flight.margin_m,
-            mission.flight.layout,
-            field="layout",
-            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
-        )
-    if mission.flight.facing != NORTH:
-        raise InvalidInput(
-            "camera faces {0}: the layout {1} is north-up",
-            mission.flight.facing,
-            mission.flight.layout,
-            field="layout",
-            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
-        )
-    box = area.bounds
-    middle_lon = box.west_deg + box.span_deg / 2.0
-    zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
-    # Longitudes are taken from the central meridian's turn of the world, and given back to the box's.
-    turn = 360.0 * round((middle_lon - zone.central_meridian_deg) / 360.0)
-    reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
-    if reach > _UTM_REACH_DEG:
-        raise InvalidInput(
-            "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's "
-            "meridian",
-            box.span_deg,
-            _UTM_REACH_DEG,
-            field="layout",
-            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
-        )
-    (left, right), (top, bottom) = zone.forward(
-        np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
-    )
-    width, height = mission.camera.ground_size_m(mission.flight.agl_m)
-    step_x, step_y = (
-        width * (1.0 - mission.flight.overlap_along),
-        height * (1.0 - mission.flight.overlap_across),
-    )
-    columns = _paper_count(float(right - left), width, step_x)
-    rows = _paper_count(float(top - bottom), height, step_y)
-    refuse_too_many(columns * rows, mission.output.max_images)
-    row, column = (index.ravel() for index in np.indices((int(rows), int(columns)), dtype=np.int64))
-    lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
-    lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
-    layout = _level(mission, column, row, lat, lon)
-    return in_order(
-        layout if isinstance(area, Box) else _over(mission, area, layout, frames(lat), 0.0),
-        mission.flight.order,
-    )
-
-
-def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
-    """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
-    return max(float(np.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD)), 0.0) + 1.0
+    u = lon_to_u(layout.lon_deg)
+    west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
+    top_v, bottom_v, beside = edges_with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    keep = touching(area, west - beside, v_to_lat(bottom_v), east + beside, v_to_lat(top_v))
+    return picked(layout, keep)

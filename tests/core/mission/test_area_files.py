@@ -14,7 +14,7 @@ from terrainav.core.limits import MAX_POLYGONS
 from terrainav.core.mission.areas import files as area_files
 from terrainav.core.mission.areas.area import Polygon, Polygons
 from terrainav.core.mission.areas.files import load_area, load_no_fly
-from terrainav.core.mission.layout import rows
+from terrainav.core.mission.layout import parallels as rows
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.text import safe_xml

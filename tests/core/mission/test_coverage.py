@@ -25,7 +25,7 @@ from terrainav.core.mission.areas.area import (
 )
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import coverage
-from terrainav.core.mission.layout import rows as layout
+from terrainav.core.mission.layout import parallels as layout
 from terrainav.core.mission.layout.coverage import Rectangles, gaps, shares
 from terrainav.core.mission.layout.rotated import PlaneArea
 from terrainav.core.mission.mission import Mission

@@ -216,7 +216,7 @@ planned(
     {"overlap less": {"overlap_along": 0.9}},
 )
 planned(
-    "layout/rows.py",
+    "layout/paper.py",
     "paper layout over {} deg of longitude: its UTM grid holds to {} deg from the zone's meridian; use "
     "--layout cover",
     Mission(Box(10, -170, -10, 170), 1e5, layout="paper", accept_error=True),
@@ -261,7 +261,7 @@ planned(
     CONIC,
 )
 planned(
-    "frames.py",
+    "planes.py",
     "image at latitude {}, longitude {}: lies beyond what the source's CRS {} can show; choose an area that the "
     "source shows",
     Mission(Points(((-90.0, 0.0, 120.0),)), 120.0),
@@ -270,7 +270,7 @@ planned(
     room="geodesy",
 )
 planned(
-    "layout/rows.py",
+    "layout/parallels.py",
     "a camera at {} m with this tilt sees the area from nowhere on the map; tilt it less or fly lower",
     ASIDE,
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
@@ -388,7 +388,7 @@ def _past_the_horizon(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/frames.py",
+    "geodesy/mercator.py",
     "image at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or "
     "farther from the pole",
 )

@@ -1,0 +1,120 @@
+"""Where a flight enters a layout: the order of its passes, and the way that their rows are flown."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Floats, Numbers
+from ...geodesy.mercator import wrap_lon_deg
+from ..areas.area import Points
+from ..mission import Mission
+from ..parts import COMPASS_CORNERS, FIRST, NEAREST, ONE_WAY, TRACK
+from .rows import (
+    Layout,
+    picked,
+)
+
+
+def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
+    """Captures in the order in which a flight takes them that enters their rows where the mission's route says.
+
+    The rows are those of the layout, flown from their other end, in the opposite order, or both. Of the four captures
+    that a flight may begin with each belongs to the corner of the compass that, all together, they are nearest to. A
+    further pass begins where it is nearest to the end of the one before. Points keep their order.
+
+    Parameters
+    ----------
+    firsts : tuple of int
+        Index of the first capture of each pass, and of each of several polygons, which keep their order; none for a
+        single one.
+    """
+    route = mission.route
+    if isinstance(mission.area, Points) or route.entry == FIRST:
+        return layout
+    starts = sorted({0, *(first for first in firsts if first < len(layout.row))})
+    north = layout.lat_deg - layout.lat_deg[0]
+    east = (layout.lon_deg - layout.lon_deg[0]) * math.cos(math.radians(float(layout.lat_deg.mean())))
+    place = np.stack([east, north], axis=1)
+    orders: list[Numbers] = []
+    yaw = layout.yaw_deg
+    for start, end in zip(starts, [*starts[1:], len(layout.row)]):
+        found = _ways(layout, slice(start, end), mission.flight.order)
+        # Cameras that see aside along their track stand where their own way of flying needs them.
+        found = [one for one in found if not (one.turned and keeps_ways(mission))]
+        ways = [one.order + start for one in found]
+        begins = place[[one[0] for one in ways]]
+        if orders:
+            chosen = _nearest(begins, place[orders[-1][-1]])
+        elif route.entry == NEAREST and route.takeoff is not None:
+            lat, lon = route.takeoff
+            turn = 360.0 * round((float(layout.lon_deg[0]) - lon) / 360.0)
+            scale = math.cos(math.radians(float(layout.lat_deg.mean())))
+            home = np.array([(lon + turn - layout.lon_deg[0]) * scale, lat - layout.lat_deg[0]])
+            chosen = _nearest(begins, home)
+        else:
+            chosen = _corner_pass(begins, place[start:end], route.entry)
+        if found[chosen].turned:
+            yaw = turned_yaws_deg(mission, yaw, slice(start, end))
+        orders.append(ways[chosen])
+    return picked(layout._replace(yaw_deg=yaw), np.concatenate(orders))
+
+
+def keeps_ways(mission: Mission) -> bool:
+    """Whether rows are to be flown the way that they are laid out: images see aside, and along their track."""
+    sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
+    return sees_aside and mission.flight.facing == TRACK
+
+
+def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
+    """Yaws of captures (n,), of which some are flown the other way."""
+    if mission.flight.facing != TRACK:
+        return yaw_deg
+    turned = np.array(yaw_deg)
+    turned[which] = wrap_lon_deg(turned[which] + 180.0)
+    return turned
+
+
+class _RowOrder(NamedTuple):
+    """An order of a pass, and whether each of its rows is flown the other way than it is laid out."""
+
+    order: Numbers
+    turned: bool
+
+
+def _ways(layout: Layout, part: slice, order: str) -> list[_RowOrder]:
+    """Orders of a pass: from its first row or its last, and along its first row or back."""
+    _, row = np.unique(layout.row[part], return_inverse=True)
+    last, column = int(row.max()), layout.column[part]
+    found = []
+    for rows, from_last in ((row, False), (last - row, True)):
+        back = np.zeros_like(rows) if order == ONE_WAY else rows % 2
+        # Of an even number of rows the last one is laid out backwards.
+        is_other = from_last and order != ONE_WAY and last % 2 == 1
+        for own, turned in ((column, is_other), (-column, not is_other)):
+            found.append(_RowOrder(np.lexsort((np.where(back, -own, own), rows)), turned))
+    return found
+
+
+def _nearest(places: Floats, to: Floats) -> int:
+    return int(np.argmin(np.hypot(*(places - to).T)))
+
+
+def _corner_pass(begins: Floats, places: Floats, entry: str) -> int:
+    """Which of places (v, 2) belongs to a corner of the box around places (n, 2).
+
+    Of four each belongs to one: as those lie nearest to them, all together.
+    """
+    low, high = places.min(axis=0), places.max(axis=0)
+    corners = np.array(
+        [[(low, high)[side > 0][axis] for axis, side in enumerate(both)] for both in COMPASS_CORNERS.values()]
+    )
+    asked = list(COMPASS_CORNERS).index(entry)
+    if len(begins) < len(corners):
+        return _nearest(begins, corners[asked])
+    apart = np.square(begins[np.newaxis] - corners[:, np.newaxis]).sum(axis=-1)
+    found = min(itertools.permutations(range(4)), key=lambda which: float(apart[range(4), which].sum()))
+    return found[asked]
