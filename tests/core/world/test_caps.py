@@ -74,7 +74,7 @@ def test_tiles_have_no_seams_also_at_the_pole(place, style):
             assert change[255] <= 1.1 * np.delete(change, 255).max() + 1e-9
 
 
-@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("style", sampled(STYLES, 3))
 @pytest.mark.parametrize("place", PLACES)
 def test_a_zoom_is_the_next_one_averaged(place, style):
     crs, *at = PLACES[place]

@@ -26,6 +26,7 @@ from tests.core.imagery.raster.test_bands import (  # noqa: E402
     window,
     written,
 )
+from tests.support.thinning import sampled  # noqa: E402
 
 #: Scale, offset and unit of each band; the last one's values are the quantity.
 QUANTITIES = ((0.0001, -0.1, "reflectance"), (0.01, 273.15, "K <&> \"C'"), (-1.5, 0.0, ""), (1.0, 0.0, ""))
@@ -54,7 +55,7 @@ def quantities(opened, count):
     )
 
 
-@pytest.mark.parametrize("data_type", GDAL_TYPES)
+@pytest.mark.parametrize("data_type", sampled(GDAL_TYPES, 3))
 def test_images_say_what_their_values_mean(data_type, tmp_path, library):
     values = noise(data_type, 4)
     _, paths = captured(stated(tmp_path / "r.tif", values), tmp_path / "out")
@@ -250,7 +251,7 @@ def open_raster_of(path):
     return closing(open_raster(path, as_stored=True))
 
 
-@pytest.mark.parametrize("bits", [8, 4, 1, 16, 12])
+@pytest.mark.parametrize("bits", sampled([8, 4, 1, 16, 12], 2))
 @pytest.mark.parametrize("image_format", ["tif", "png"])
 def test_greys_that_count_from_white_show_what_the_file_shows(bits, image_format, tmp_path, library):
     wide = bits > 8
