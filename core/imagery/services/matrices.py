@@ -272,7 +272,7 @@ def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int
 def _meets(
     plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float], right: float, bottom: float
 ) -> bool:
-    """Whether a matrix from the corner of a plane to ``right, bottom`` shows ground in bounds; always of the world."""
+    """Whether a matrix that ends at ``right, bottom`` of a plane shows ground within bounds; true for the world."""
     if bounds_deg == WORLD_DEG:
         return True
     box = project_box(plane, bounds_deg)
