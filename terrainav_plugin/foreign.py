@@ -10,7 +10,7 @@ from qgis.core import QgsProviderRegistry
 
 from ..core.dataset.vectors import check_geojson
 from ..core.errors import InvalidInput
-from ..core.imagery.raster.trust import drivers_for
+from ..core.imagery.raster.trust import allowed_drivers
 from .i18n import tr, translate
 
 
@@ -33,7 +33,7 @@ def check_raster(path: Path) -> None:
     InvalidInput
     """
     try:
-        allowed = drivers_for(str(path))
+        allowed = allowed_drivers(str(path))
     except InvalidInput as wrong:
         reason = translate(wrong)
         raise InvalidInput(tr("image {path}: {reason}").format(path=path, reason=reason)) from wrong

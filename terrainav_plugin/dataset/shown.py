@@ -9,7 +9,7 @@ from osgeo import gdal
 
 from ...core.bands import shown_of
 from ...core.capture.writers import DISPLAY_RANGE
-from ...core.imagery.raster.trust import VIRTUAL, drivers_for
+from ...core.imagery.raster.trust import VIRTUAL, allowed_drivers
 
 _DARKEST, _BRIGHTEST = 0.0, 255.0
 
@@ -75,7 +75,7 @@ def open_image(path: str | Path) -> gdal.Dataset | None:
         Where it, or a file beside it that GDAL opens with it, leads elsewhere, or where its CRS names files for PROJ.
     """
     if not str(path).startswith(VIRTUAL):
-        drivers_for(str(path))
+        allowed_drivers(str(path))
     # A foreign file may be called .png and describe a service.
     return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=("GTiff", "JPEG", "PNG"))
 

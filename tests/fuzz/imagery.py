@@ -19,7 +19,7 @@ from terrainav.core.imagery.http.client import Client, joined, redirect_target
 from terrainav.core.imagery.http.transport import Response, check_length, freshness, unpacked
 from terrainav.core.imagery.mbtiles import open_mbtiles
 from terrainav.core.imagery.opening import SourceOptions, named_source
-from terrainav.core.imagery.raster.trust import drivers_for
+from terrainav.core.imagery.raster.trust import allowed_drivers
 from terrainav.core.imagery.source import Window
 from terrainav.core.limits import MAX_LINE_CHARACTERS
 from terrainav.core.text.plain import one_line, table_cell
@@ -185,7 +185,7 @@ def _read_mbtiles(path: Path) -> None:
 
 def vrt(data: bytes) -> None:
     Path("map.vrt").write_bytes(data)
-    drivers_for("map.vrt")
+    allowed_drivers("map.vrt")
 
 
 def _file_of_mbtiles() -> bytes:

@@ -1,4 +1,4 @@
-"""Which of a file's bands make a picture, and what of it is no imagery."""
+"""The choice of the bands of a picture, and which of its pixels have imagery."""
 
 from __future__ import annotations
 
@@ -18,50 +18,46 @@ from ...text.plain import printable
 from ..source import composite_on_white
 from .reading import Band, Facts, OpenRaster, PixelBox, Values
 
-#: Colour interpretations whose values are neither red, green and blue nor greys.
+#: Colour interpretations other than red, green, blue and grey.
 _OTHER_COLOURS = frozenset(
     "hue saturation lightness cyan magenta yellow black ycbcr_y ycbcr_cb ycbcr_cr y cb cr".split()
 )
-#: Colour interpretations that name no band.
+#: Colour interpretations that do not name a band.
 _NAMELESS = frozenset(["", "undefined", "palette", "gray"])
-#: Those that images state by their order, or not at all.
-_UNSTATED = _NAMELESS | _OTHER_COLOURS | {"red", "green", "blue", "alpha"}
-#: Characters of a band's name, and of its metadata's names and values; items of its metadata.
+#: Most characters of a band's name and of its metadata's values, and most items of metadata.
 _NAME_CHARACTERS, _VALUE_CHARACTERS, _MOST_ITEMS = 100, 1000, 100
-#: Names of items that are taken, and those that tell of all the file's values, or that GDAL has other words for.
+#: Names of metadata items to keep, and of those that describe all values of the file, or that GDAL states otherwise.
 _ITEM_NAME = re.compile(r"[A-Za-z][\w .:-]{0,99}", re.ASCII)
-_OWN_ITEMS = re.compile(
+_FILE_ITEMS = re.compile(
     r"STATISTICS_.*|DISPLAY_RANGE|DESCRIPTION|COLORINTERP|SCALE|OFFSET|UNITTYPE", re.IGNORECASE
 )
-#: Types of palettes' values.
-_INDICES = ("uint8", "uint16")
 _COLOURS = 3
 
 
 @dataclass(frozen=True)
 class Colours:
-    """How to make a source's values of a raster's.
+    """Conversion of a raster's values to those of a source.
 
     Parameters
     ----------
     bands : tuple of int
-        Those that are read, counted from 1: one for each channel, or one for all of them (greys, a palette's values).
+        Bands to read, from 1: one for each channel, or one for all of them (greys, a palette).
     nodata : tuple of (float or None)
-        Of each of them. A pixel has no data only where all of them say so: 0 is a good value for the red of a pond.
+        Of each band. A pixel has no data only where all bands have none: 0 is a valid red of water.
     kind : Bands
-        What becomes of them.
+        Bands of the result.
     alpha : int or None
-        The band that is stated to be alpha; a fourth band alone is not one.
+        The band declared as alpha; a fourth band alone is not one.
     mask : int or None
-        The band whose mask counts.
+        The band whose mask applies.
     table : array (256 or more, 4) of uint8 or None
         Red, green, blue and alpha of values; None where values are colours.
     white : int or None
-        Value that is black where the first band's greys count from white; None where they count from black.
+        Value of black in the first band where 0 is white; None where 0 is black.
     over_white : bool
-        Lay translucent pixels of colours over white; otherwise they are as they are stored.
+        Lay translucent pixels of colours over white; otherwise they are kept as stored.
     stored_type : str
-        Type that holds the values that are read; empty for that of ``kind``.
+        Data type for reading; empty for that of ``kind``.
     """
 
     bands: tuple[int, ...]
@@ -75,29 +71,29 @@ class Colours:
     stored_type: str = ""
 
     def read(self, file: OpenRaster, box: PixelBox) -> Values:
-        """Values of a box, (height, width, bands + 1), the last channel 1 for imagery; all 0 where there is none.
+        """Read a box, (height, width, bands + 1): the last channel is 1 for imagery; elsewhere all are 0.
 
         Translucent pixels, whose alpha is not 0, are imagery.
         """
         wanted = self.bands if self.alpha is None else (*self.bands, self.alpha)
         values = file.read(wanted, box, self.stored_type or self.kind.data_type)
-        own = values[: len(self.bands)]
-        there = ~self._is_nodata(own)
-        if own.dtype.kind == "f":
-            there &= np.isfinite(own).all(axis=0)
+        pixels = values[: len(self.bands)]
+        there = ~self._is_nodata(pixels)
+        if pixels.dtype.kind == "f":
+            there &= np.isfinite(pixels).all(axis=0)
         alpha = None if self.alpha is None else values[-1]
         if self.table is not None:
-            looked_up = self.table[own[0]]
-            own, alpha = np.moveaxis(looked_up[..., :3], 2, 0), looked_up[..., 3]
+            looked_up = self.table[pixels[0]]
+            pixels, alpha = np.moveaxis(looked_up[..., :3], 2, 0), looked_up[..., 3]
         elif self.white is not None:
-            own = np.stack([self._from_black(at, values) for at, values in zip(self.bands, own)])
+            pixels = np.stack([self._inverted(at, values) for at, values in zip(self.bands, pixels)])
         if self.mask is not None:
             there &= file.read_mask(self.mask, box) != 0
         count = len(self.kind)
         over = alpha if self.over_white else None
-        colours = np.empty((box.height, box.width, count + 1), own.dtype)
+        colours = np.empty((box.height, box.width, count + 1), pixels.dtype)
         for channel in range(count):
-            band = own[channel % len(own)]
+            band = pixels[channel % len(pixels)]
             colours[..., channel] = band if over is None else composite_on_white(band, over)
         if alpha is not None:
             there &= alpha != 0
@@ -105,8 +101,8 @@ class Colours:
         colours[~there] = 0
         return colours
 
-    def _from_black(self, band: int, values: Values) -> Values:
-        """Values of a band that count from black, as those of all but the first do."""
+    def _inverted(self, band: int, values: Values) -> Values:
+        """Values of a band with 0 as black; only the first band may have 0 as white."""
         if band != 1 or self.white is None:
             return values
         turned: Values = values.dtype.type(self.white) - np.minimum(values, self.white)
@@ -120,7 +116,7 @@ class Colours:
         return absent
 
 
-def colours_of(
+def choose_colours(
     facts: Facts,
     wanted: Sequence[str] = (),
     *,
@@ -128,28 +124,27 @@ def colours_of(
     stretched: bool = False,
     title: str = "",
 ) -> Colours:
-    """Choose the bands that make the picture.
+    """Choose the bands of the picture.
 
-    Those that are wanted. Else, as stored, all that are not alpha; and of 8 bits those that the file states to be red,
-    green and blue; else its palette; else its one grey band; else the first three bands that are not alpha, as is the
-    custom where nothing is stated. A palette becomes colours wherever it would stand alone.
+    The wanted bands. Otherwise, as stored, all except alpha; in 8 bits those declared red, green and blue, or else the
+    palette, the only grey band, or by convention the first three bands except alpha. A palette alone becomes colours.
 
     Parameters
     ----------
     wanted : sequence of str
         Names, or numbers from 1.
     as_stored : bool
-        Any number of bands, in the file's own type. Otherwise they become red, green and blue.
+        Any number of bands, in the file's data type; otherwise red, green and blue.
     stretched : bool
-        Whether values become 8 bits later on, and need not be of so many here.
+        Whether values are stretched to 8 bits later.
     title : str
         The file, as errors name it.
 
     Raises
     ------
     InvalidInput
-        With the reason alone: a band that is not there, values of a type that images do not have, more than 8 bits
-        where they have to have 8, or bands that are no picture.
+        With the reason only: an unknown band, an unsupported data type, more than 8 bits where 8 are required, or bands
+        that are not a picture.
     """
     names = band_names(facts.bands)
     stated = {band.colour: 1 + i for i, band in reversed(list(enumerate(facts.bands)))}
@@ -195,7 +190,7 @@ def colours_of(
     else:
         kind = _kind(facts.bands, bands, names, data_type, as_colours=as_colours, as_stored=as_stored)
         if not stretched:
-            kind = _with_metadata(kind, facts.bands, bands, nodata, white)
+            kind = _add_metadata(kind, facts.bands, bands, nodata, white)
     return Colours(
         bands,
         nodata,
@@ -218,8 +213,8 @@ def _kind(
     as_colours: bool,
     as_stored: bool,
 ) -> Bands:
-    """Names, type and colours of the bands, by their numbers from 1, of those that are there."""
-    # Of colours alone it is known without a name which is which.
+    """Names, data type and colours of bands, given by their numbers from 1."""
+    # Colours are identified by their order, without names.
     are_named = len(bands) == _COLOURS and any(there[index - 1].name for index in bands)
     if data_type == "uint8" and as_colours and not are_named:
         return RGB
@@ -229,29 +224,29 @@ def _kind(
     return Bands(kept, data_type, shown_of(kept))
 
 
-def _with_metadata(
+def _add_metadata(
     kind: Bands,
     there: Sequence[Band],
     bands: Sequence[int],
     nodata: Sequence[float | None],
     white: int | None,
 ) -> Bands:
-    """Bands with what the file says of them; of 8-bit colours that is what their values are in alone."""
-    own = [_metadata(there[index - 1], white if index == 1 else None) for index in bands]
+    """Bands with their metadata; for 8-bit colours, with the quantity of their values only."""
+    each = [_metadata(there[index - 1], white if index == 1 else None) for index in bands]
     if kind.are_colours:
-        own = [one.quantity for one in own]
+        each = [one.quantity for one in each]
     first = nodata[0] if nodata else None
-    # A type's infinite and missing numbers are no data anyway.
+    # Infinity and NaN are missing values in any case.
     is_one = first is not None and math.isfinite(first) and all(one == first for one in nodata)
     held = first if is_one and not kind.are_colours else None
     if held is not None and white is not None:
         held = white - held
-    metadata = tuple(own[at % len(own)] for at in range(len(kind)))
+    metadata = tuple(each[at % len(each)] for at in range(len(kind)))
     return replace(kind, metadata=metadata, nodata=held)
 
 
 def _metadata(band: Band, white: int | None) -> BandMetadata:
-    """Metadata of a band whose values, where ``white`` is given, count from black instead of white."""
+    """Metadata of a band; where ``white`` is given, 0 becomes black instead of white."""
     scale, offset = band.scale, band.offset
     if not (math.isfinite(scale) and math.isfinite(offset) and scale):
         scale, offset = 1.0, 0.0
@@ -260,22 +255,24 @@ def _metadata(band: Band, white: int | None) -> BandMetadata:
     items = tuple(
         (domain, name, " ".join(printable(value[:_VALUE_CHARACTERS]).split()))
         for domain, name, value in band.items[:_MOST_ITEMS]
-        if _ITEM_NAME.fullmatch(name) and not _OWN_ITEMS.fullmatch(name)
+        if _ITEM_NAME.fullmatch(name) and not _FILE_ITEMS.fullmatch(name)
     )
     unit = " ".join(printable(band.unit[:_NAME_CHARACTERS]).split())
-    return BandMetadata(scale, offset, unit, "" if band.colour in _UNSTATED else band.colour, items)
+    # Images state these by the order of bands, or not at all.
+    is_unstated = band.colour in {*_NAMELESS, *_OTHER_COLOURS, "red", "green", "blue", "alpha"}
+    return BandMetadata(scale, offset, unit, "" if is_unstated else band.colour, items)
 
 
 def _white(band: Band) -> int | None:
-    """Value that is black of a band whose 0 is white; None where its type has no greatest one."""
+    """Value of black in a band where 0 is white; None where its type has no maximum."""
     if np.dtype(band.data_type).kind != "u":
         return None
     bits = 8 * np.dtype(band.data_type).itemsize if band.bits is None else band.bits
     return (1 << bits) - 1
 
 
-def heights_of(facts: Facts) -> Colours:
-    """The first band as heights, of whatever type it is; raises InvalidInput where its values are no numbers."""
+def height_colours(facts: Facts) -> Colours:
+    """The first band as heights, of any numeric type; raises InvalidInput for other values."""
     first = facts.bands[0]
     try:
         is_number = np.dtype(first.data_type).kind in "iuf"
@@ -294,11 +291,11 @@ def heights_of(facts: Facts) -> Colours:
 
 
 def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
-    """Names of a file's bands: what it describes them by, else the colours that it states, else their numbers."""
+    """Names of a file's bands: their descriptions, otherwise their colours, otherwise their numbers."""
 
     def name(index: int, band: Band) -> str:
         described = " ".join(printable(band.name[:_NAME_CHARACTERS]).split())
-        # GDAL says grey of the first of several bands of which the file says nothing.
+        # GDAL reports grey for the first of several bands without a colour.
         if len(plain) == 1 and band.colour == "gray":
             return described or "grey"
         return described or (unnamed(index) if band.colour in _NAMELESS else band.colour)
@@ -308,11 +305,11 @@ def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
 
 
 def _is_picture(bands: Sequence[Band], plain: Sequence[int]) -> bool:
-    """Whether bands are red, green and blue of 8 bits and nothing else, or a palette's values, which are no greys."""
-    own = [bands[index - 1] for index in plain]
-    if len(own) == 1:
-        return _table(own[0], 1) is not None
-    return len(own) == _COLOURS and all(one.data_type == "uint8" and not one.name for one in own)
+    """Whether bands are just red, green and blue of 8 bits, or values of a palette."""
+    colours = [bands[index - 1] for index in plain]
+    if len(colours) == 1:
+        return _table(colours[0], 1) is not None
+    return len(colours) == _COLOURS and all(one.data_type == "uint8" and not one.name for one in colours)
 
 
 def _check_colours(stated: dict[str, int]) -> None:
@@ -338,7 +335,7 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
 
 
 def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
-    """Type that holds the values of bands, each with its number from 1."""
+    """Data type that holds the values of bands, given with their numbers from 1."""
     held = bands[0][1].data_type
     for index, band in bands:
         try:
@@ -356,8 +353,8 @@ def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
 
 
 def _table(band: Band, count: int, *, white_is_zero: bool = False) -> Bytes | None:
-    """Colours that a palette, or fewer than 8 bits, give the values of a single band."""
-    if band.data_type not in _INDICES or count != 1:
+    """Colours of the values of a single band by its palette, or by its depth of fewer than 8 bits."""
+    if band.data_type not in ("uint8", "uint16") or count != 1:
         return None
     table = np.zeros((1 << 8 * np.dtype(band.data_type).itemsize, 4), np.uint8)
     if band.palette and band.colour == "palette":
@@ -373,7 +370,7 @@ def _table(band: Band, count: int, *, white_is_zero: bool = False) -> Bytes | No
 
 
 def _held(nodata: float | None, data_type: str) -> float | None:
-    """Nodata as one of the values that a band can have; None where it is not."""
+    """Nodata as a value of a band's data type; None where the type does not hold it."""
     if nodata is None:
         return None
     if data_type == "float32":

@@ -19,30 +19,20 @@ from ..source import Window
 from .reading import Facts
 
 _MAP = "EPSG:3857"
-_CIRCLE_DEG = 360.0
-#: Two systems are one where their coordinates agree to this: 1/1000 of a pixel at zoom 23, and a thousand times the
-#: noise of going to geographic coordinates and back.
-_SAME_M = 1e-5
 TILE_PX = 256
-#: What pixels of a raster may lie beside the map's, px, and still be those.
+#: Tolerance of pixels that coincide, px.
 _SAME_PX = 1e-3
-#: Rounding of coordinates that are taken to degrees and back.
-_SAME_SHARE = 1e-9
-#: Steps between pixels, in units of the last place of the raster's coordinates, that are lost in these.
-_LEAST_STEP = 16.0
-#: Points along each side of a raster where systems are compared.
-_COMPARED = 5
 
 
 class RasterGeoreference:
     """Geotransform and coordinate reference system of a raster.
 
-    Every pixel of a picture is transformed on its own, by PROJ: no interpolation between transformed points.
+    PROJ transforms every pixel of a picture, without interpolation between points.
 
     Raises
     ------
     InvalidInput
-        With the reason alone: nothing places the raster, or not on the map.
+        With the reason only: the raster has no georeference, or none on the map.
     """
 
     def __init__(self, facts: Facts) -> None:
@@ -61,11 +51,11 @@ class RasterGeoreference:
         x, x_column, x_row, y, y_column, y_row = facts.geotransform
         self._origin = np.array([x, y])
         self._steps = np.array([[x_column, x_row], [y_column, y_row]])
-        # Absurd steps overflow, and are refused for where they lead.
+        # Absurd steps overflow, and are refused by the checks.
         with np.errstate(over="ignore", invalid="ignore"):
             places = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
-            # Steps that are lost in the digits of the coordinates lead from no pixel to the next.
-            finest = _LEAST_STEP * np.spacing(np.abs(self._origin).max())
+            # Steps of a few units in the last place of the coordinates are lost in rounding.
+            finest = 16.0 * np.spacing(np.abs(self._origin).max())
             places = places and bool((np.abs(self._steps).max(axis=0) > finest).all())
         if not places:
             raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
@@ -88,17 +78,17 @@ class RasterGeoreference:
 
     @property
     def is_warped(self) -> bool:
-        """Whether its coordinates are others than the map's."""
+        """Whether its CRS differs from the map's."""
         return self._to_map is not None
 
     def own_plane(self, *, of_degrees: bool = False) -> tuple[ProjectedPlane, int] | None:
-        """Plane whose pixels at the zoom that is returned are the raster's own; None where they become the map's.
+        """Plane and zoom at which its pixels are those of the raster; None where pictures have the pixels of the map.
 
-        They do where its rows do not run along those of a projected CRS (degrees, unless ``of_degrees``; turned
-        rasters), and where they are the map's.
+        They do for rasters that are turned, or in degrees unless ``of_degrees``, and where the pixels coincide with the
+        map's.
         """
         across, down = (abs(float(step)) for step in self._steps.diagonal())
-        in_degrees = of_degrees and self._crs.is_geographic and self._turn() == _CIRCLE_DEG
+        in_degrees = of_degrees and self._crs.is_geographic and self._turn() == 360.0
         if not (self._crs.is_projected or in_degrees):
             return None
         if self._steps[0, 1] or self._steps[1, 0] or self._is_on_tiles():
@@ -111,18 +101,18 @@ class RasterGeoreference:
         )
         middle = x.mean(), y.mean()
         back = plane.to_crs(*plane.from_crs(*middle))
-        # There and back its centre moves by nothing, but where the projection does not reach.
-        if not np.allclose(back, middle, rtol=_SAME_SHARE, atol=_SAME_PX * min(across, down)):
+        # The centre returns to its place, unless it lies beyond the domain of the projection.
+        if not np.allclose(back, middle, rtol=1e-9, atol=_SAME_PX * min(across, down)):
             raise InvalidInput("its centre lies beyond what {0} reaches", self._crs.name)
         return plane, zoom
 
     def own_extent(self, zoom: int) -> tuple[tuple[float, float], ...]:
-        """Corners of the raster as fractions of its own plane."""
+        """Corners of the raster as fractions of its plane."""
         right, bottom = (side / (TILE_PX << zoom) for side in (self._width, self._height))
         return ((0.0, 0.0), (right, 0.0), (right, bottom), (0.0, bottom))
 
     def _is_on_tiles(self) -> bool:
-        """Whether its pixels are those of the map at one of its zooms."""
+        """Whether its pixels coincide with those of the map at a zoom."""
         if self._to_map is not None or self._steps[0, 1] or self._steps[1, 0]:
             return False
         across, down = (abs(float(step)) for step in self._steps.diagonal())
@@ -136,14 +126,13 @@ class RasterGeoreference:
 
     @property
     def is_upright(self) -> bool:
-        """Whether its columns and rows run along those of the map."""
+        """Whether its columns and rows are parallel to those of the map."""
         return not self.is_warped and not self._steps[0, 1] and not self._steps[1, 0]
 
     def native_zoom(self) -> int:
-        """Highest zoom at which no pixel of the map is smaller than the raster's, along neither of its axes.
+        """Highest zoom at which the map's pixels are no smaller than the raster's along any axis, at its centre.
 
-        That is at the raster's centre. One zoom further up the map would show less than one pixel of the raster in
-        each of its own, at least along one axis: it would only enlarge.
+        The next zoom would only enlarge the raster along one axis at least.
         """
         column, row = self._width / 2.0, self._height / 2.0
         x, y = self._on_map(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
@@ -161,7 +150,7 @@ class RasterGeoreference:
         return fitting_zoom(finest / (2.0 * HALF_WORLD_M), 1.0)
 
     def extent(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners of the raster as world fractions; None where they do not tell its outline (`extent_of_outline`)."""
+        """Corners of the raster as world fractions; None where they do not give its outline (`extent_of_outline`)."""
         width, height = float(self._width), float(self._height)
         return extent_of_outline(
             *self._on_map(
@@ -171,12 +160,12 @@ class RasterGeoreference:
         )
 
     def positions(self, window: Window, grid: PixelGrid) -> tuple[Floats, Floats]:
-        """Columns and rows of the raster at the centres of pixels of the map, or of its own plane, and one more around.
+        """Columns and rows of the raster at the pixel centres of a window of ``grid``, with a margin of one pixel.
 
         Returns
         -------
         column_px, row_px : array (height_px + 2, width_px + 2) of float64
-            From the outer corner of the raster's first pixel; not finite where the raster's system does not reach.
+            From the outer corner of the raster's first pixel; not finite beyond the domain of the raster's CRS.
             Of shapes (1, width_px + 2) and (height_px + 2, 1) where the raster is upright.
         """
         across, down = grid.pixel_size(window.zoom)
@@ -221,25 +210,25 @@ class RasterGeoreference:
         return x, y
 
     def _turn(self) -> float | None:
-        """Once around the Earth in the system's own unit; None where its coordinates do not turn."""
+        """Circumference of the Earth in the unit of a geographic CRS; None for other systems."""
         if not self._crs.is_geographic:
             return None
         return 2.0 * math.pi / float(self._crs.axis_info[0].unit_conversion_factor)
 
     def _is_on_the_map_grid(self) -> bool:
-        columns, rows = np.meshgrid(
-            np.linspace(0.0, self._width, _COMPARED), np.linspace(0.0, self._height, _COMPARED)
-        )
+        # 1/1000 px at zoom 23, and a thousand times the noise of a transformation to degrees and back.
+        tolerance_m = 1e-5
+        columns, rows = np.meshgrid(np.linspace(0.0, self._width, 5), np.linspace(0.0, self._height, 5))
         x, y = self._coordinates(columns, rows)
         map_x, map_y = self._on_map(columns, rows)
         with np.errstate(invalid="ignore"):
             apart = map_x - x
             apart = apart - np.rint(apart / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
-            return bool((np.abs(apart) <= _SAME_M).all() and (np.abs(map_y - y) <= _SAME_M).all())
+            return bool((np.abs(apart) <= tolerance_m).all() and (np.abs(map_y - y) <= tolerance_m).all())
 
 
 def named_crs(crs: CRS) -> str:
-    """``EPSG:code`` where a CRS is one of those, else its WKT."""
+    """``EPSG:code`` of a CRS if it has one, otherwise its WKT."""
     code = crs.to_epsg()
     return f"EPSG:{code}" if code else str(crs.to_wkt())
 

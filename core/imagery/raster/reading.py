@@ -1,4 +1,4 @@
-"""Raster files over the libraries that read them, GDAL's own bindings or rasterio."""
+"""Rasters opened by GDAL's bindings or by rasterio: facts, and pixels as they are stored."""
 
 from __future__ import annotations
 
@@ -22,38 +22,34 @@ from ...external.native_calls import NativeCall
 from .remote import Remote
 from .sizes import check_block, check_counts
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE, VIRTUAL, check_virtual_file
-from .virtual import OPTIONS, ROW_BYTES, VirtualFile, vrt_of_bytes
+from .virtual import OPTIONS, ROW_BYTES, VirtualFile, raw_bytes_vrt
 
 Values = NDArray[Any]
 
-#: GDAL's option for errors instead of grey where a JPEG is broken off.
+#: GDAL's option for errors in place of grey where a JPEG is cut off.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
 #: GDAL's names of types by numpy's.
 _GDAL_TYPES = {"uint8": "GDT_Byte", "uint16": "GDT_UInt16", "int16": "GDT_Int16", "float32": "GDT_Float32"}
-#: GDAL's option for the memory in which it keeps blocks of rasters, and megabytes of it: a strip of blocks across a
-#: raster of 20,000 px. Without it that is 5 % of the machine's, and reading is no faster.
+#: GDAL's option for its block cache, and megabytes: a strip of blocks across a raster of 20,000 px. The default, 5 % of
+#: the machine's memory, is no faster.
 _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
 #: GDAL's options by name, for one raster.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: GDAL's option to open nothing beside a raster where nothing looks through that first: in archives, on other machines.
+#: GDAL's option not to open files beside a raster where they are not checked first: in archives, on other machines.
 ALONE: Options = MappingProxyType({"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR"})
-#: Domains of GDAL's metadata that say what a band is: the default one, and that of wavelengths.
+#: Domains of GDAL's metadata that describe bands: the default, and the one of wavelengths.
 _DOMAINS = ("", "IMAGERY")
-#: Item of GDAL's metadata, and its domain, for greys that count from white.
+#: Item and domain of GDAL's metadata for greys where 0 is white.
 _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
-#: How the bands of a raster are stored by GDAL's metadata: each value of a block beside those of the other bands.
+#: Item and domain of GDAL's metadata for the interleaving of bands, and its value for bands interleaved by pixel.
 _INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
-#: Formats of which GDAL decodes the whole picture at once, whatever it says of their blocks.
+#: Formats that GDAL decodes as a whole, whatever blocks it reports.
 _WHOLE = frozenset(["WEBP", "JPEGXL"])
-#: Bytes of the largest of GDAL's types that numpy has not.
-_COMPLEX_BYTES = 8
-#: What GDAL gives as the geotransform of a raster that has none.
-_NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class PixelBox(NamedTuple):
-    """A rectangle of a raster's own pixels, columns from its left and rows from its top."""
+    """A rectangle of a raster's pixels, counted from its left and top."""
 
     left: int
     top: int
@@ -63,30 +59,30 @@ class PixelBox(NamedTuple):
 
 @dataclass(frozen=True)
 class Band:
-    """What a file says of one of its bands.
+    """A file's description of a band.
 
     Parameters
     ----------
     data_type : str
-        numpy's name of the type of its values.
+        Data type of the values, by numpy's name.
     colour : str
         GDAL's colour interpretation: gray, red, green, blue, alpha, palette, undefined, …
     nodata : float or None
         Value of pixels without data.
     bits : int or None
-        Bits of a value that are used, where they are fewer than the type has.
+        Used bits of a value, where fewer than the type has.
     palette : tuple of (red, green, blue, alpha)
         Colours of the values from 0 on; empty without a palette.
     masked : bool
         The file has a mask for it, beside nodata and alpha.
     name : str
-        Description that the file gives it; empty for none.
+        Description; empty without one.
     unit : str
-        Unit that the file states for its values; empty for none.
+        Unit of the values; empty without one.
     scale, offset : float
-        What the file says that its values are to be multiplied by, and what is to be added then, to be in that unit.
+        The quantity in that unit is value * scale + offset.
     items : tuple of (domain, name, value)
-        Metadata that the file has of it, in the default domain and in that of imagery.
+        Metadata in the domains of `_DOMAINS`.
     """
 
     data_type: str
@@ -104,7 +100,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Facts:
-    """What a file says of itself.
+    """Description of a raster file.
 
     Parameters
     ----------
@@ -112,18 +108,17 @@ class Facts:
     sizes : tuple of (width, height)
         In px: of the raster, then of its overviews from fine to coarse.
     crs_wkt : str
-        Empty where the file states none.
+        Empty without one.
     geotransform : tuple of 6 float or None
-        In GDAL's order: x of the upper left corner, its steps per column and row, then those of y. None where the
-        file does not place its pixels by one.
+        In GDAL's order: x of the upper left corner, its steps per column and row, then those of y; None without one.
     tags : mapping of str to str
-        Metadata of the file as a whole.
+        Metadata of the whole file.
     by_points : bool
-        It is placed by ground control points.
+        Georeferenced by ground control points only.
     parts : tuple of str
-        Names of the rasters within, where it holds several.
+        Names of the rasters in a file of several.
     white_is_zero : bool
-        The first band's greys count from white (TIFF's PhotometricInterpretation 0).
+        In the first band, 0 is white (TIFF's PhotometricInterpretation 0).
     """
 
     bands: tuple[Band, ...]
@@ -137,46 +132,46 @@ class Facts:
 
 
 class ReadError(Exception):
-    """A library's own words on what it could not open or read, in one line; callers say of which file."""
+    """A library's error of opening or reading, in one line; callers add the file."""
 
     def __init__(self, words: object) -> None:
-        own = isinstance(words, Message)
-        super().__init__(words if own else " ".join(str(words).split()) or Message("no reason given"))
+        is_message = isinstance(words, Message)
+        super().__init__(words if is_message else " ".join(str(words).split()) or Message("no reason given"))
 
 
 class OpenRaster(Protocol):
     """An open raster, or an open overview of one; for one thread at a time."""
 
     def facts(self) -> Facts:
-        """Read what the file says of itself; asked of the raster, not of an overview."""
+        """Read the description of the file, from the raster, not from an overview."""
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
-        """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError.
+        """Read stored values, (len(bands), height, width), into a data type that holds them.
 
-        ``data_type`` is one that holds them.
+        Bands count from 1. Raises ReadError.
         """
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
-        """Mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
+        """Read the mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
 
     def close(self) -> None:
-        """Free it."""
+        """Close it."""
 
 
-#: Opens a path's raster (level 0) or its overviews (from 1 on), as one of the ``drivers`` named; raises ReadError.
+#: Opens the raster of a path (level 0) or an overview (from 1 on), in one of the formats ``drivers``; raises ReadError.
 Opener = Callable[..., OpenRaster]
 
 
 def opener() -> Opener:
-    """Return the library to read raster files with: rasterio, or GDAL's own bindings.
+    """Return the class that opens raster files, over rasterio or GDAL's bindings.
 
-    Where QGIS or GDAL's bindings are loaded, those bindings and never rasterio: its wheels bring a GDAL of their own,
-    and two of them in one process are known to bring QGIS down.
+    Where QGIS or GDAL's bindings are loaded, rasterio is not used: its wheels contain another GDAL, and two in one
+    process may crash QGIS.
 
     Raises
     ------
     InvalidInput
-        Neither is there.
+        Neither is installed.
     """
     loaded = {"qgis", "osgeo"} & sys.modules.keys()
     if not loaded and importlib.util.find_spec("rasterio"):
@@ -186,12 +181,12 @@ def opener() -> Opener:
     raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
 
 
-def _looked_through(
+def _checked(
     kind: Opener, path: str, drivers: Sequence[str], options: Options
 ) -> tuple[Sequence[str], Options]:
-    """Formats and options to open a raster by, after a look through one that lies where only GDAL reads files.
+    """Formats and options to open a raster with; one in GDAL's virtual file systems is checked first.
 
-    GDAL keeps what it reads of a server's files, so what it opens are the bytes that were looked at.
+    GDAL caches the files of servers, so it opens the same bytes that were checked.
 
     Raises
     ------
@@ -201,7 +196,7 @@ def _looked_through(
     if not path.startswith(VIRTUAL):
         return drivers, options
     options = {**ALONE, **options}
-    raw = kind(vrt_of_bytes(path), 0, ("VRT",), {**OPTIONS, **options})
+    raw = kind(raw_bytes_vrt(path), 0, ("VRT",), {**OPTIONS, **options})
     file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], PixelBox(0, row, ROW_BYTES, 1)).tobytes()))
     try:
         return check_virtual_file(path, file, drivers), options
@@ -212,10 +207,10 @@ def _looked_through(
 
 
 def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
-    """Values (h, w) of float32 with GDAL's FillNodata where there are none.
+    """Fill missing values (h, w) of float32 with GDAL's FillNodata.
 
-    Each becomes the mean of the nearest one in each of the four quadrants, as far as there is one within reach, by the
-    inverse of their distances. Where there is none in any, it stays as it is.
+    A missing value becomes the mean of the nearest value in each of the four quadrants within reach, weighted by the
+    inverse distance; without any, it stays unchanged.
 
     Raises
     ------
@@ -231,17 +226,17 @@ def _filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
     if opener() is RasterioFile:
         from rasterio.fill import fillnodata
 
-        with _refused(NO_OPTIONS):
+        with _raised_errors(NO_OPTIONS):
             return np.asarray(fillnodata(values.copy(), there, reach_px, 0), np.float32)
     from osgeo import gdal
 
-    with _heard(NO_OPTIONS) as said:
+    with _collected_errors(NO_OPTIONS) as said:
         memory = gdal.GetDriverByName("MEM")
         target = memory.Create("", width, height, 1, gdal.GDT_Float32)
         mask = memory.Create("", width, height, 1, gdal.GDT_Byte)
         target.WriteRaster(0, 0, width, height, np.ascontiguousarray(values, np.float32).tobytes())
         mask.WriteRaster(0, 0, width, height, there.astype(np.uint8).tobytes())
-        # Otherwise its work files may lie in the current folder.
+        # Otherwise temporary files may lie in the current folder.
         options = ["TEMP_FILE_DRIVER=MEM"]
         gdal.FillNodata(target.GetRasterBand(1), mask.GetRasterBand(1), reach_px, 0, options)
         made = target.ReadRaster(0, 0, width, height)
@@ -249,15 +244,15 @@ def _filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
 
 
 @contextmanager
-def _heard(options: Options) -> Iterator[list[str]]:
-    """Errors of GDAL in this thread: collected instead of printed, and raised where the bindings are told to.
+def _collected_errors(options: Options) -> Iterator[list[str]]:
+    """Collect GDAL's errors in this thread instead of printing them, and turn exceptions into ReadError.
 
-    Whether the bindings raise is a choice of the whole process (of QGIS, of another plugin), so both ways are met.
-    A JPEG that is broken off is an error here, where GDAL may only warn and fill it with grey.
+    Whether the bindings raise depends on the process (QGIS, another plugin), so both cases are handled. A JPEG that is
+    cut off is an error, where GDAL would only warn and fill it with grey.
     """
     from osgeo import gdal
 
-    # Bindings of older versions cannot set options of a thread, and those of the process are not ours.
+    # Older bindings cannot set options of a thread, and options of the process must stay unchanged.
     wanted = {STRICT_JPEG: "YES", **options} if hasattr(gdal, "SetThreadLocalConfigOption") else {}
     before = {name: gdal.GetThreadLocalConfigOption(name) for name in wanted}
     said: list[str] = []
@@ -280,18 +275,18 @@ def _heard(options: Options) -> Iterator[list[str]]:
 
 
 class GdalFile:
-    """A raster, or an overview, that is open in GDAL."""
+    """A raster or an overview opened by GDAL."""
 
     def __init__(
         self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS
     ) -> None:
         from osgeo import gdal
 
-        drivers, options = _looked_through(GdalFile, path, drivers, options)
+        drivers, options = _checked(GdalFile, path, drivers, options)
         self._gdal: Any = gdal
         self._options = options
         overview = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
-        with _heard(options) as said:
+        with _collected_errors(options) as said:
             self._dataset = gdal.OpenEx(
                 path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=overview
             )
@@ -299,8 +294,8 @@ class GdalFile:
             raise ReadError(said[0] if said else Message("no format that GDAL knows"))
 
     def facts(self) -> Facts:
-        """Read what the file says of itself."""
-        with _heard(self._options):
+        """Read the description of the file."""
+        with _collected_errors(self._options):
             dataset = self._dataset
             if dataset.GetMetadataItem(OVERVIEW_FILE, OVERVIEW_DOMAIN):
                 raise ReadError(NAMES_OVERVIEWS)
@@ -356,21 +351,21 @@ class GdalFile:
         )
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
-        """Values as they are stored."""
+        """Read stored values."""
         kind = getattr(self._gdal, _GDAL_TYPES[data_type])
-        with _heard(self._options) as said:
+        with _collected_errors(self._options) as said:
             values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
         return _array(values, said, (len(bands), box.height, box.width), data_type)
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
-        """Mask of a band."""
-        with _heard(self._options) as said:
+        """Read the mask of a band."""
+        with _collected_errors(self._options) as said:
             mask = self._dataset.GetRasterBand(band).GetMaskBand()
             values = mask.ReadRaster(*box, buf_type=self._gdal.GDT_Byte)
         return _array(values, said, (box.height, box.width))
 
     def close(self) -> None:
-        """Free it."""
+        """Close it."""
         self._dataset = None
 
 
@@ -381,20 +376,20 @@ def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_t
 
 
 @contextmanager
-def _refused(options: Options) -> Iterator[None]:
-    """Errors of rasterio as ReadError; a JPEG that is broken off is one."""
+def _raised_errors(options: Options) -> Iterator[None]:
+    """Turn errors of rasterio into ReadError; a JPEG that is cut off is an error."""
     import rasterio
     from rasterio._err import CPLE_BaseError
     from rasterio.errors import CRSError, RasterioError
     from rasterio.session import DummySession
 
     try:
-        # Where the environment has keys of S3, rasterio would set up a session of boto3 each time, which takes several
-        # times as long as a tile does. Whatever needs keys finds them in the environment.
+        # With keys of S3 in the environment, rasterio would set up a session of boto3 each time, which takes as long as
+        # several tiles. GDAL finds the keys in the environment.
         with rasterio.Env(DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
     except (RasterioError, CRSError, CPLE_BaseError, OSError) as wrong:
-        # What GDAL said first is the cause of what rasterio says.
+        # The first error of GDAL is the cause of rasterio's.
         root: BaseException = wrong
         while root.__cause__ is not None:
             root = root.__cause__
@@ -402,9 +397,9 @@ def _refused(options: Options) -> Iterator[None]:
 
 
 class RasterioFile:
-    """A raster, or an overview, that is open in rasterio."""
+    """A raster or an overview opened by rasterio."""
 
-    # Python's filters of warnings belong to the process: two threads must not put them back in the wrong order.
+    # Filters of warnings belong to the process: two threads must not restore them in the wrong order.
     _opening = threading.Lock()
 
     def __init__(
@@ -413,32 +408,33 @@ class RasterioFile:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning
 
-        drivers, options = _looked_through(RasterioFile, path, drivers, options)
+        drivers, options = _checked(RasterioFile, path, drivers, options)
         overview = {"overview_level": level - 1} if level else {}
-        with _refused(options), self._opening, warnings.catch_warnings():
-            # Said in words of our own.
+        with _raised_errors(options), self._opening, warnings.catch_warnings():
+            # Reported by the caller.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            # As rasterio.open does, which takes one driver only.
+            # As rasterio.open, which takes a single driver.
             self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **overview)
         self._path, self._drivers, self._options = path, drivers, options
 
     def facts(self) -> Facts:
-        """Read what the file says of itself."""
-        with _refused(self._options):
+        """Read the description of the file."""
+        with _raised_errors(self._options):
             dataset = self._dataset
             if any(name.upper() == OVERVIEW_FILE for name in dataset.tags(ns=OVERVIEW_DOMAIN)):
                 raise ReadError(NAMES_OVERVIEWS)
             check_counts(dataset.count, len(dataset.overviews(1)) if dataset.count else 0)
             self._check_block()
             given = tuple(dataset.transform.to_gdal())
-            geotransform = None if given == _NO_GEOTRANSFORM else given
+            # The identity stands for none.
+            geotransform = None if given == (0.0, 1.0, 0.0, 0.0, 0.0, 1.0) else given
             return Facts(
                 bands=tuple(self._bands()),
                 sizes=((dataset.width, dataset.height), *self._overview_sizes()),
                 crs_wkt=dataset.crs.to_wkt(version="WKT2_2019") if dataset.crs else "",
                 geotransform=geotransform,
                 tags=dict(dataset.tags()),
-                # There may be a million of them, and rasterio makes an object of each.
+                # Only if needed: there may be a million, and rasterio makes an object of each.
                 by_points=geotransform is None and bool(dataset.gcps[0]),
                 parts=tuple(dataset.subdatasets),
                 white_is_zero=dataset.tags(ns=_WHITE_IS_ZERO[1]).get(_WHITE_IS_ZERO[0]) == "YES",
@@ -460,8 +456,8 @@ class RasterioFile:
         try:
             value_bytes = np.dtype(dataset.dtypes[0]).itemsize
         except TypeError:
-            # Complex numbers of whole ones, which numpy has none of.
-            value_bytes = _COMPLEX_BYTES
+            # Complex integers, which numpy lacks, have up to 8 bytes.
+            value_bytes = 8
         name, domain = _INTERLEAVE
         is_whole = dataset.driver in _WHOLE
         of_all = is_whole or dataset.tags(ns=domain).get(name) == _BY_PIXEL
@@ -473,7 +469,7 @@ class RasterioFile:
 
         dataset = self._dataset
         known = {MaskFlags.all_valid, MaskFlags.alpha, MaskFlags.nodata}
-        # Each of these goes through all bands.
+        # Each of these properties iterates over all bands.
         each = zip(
             dataset.indexes,
             dataset.dtypes,
@@ -507,17 +503,17 @@ class RasterioFile:
             )
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
-        """Values as they are stored."""
-        with _refused(self._options):
+        """Read stored values."""
+        with _raised_errors(self._options):
             return np.asarray(self._dataset.read(list(bands), window=_window(box)), data_type)
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
-        """Mask of a band."""
-        with _refused(self._options):
+        """Read the mask of a band."""
+        with _raised_errors(self._options):
             return np.asarray(self._dataset.read_masks(band, window=_window(box)), np.uint8)
 
     def close(self) -> None:
-        """Free it."""
+        """Close it."""
         self._dataset.close()
 
 
@@ -528,29 +524,29 @@ def _window(box: PixelBox) -> Any:
 
 
 class _FileApart:
-    """A raster of which everything is asked on threads of their own (see `NativeCall`), as long as it is wanted."""
+    """A raster whose methods run on separate threads (`NativeCall`), which are abandoned when no longer wanted."""
 
     def __init__(self, file: OpenRaster, is_wanted: Callable[[], bool]) -> None:
         self._file, self._is_wanted = file, is_wanted
         self._last: NativeCall[Any] | None = None
 
     def facts(self) -> Facts:
-        """Read what the file says of itself."""
+        """Read the description of the file."""
         facts: Facts = self._asked(self._file.facts)
         return facts
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
-        """Values as they are stored."""
+        """Read stored values."""
         values: Values = self._asked(partial(self._file.read, bands, box, data_type))
         return values
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
-        """Mask of a band."""
+        """Read the mask of a band."""
         mask: Bytes = self._asked(partial(self._file.read_mask, band, box))
         return mask
 
     def close(self) -> None:
-        """Free it, when what was asked for last has ended."""
+        """Close it, once the last call has ended."""
         if self._last is None:
             self._file.close()
         else:
@@ -567,14 +563,14 @@ def _close(files: Sequence[OpenRaster]) -> None:
 
 
 class Pool:
-    """Handles of a raster and its overviews, as many as were ever needed at once.
+    """Handles of a raster and its overviews, for use by several threads.
 
     Parameters
     ----------
     open_file : callable
     path : str
     remote : Remote or None
-        Of a raster on another machine; closed with the pool.
+        For a raster on another machine; closed with the pool.
     """
 
     def __init__(self, open_file: Opener, path: str, remote: Remote | None = None) -> None:
@@ -585,7 +581,7 @@ class Pool:
 
     @contextmanager
     def lent(self, level: int) -> Iterator[OpenRaster]:
-        """Lend the raster (level 0) or an overview; one that failed is not lent again.
+        """Lend a handle of the raster (level 0) or an overview; one that failed is closed.
 
         Raises
         ------
@@ -611,7 +607,7 @@ class Pool:
 
     @contextmanager
     def _without_key(self) -> Iterator[None]:
-        """Words of GDAL without the key that may stand in the address of a raster."""
+        """Mask the key of a raster's address in errors of GDAL."""
         try:
             yield
         except ReadError as wrong:
@@ -647,7 +643,7 @@ class Pool:
             return not self._closed
 
     def close(self) -> None:
-        """Close the handles: those that are lent as soon as they come back."""
+        """Close the handles; those that are lent, when they are returned."""
         with self._lock:
             self._closed = True
             files = [file for free in self._free.values() for file in free]

@@ -1,9 +1,8 @@
-"""Rasters on other machines: GDAL reads parts of them over HTTP, under the manners of all other requests.
+"""Rasters on other machines: GDAL reads parts of them over HTTP, as politely as other sources make their requests.
 
-The requests are GDAL's own, so what it can keep of those manners it is told by its options: who asks, how long it
-waits, how often it tries again. A request of one byte before, by the client of all other sources, says what GDAL would
-not: that the server is away, refuses or sends no parts of files, and which version of the file this is. Every request
-of GDAL is then for this version alone.
+GDAL makes the requests, so its options set the user agent, the timeouts and the retries. A first request of one byte,
+by the client of all other sources, reports what GDAL would not: that the server is out of reach, refuses or sends no
+parts of files, and the version of the file. All requests of GDAL are then restricted to this version.
 """
 
 from __future__ import annotations
@@ -23,30 +22,26 @@ from ..entry import find_providers, strictest
 from ..http.client import FIRST_WAIT_S, TRIES, Client, NotThere
 from ..http.transport import Response, Timeouts, Transport, too_long, user_agent
 from ..policy import Policy
-from .trust import CURL, with_key
+from .trust import CURL, fill_key
 
-#: GDAL's names of files over HTTP, and of those within archives over HTTP, with and without braces.
+#: GDAL's names of files over HTTP, and of files in archives over HTTP, with and without braces.
 _PLAIN = re.compile(r"()/vsicurl/(https?://[^#]+)()", re.IGNORECASE)
 _WITH_OPTIONS = re.compile(r"(/vsicurl\?(?:.*&)?url=)([^&#]+)(.*)", re.IGNORECASE)
 _WITHIN = re.compile(
     r"(/vsi(?:zip|tar)/)\{?/vsicurl/(https?://[^{}#]+?\.(?:zip|kmz|tar|tgz|tar\.gz))\}?(/.*)", re.IGNORECASE
 )
-#: Options by which a user has GDAL send something of his own, which a request of ours would lack.
-_CREDENTIALS = ("HEADERS", "HEADER_FILE", "USERPWD", "AUTH", "BEARER", "COOKIE", "COOKIEFILE", "SSLCERT")
-#: ETags by which a version is told byte by byte; versions of GDAL differ in what else they make of those with commas.
-_STRONG = re.compile(r'"[!#-+\--\[\]-~]+"')
-#: Seconds for which a file is taken to be what it was.
+#: Seconds for which a file is assumed unchanged.
 _SAME_FOR_S = 2.0
-#: Bytes of an answer to a request of one byte.
+#: Most bytes of the answer to a request of one byte.
 _MOST_BYTES = 1 << 16
-#: GDAL's option by which it asks for the heads of files first.
+#: GDAL's option to request the head of a file first.
 _HEAD = "CPL_VSIL_CURL_USE_HEAD"
-#: Tells rasters that are opened one after the other apart, as GDAL keeps parts of files by their address.
+#: Distinguishes the addresses of rasters opened in turn, by which GDAL caches parts of files.
 _opened = itertools.count(1)
 
 
 class _Version(NamedTuple):
-    """What tells one version of a file from another; empty where a server does not say."""
+    """Version of a file: its size, ETag and modification date; empty where the server does not state them."""
 
     size: str
     etag: str
@@ -54,8 +49,11 @@ class _Version(NamedTuple):
 
     @property
     def condition(self) -> str:
-        """Header of requests for this version alone; empty where none can be made, or GDAL cannot be told of it."""
-        return f"If-Match: {self.etag}" if _STRONG.fullmatch(self.etag) else ""
+        """Header of requests for this version only; empty where the version does not allow it.
+
+        It takes a strong ETag, and one without commas, which versions of GDAL treat differently.
+        """
+        return f"If-Match: {self.etag}" if re.fullmatch(r'"[!#-+\--\[\]-~]+"', self.etag) else ""
 
 
 class Remote:
@@ -67,23 +65,23 @@ class Remote:
         GDAL's name of it, ``/vsi…``.
     title : str
     transport : Transport or None
-        Left open; None for one of its own.
+        Left open; None for a new one.
     key : str
-        What ``{key}`` stands for in the path.
+        Value of ``{key}`` in the path.
 
     Attributes
     ----------
     path : str
-        Name for GDAL to open it by: parts that it keeps of others with this address are not taken for this one's.
+        Name for GDAL, distinct from those of earlier openings, parts of which GDAL has cached.
     options : dict of str to str
-        GDAL's, wherever it opens or reads the raster.
+        GDAL's options for opening and reading the raster.
 
     Raises
     ------
     InvalidInput
-        The server has no such file, or sends no parts of files.
+        The server lacks the file, or sends no parts of files.
     SourceError
-        It is out of reach, or refuses.
+        The server is out of reach or refuses.
     """
 
     def __init__(self, path: str, title: str, transport: Transport | None = None, key: str = "") -> None:
@@ -98,15 +96,26 @@ class Remote:
             "GDAL_HTTP_TIMEOUT": f"{timeouts.whole_s:g}",
             "GDAL_HTTP_MAX_RETRY": str(TRIES - 1),
             "GDAL_HTTP_RETRY_DELAY": f"{FIRST_WAIT_S:g}",
-            # One connection for each raster that is open, and these are as many as there are connections.
+            # One connection for each open raster, of which there are as many as connections.
             "GDAL_HTTP_MULTIRANGE": "SERIAL",
         }
-        self._path_with_key = with_key(path, key)
+        self._path_with_key = fill_key(path, key)
         self.path, self._url = _address(self._path_with_key)
         self._providers = list(find_providers(path))
         self._client: Client | None = None
         self._asking = threading.Lock()
-        if not self._url or any(f"GDAL_HTTP_{name}" in os.environ for name in _CREDENTIALS):
+        # Credentials that GDAL takes from the environment, which the client would lack.
+        credentials = (
+            "HEADERS",
+            "HEADER_FILE",
+            "USERPWD",
+            "AUTH",
+            "BEARER",
+            "COOKIE",
+            "COOKIEFILE",
+            "SSLCERT",
+        )
+        if not self._url or any(f"GDAL_HTTP_{name}" in os.environ for name in credentials):
             return
         if transport is None:
             from ..http.requests_transport import RequestsTransport
@@ -128,34 +137,34 @@ class Remote:
             raise
         self._asked_s = time.monotonic()
         if self._version.condition:
-            # A list of headers: quotes, as ETags have them, stand in it with a backslash.
+            # In a list of headers, the quotes of an ETag are escaped by a backslash.
             written = self._version.condition.replace('"', r"\"")
             self.options["GDAL_HTTP_HEADERS"] = f'"{written}"'
 
     @property
     def policy(self) -> Policy:
-        """Terms of the providers that were asked so far, wherever a redirect led; of several the strictest."""
+        """The strictest terms of all providers asked so far, redirects included."""
         known = strictest(self._providers)
         return Policy() if known is None else known.policy
 
     def leave_out_heads(self) -> bool:
-        """Have GDAL not ask for the head of the file first; False where it does not, or may not be told so.
+        """Stop GDAL from requesting the head of the file first; return whether that changes anything.
 
-        Servers do not answer that where an address is signed for its content alone.
+        Servers refuse that request where the signature of an address covers GET only.
         """
         if not self._url or _HEAD in self.options:
             return False
         self.options[_HEAD] = "NO"
-        # GDAL keeps what it has been told of an address.
+        # GDAL caches the failure by address.
         self.path, _ = _address(self._path_with_key)
         return True
 
     def masked(self, text: str) -> str:
-        """GDAL's words with the name of the file as it was given, and nothing of a key."""
+        """Message of GDAL with the given name of the file, and with the key masked."""
         return self._secrets.masked(text.replace(self.path, self._named))
 
     def check(self, *, anew: bool = False) -> None:
-        """Refuse a file that is another one by now; asks for it again after seconds, or where it is to.
+        """Refuse a file that has changed; the server is asked again after seconds, or with ``anew``.
 
         Raises
         ------
@@ -174,7 +183,7 @@ class Remote:
             except NotThere as wrong:
                 raise SourceError("{0}: is gone", self._title) from wrong
             except PartError:
-                # Out of reach, which GDAL says of the part that it is asked for.
+                # Out of reach, which GDAL reports for the part that it reads.
                 return
             self._asked_s = time.monotonic()
         if version != self._version:
@@ -210,7 +219,7 @@ class Remote:
 
 
 class _Lent:
-    """A transport that others close."""
+    """A transport that its owner closes."""
 
     def __init__(self, transport: Transport) -> None:
         self.get = transport.get
@@ -220,9 +229,9 @@ class _Lent:
 
 
 def _address(path: str) -> tuple[str, str]:
-    """Name for GDAL that no other raster was opened by, and the URL of the file; empty where that is not known."""
+    """Unique name for GDAL, and the URL of the file; empty where unknown."""
     number = next(_opened)
-    # What follows # is for the reader, and not sent.
+    # The part after # is not sent.
     if found := _WITH_OPTIONS.fullmatch(path):
         before, url, after = found.groups()
         return f"{before}{url}%23{number}{after}", unquote(url)
@@ -240,7 +249,7 @@ def _version(answer: Response) -> _Version:
 
 
 def _values(message: object) -> list[object]:
-    """Return the values of a message, and those of messages among them."""
+    """Values of a message, with those of nested messages."""
     found = list(getattr(message, "values", ()))
     return found + [inner for value in found for inner in _values(value)]
 

@@ -23,12 +23,6 @@ Sums = NDArray[Any]
 
 #: Most pixels of a raster that a part of a picture is made of: their sums stay within 32 bits.
 MOST_PX = 4096 * 4096
-#: Types that hold the sums of values of more than 8 bits, by the kind of theirs.
-_SUMS: dict[str, Any] = {"u": np.int64, "i": np.int64, "f": np.float64}
-#: What boxes may be beside a pixel, px, and still show it alone: the noise of positions.
-_SAME_PX = 1e-5
-#: Share of a box that may lie beyond imagery: the noise of positions and weights, a fortieth of a grey level.
-_SLACK = 1e-4
 
 
 class PixelFootprints(NamedTuple):
@@ -44,11 +38,11 @@ class PixelFootprints(NamedTuple):
 
     @property
     def are_upright(self) -> bool:
-        """Whether columns and rows do not depend on each other."""
+        """Whether columns and rows are independent."""
         return self.column_px.shape[0] == 1 and self.row_px.shape[1] == 1
 
     def scaled(self, left: float, top: float, x: float, y: float) -> PixelFootprints:
-        """Boxes in other pixels, which are ``x`` and ``y`` times as large and begin at ``left, top`` of these."""
+        """Footprints in pixels of ``x`` by ``y`` px, counted from ``left, top``."""
         return PixelFootprints(
             (self.column_px - left) / x, (self.row_px - top) / y, self.width_px / x, self.height_px / y
         )
@@ -65,8 +59,8 @@ def pixel_footprints(column_px: Floats, row_px: Floats) -> PixelFootprints:
     Returns
     -------
     PixelFootprints
-        Of the (h, w) pixels. Width is the step of columns across a pixel and down a pixel, taken together as by
-        Pythagoras: a turned raster has boxes as large as one that is not. Not finite where positions are not.
+        Of the (h, w) pixels. The width is the root of the sum of squares of the column steps across and down a pixel,
+        so that turning a raster does not change it. Not finite where positions are not.
     """
     with np.errstate(invalid="ignore"):
         if column_px.shape[0] == 1:
@@ -85,7 +79,7 @@ def pixel_footprints(column_px: Floats, row_px: Floats) -> PixelFootprints:
 
 
 def _step(values: Floats, axis: int) -> Floats:
-    """Step from pixel to pixel: the smaller one of those to both sides, one of which may go around the Earth."""
+    """Step from pixel to pixel: the smaller of both sides, as the other may cross the antimeridian."""
     steps = np.abs(np.diff(values, axis=axis))
     before, after = (steps[:-1], steps[1:]) if axis == 0 else (steps[:, :-1], steps[:, 1:])
     smaller: Floats = np.fmin(before, after)
@@ -93,54 +87,56 @@ def _step(values: Floats, axis: int) -> Floats:
 
 
 def reduced(colours: Values, x: int, y: int) -> Sums:
-    """Sums over blocks of ``x`` by ``y`` pixels of (h, w, c); blocks at the end may be less than full."""
+    """Sums over blocks of ``x`` by ``y`` pixels of (h, w, c); blocks at the end may be smaller."""
     if x == y == 1:
         return colours
-    kind = _SUMS[colours.dtype.kind] if colours.dtype.itemsize > 1 else np.uint32
+    wide: Any = np.float64 if colours.dtype.kind == "f" else np.int64
+    kind = wide if colours.dtype.itemsize > 1 else np.uint32
     rows = np.add.reduceat(colours, np.arange(0, colours.shape[0], y), axis=0, dtype=kind)
     return np.add.reduceat(rows, np.arange(0, colours.shape[1], x), axis=1)
 
 
 def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str = "uint8") -> Values:
-    """Values of boxes.
+    """Means of the values over footprints.
 
     Parameters
     ----------
     ground : array (h, w, c + 1)
-        Sums of the bands' values, and count of the pixels that have imagery, of ``block`` pixels each.
+        Sums of the bands' values, and the number of pixels with imagery, for blocks of ``block`` pixels.
     footprints : PixelFootprints
-        In pixels of ``ground``; beyond it there is no imagery.
+        In pixels of ``ground``, beyond which there is no imagery.
     block : int
     data_type : str
-        Of the values.
+        Type of the result.
 
     Returns
     -------
     array (height, width, c + 1) of that type
-        The last channel is not 0 where the whole box has imagery (255 of uint8), else all are 0.
+        The last channel is nonzero where the whole footprint has imagery (255 for uint8); elsewhere all are 0.
     """
     kind = np.dtype(data_type)
     pixels = _whole_pixels(footprints)
     shape = footprints.row_px.shape[0], footprints.column_px.shape[1]
     if pixels is not None and block == 1:
-        picture = _taken(ground, shape, pixels).astype(kind, copy=False)
+        picture = _copied_pixels(ground, shape, pixels).astype(kind, copy=False)
         picture[..., -1] *= full(kind)
         return picture
     if pixels is not None:
-        total = _taken(ground, shape, pixels).astype(np.float64)
+        total = _copied_pixels(ground, shape, pixels).astype(np.float64)
     elif not footprints.are_upright:
-        total = _means_anyhow(ground, footprints)
+        total = _turned_means(ground, footprints)
     elif kind.kind == "f":
-        # Running totals of floats would mix values that lie far apart.
+        # Running totals of floats would mix distant values.
         down = _weighted(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
         total = _weighted(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     else:
-        down = _means_along(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
-        total = _means_along(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(
+        down = _running_means(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
+        total = _running_means(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(
             0, 1
         )
     total /= block
-    whole = total[..., -1] > 1.0 - _SLACK
+    # The tolerance covers the noise of positions and weights: a fortieth of a grey level.
+    whole = total[..., -1] > 1.0 - 1e-4
     picture = fitted(total, kind)
     picture[..., -1] = full(kind)
     picture[~whole] = 0
@@ -148,7 +144,9 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
 
 
 def _whole_pixels(footprints: PixelFootprints) -> tuple[tuple[int, int], tuple[int, int]] | None:
-    """First row and column of the pixels that boxes are, each with its step; None where one is not just a pixel."""
+    """First row and column of the pixels that footprints coincide with, each with its step; None where one does not."""
+    # The noise of positions, px.
+    same_px = 1e-5
     if not footprints.are_upright:
         return None
     found = []
@@ -159,22 +157,22 @@ def _whole_pixels(footprints: PixelFootprints) -> tuple[tuple[int, int], tuple[i
         if not np.isfinite(centre).all():
             return None
         index = np.floor(centre)
-        if np.abs(centre - index - 0.5).max() > _SAME_PX or np.abs(width - 1.0).max() > _SAME_PX:
+        if np.abs(centre - index - 0.5).max() > same_px or np.abs(width - 1.0).max() > same_px:
             return None
         step = int(index[1] - index[0]) if len(index) > 1 else 1
-        # Boxes as wide as a pixel lie one beside the other, from the first or from the last.
+        # They must be adjacent, in either direction.
         if abs(step) != 1 or index[-1] - index[0] != step * (len(index) - 1):
             return None
         found.append((int(index[0]), step))
     return found[0], found[1]
 
 
-def _taken(
+def _copied_pixels(
     ground: Sums,
     shape: tuple[int, int],
     first: tuple[tuple[int, int], tuple[int, int]],
 ) -> Sums:
-    """Pixels from a row and a column on, as they are; 0 beyond the ground."""
+    """Unchanged pixels from a row and a column on; 0 beyond the ground."""
     picture = np.zeros((*shape, ground.shape[2]), ground.dtype)
     here, there = zip(*(_common(*one, *sizes) for one, sizes in zip(first, zip(shape, ground.shape))))
     picture[here] = ground[there]
@@ -182,7 +180,7 @@ def _taken(
 
 
 def _common(first: int, step: int, count: int, size: int) -> tuple[slice, slice]:
-    """Of so many indices with a step: those that are below a size and not below 0, and where in it they are."""
+    """Of ``count`` indices with a step: those from 0 to below ``size``, and the indices themselves, as slices."""
     low, high = (-first, size - first) if step > 0 else (first - size + 1, first + 1)
     low, high = min(max(low, 0), count), min(max(high, 0), count)
     if low >= high:
@@ -192,7 +190,7 @@ def _common(first: int, step: int, count: int, size: int) -> tuple[slice, slice]
 
 
 def _weighted(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
-    """Means of the first axis over intervals, each from its own values alone."""
+    """Means of the first axis over intervals, each from the values within."""
     index, weights = _taps(centre, width, len(values), np.float64)
     total: Floats = np.zeros((len(centre), *values.shape[1:]))
     for rows, share in zip(index, weights):
@@ -200,8 +198,8 @@ def _weighted(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
     return total
 
 
-def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
-    """Means of the first axis over intervals, from the differences of running totals."""
+def _running_means(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
+    """Means of the first axis over intervals, from differences of running totals."""
     kind: Any = np.float64 if values.dtype == np.float64 else np.int64
     if values.dtype in (np.uint8, np.uint32):
         kind = np.uint32
@@ -220,7 +218,7 @@ def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats
     return result
 
 
-def _means_anyhow(ground: Sums, footprints: PixelFootprints) -> Floats:
+def _turned_means(ground: Sums, footprints: PixelFootprints) -> Floats:
     height, width, channels = ground.shape
     # Sums of bytes are exact in float32, and `take` is three times as fast as an index.
     kind: Any = np.float32 if ground.dtype in (np.uint8, np.uint32) else np.float64
@@ -237,11 +235,11 @@ def _means_anyhow(ground: Sums, footprints: PixelFootprints) -> Floats:
 
 
 def _taps(centre: Floats, size: Floats, count: int, kind: Any) -> tuple[NDArray[np.intp], NDArray[Any]]:
-    """Indices and weights (taps, n) of the pixels along one axis that boxes reach; weights are 0 beyond the raster."""
+    """Indices and weights (taps, n) of the pixels along an axis under footprints; weights are 0 beyond the raster."""
     reached = np.isfinite(centre) & np.isfinite(size)
     middle = np.where(reached, centre, -2.0 * count).ravel()
     wide = np.where(reached, size, 1.0).ravel()
-    # Far beyond the raster a box reaches as little as just beyond it, and is no larger than need be there.
+    # All footprints beyond the raster are moved just beyond it, with a width of 1, to keep the number of taps small.
     beyond = (middle + wide / 2.0 <= 0.0) | (middle - wide / 2.0 >= count)
     middle, wide = np.where(beyond, -2.0, middle), np.where(beyond, 1.0, wide)
     low, high = middle - wide / 2.0, middle + wide / 2.0

@@ -1,7 +1,7 @@
-"""How much of anything a raster may have: bands, overviews, directories of a TIFF, bytes of a block.
+"""Limits of a raster: bands, overviews, directories of a TIFF, bytes of a block.
 
-A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs, and their texts
-may name other files.
+Directories of a TIFF are checked before GDAL reads them, as a VRT may read any number of TIFFs, and their texts may
+name other files.
 """
 
 from __future__ import annotations
@@ -19,29 +19,17 @@ from ...limits import (
     MAX_TIFF_DIRECTORIES,
 )
 
-#: By the number of the version: how offsets, numbers of entries and entries are written, and where the first offset is.
-_FORMS = {42: ("I", 4, "H", "HHI4s"), 43: ("Q", 8, "Q", "HHQ8s")}
-#: Entries of a directory; libtiff refuses those with more.
-_MOST_ENTRIES = 4096
-#: Tags, by their numbers in the specification.
+#: Tags of TIFF.
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS = 256, 257, 258, 259, 277, 278
 _PLANAR, _TILE_WIDTH, _TILE_HEIGHT, _TIE_POINTS = 284, 322, 323, 33922
 #: Types of whole numbers: of 1, 2, 4 and 8 bytes.
 _TYPES = {1: "B", 3: "H", 4: "I", 16: "Q"}
-#: Types of a byte each, as texts are written.
-_TEXT_TYPES = frozenset([1, 2, 6, 7])
-_UNCOMPRESSED, _SEPARATE = 1, 2
-#: More rows than these in a single strip GDAL reads line by line, of uncompressed images, or of so few bits.
-_SPLIT_ROWS, _SPLIT_BITS = 2000, 8
-#: Tags whose first values are of interest, and bytes of an entry's value in files of 32 bits.
+#: Tags whose first value is read.
 _READ = frozenset([_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS, _PLANAR, _TILE_WIDTH, _TILE_HEIGHT])
-_CLASSIC_BYTES = 4
-#: Numbers of a tie point.
-_TIE_POINT_NUMBERS = 6
 
 
 def check_counts(bands: int, overviews: int) -> None:
-    """Refuse more bands or overviews than there may be; raises InvalidInput with the reason alone."""
+    """Refuse too many bands or overviews; raises InvalidInput with the reason only."""
     if bands > MAX_RASTER_BANDS:
         raise InvalidInput(
             "has {0:,} bands: must be at most {1:,}",
@@ -59,7 +47,7 @@ def check_counts(bands: int, overviews: int) -> None:
 
 
 def check_block(width: int, height: int, bytes_per_px: float) -> None:
-    """Refuse pixels that are decoded in blocks of too many bytes; raises InvalidInput with the reason alone."""
+    """Refuse blocks of too many bytes; raises InvalidInput with the reason only."""
     size = width * height * bytes_per_px
     if size > MAX_RASTER_BLOCK_BYTES:
         raise InvalidInput(
@@ -73,7 +61,7 @@ def check_block(width: int, height: int, bytes_per_px: float) -> None:
 
 
 class _Entry(NamedTuple):
-    """An entry of a directory: type and number of its values, the first of them, and the values or their offset."""
+    """An entry of a directory: type and number of its values, the first value, and the values or their offset."""
 
     kind: int
     length: int
@@ -89,7 +77,7 @@ def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
     name : str
         Of the file.
     head : bytes
-        What the file begins with; other files than TIFFs pass.
+        First bytes of the file; files other than TIFF pass.
 
     Raises
     ------
@@ -100,18 +88,19 @@ def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
 
 
 def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int) -> Iterator[bytes]:
-    """Yield the texts that the directories of a TIFF have for a tag; parameters as of `check_directories`.
+    """Yield the texts of a tag in the directories of a TIFF; parameters as for `check_directories`.
 
     Raises
     ------
     InvalidInput
-        One is longer than ``most_bytes``, or written as numbers, of which libtiff makes a text.
+        A text is longer than ``most_bytes``, or stored as numbers, which libtiff converts to text.
     """
     for order, entries in _directories(name, file, head):
         entry = entries.get(tag)
         if entry is None:
             continue
-        if entry.kind not in _TEXT_TYPES:
+        # Text may have any type of one byte.
+        if entry.kind not in (1, 2, 6, 7):
             raise InvalidInput("{0} has numbers in place of the text of tag {1}", name, tag)
         if entry.length > most_bytes:
             raise InvalidInput("{0} holds more than {1:g} MB of metadata", name, most_bytes / (1 << 20))
@@ -121,9 +110,11 @@ def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int
 
 
 def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str, dict[int, _Entry]]]:
-    """Yield the order of bytes and the entries of each directory, as far as they can be read."""
+    """Yield the byte order and the entries of each readable directory."""
+    # By version: formats of offsets and place of the first, formats of the number of entries and of an entry.
+    formats = {42: ("I", 4, "H", "HHI4s"), 43: ("Q", 8, "Q", "HHQ8s")}
     order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
-    form = _FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order and len(head) >= 16 else None
+    form = formats.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order and len(head) >= 16 else None
     if form is None:
         return
     offset_kind, offset_at, count_kind, entry_kind = form
@@ -143,7 +134,7 @@ def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str,
             entries = _entries(file, order, count_kind, entry_kind)
             behind = file.tell()
         except (OSError, OverflowError, ValueError, struct.error):
-            # GDAL says what is wrong with such a file.
+            # GDAL reports the errors of such a file.
             return
         yield order, entries
         file.seek(behind)
@@ -154,9 +145,10 @@ def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str,
 
 
 def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> dict[int, _Entry]:
-    """Entries of the directory that begins here, by their tags; the file is behind it then."""
+    """Read the entries of a directory, by their tags, and leave the file after it."""
     (count,) = struct.unpack(order + count_kind, file.read(struct.calcsize(count_kind)))
-    if count > _MOST_ENTRIES:
+    # libtiff refuses more.
+    if count > 4096:
         raise ValueError(count)
     size = struct.calcsize(order + entry_kind)
     content = file.read(count * size)
@@ -171,7 +163,7 @@ def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> d
 
 
 def _first(file: IO[bytes], order: str, kind: str, length: int, values: bytes) -> int:
-    """First value of an entry; 0 where it lies beyond the file, which libtiff forgives some tags."""
+    """First value of an entry; 0 where it lies beyond the file, which libtiff tolerates for some tags."""
     size = struct.calcsize(kind)
     try:
         if size * length > len(values):
@@ -183,26 +175,28 @@ def _first(file: IO[bytes], order: str, kind: str, length: int, values: bytes) -
 
 
 def _offset(order: str, values: bytes) -> int:
-    return int(struct.unpack(order + ("I" if len(values) == _CLASSIC_BYTES else "Q"), values)[0])
+    return int(struct.unpack(order + ("I" if len(values) == 4 else "Q"), values)[0])
 
 
 def _check_entries(name: str, entries: dict[int, _Entry]) -> None:
     def value(tag: int, usual: int) -> int:
         return entries[tag].first if tag in entries else usual
 
-    points = entries[_TIE_POINTS].length // _TIE_POINT_NUMBERS if _TIE_POINTS in entries else 0
+    # A tie point has six numbers.
+    points = entries[_TIE_POINTS].length // 6 if _TIE_POINTS in entries else 0
     if points > MAX_RASTER_ITEMS:
         raise InvalidInput(
             "{0} has {1:,} ground control points: must be at most {2:,}", name, points, MAX_RASTER_ITEMS
         )
     width, height = value(_WIDTH, 0), value(_HEIGHT, 0)
     bits = value(_BITS, 1)
-    samples = 1 if value(_PLANAR, 1) == _SEPARATE else value(_SAMPLES, 1)
+    is_separate, is_uncompressed = value(_PLANAR, 1) == 2, value(_COMPRESSION, 1) == 1
+    samples = 1 if is_separate else value(_SAMPLES, 1)
     across, down = value(_TILE_WIDTH, 0), value(_TILE_HEIGHT, 0)
     if not (across and down):
         across, down = width, min(value(_ROWS, height), height)
-        is_split = value(_COMPRESSION, _UNCOMPRESSED) == _UNCOMPRESSED or bits <= _SPLIT_BITS
-        if is_split and down == height > _SPLIT_ROWS:
+        # GDAL reads such large single strips line by line.
+        if (is_uncompressed or bits <= 8) and down == height > 2000:
             return
     try:
         check_block(across, down, samples * bits / 8)

@@ -1,4 +1,4 @@
-"""A raster file as a source on the pixel grid of the Web-Mercator map; ``{date}`` in its path is one of several."""
+"""A raster file as a source, on the pixel grid of the Web-Mercator map or in its CRS; ``{date}`` selects a file."""
 
 from __future__ import annotations
 
@@ -30,42 +30,23 @@ from ..policy import Policy
 from ..source import Part, Window, tile_parts
 from ..systems import MAP
 from ..tiles import KEY_ENV, check_zoom, environment_key
-from .colours import Colours, colours_of, heights_of
+from .colours import Colours, choose_colours, height_colours
 from .georeference import TILE_PX, RasterGeoreference
 from .reading import Facts, PixelBox, Pool, ReadError, Values, opener
 from .remote import Remote
 from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced
-from .trust import FETCHED, KEY, check_virtual, drivers_for, file_of_part, host_of_virtual, name_for_gdal
+from .trust import FETCHED, KEY, allowed_drivers, check_virtual, file_of_part, host_of_virtual, name_for_gdal
 
-#: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
-_MAX_ZOOM = 22
-#: Zooms above a raster's own that are served by enlarging, where it has a plane of its own.
-_ENLARGED_ZOOMS = 6
-#: Pixels of an overview that a pixel of the map is the mean of at least, along each side. Overviews may have been made
-#: by leaving pixels out, which shifts them by half of one of theirs: an eighth of one of the map.
-_LEAST_OF_OVERVIEW_PX = 4.0
-#: Blocks of pixels that a pixel of the map is the mean of at least, along each side, where they are summed up first.
-_LEAST_OF_BLOCKS = 2.0
-#: Values of the raster that are read in one go: a million pixels of three bands and whether they are there.
-_STRIP_VALUES = 1 << 22
-#: Pixels of an overview that tell what values a raster has, at least and at most; of a larger one so many squares along
-#: each side are read.
+#: Pixels of an overview from which percentiles are taken, at least and at most.
 _SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
-_SAMPLES, _SAMPLE_SIDE_PX, _USUAL_BANDS = 16, 64, 4
-#: Slivers of a pixel that are not worth reading it: the noise of positions, far below what `means` lets pass.
+#: Parts of a pixel that are not read: the noise of positions, far below the tolerance of `means`.
 _SLIVER_PX = 1e-5
-#: Tags that say whose a picture is, the best first.
-_CREDITS = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST")
-#: What stands for the date in a path.
+#: Placeholder of the date in a path.
 PLACEHOLDER = "{date}"
-_FORMS = re.compile(r"(\d{4})(?:([-_.]?)(\d\d)(?:\2(\d\d))?)?")
-_TAG = re.compile(r"(\d{4})[:-](\d\d)[:-](\d\d)")
-#: Dates named in a message.
-_MOST_NAMED = 10
 
 
 class RasterFile(FileSource):
-    """A raster file, or a path of such files with {date} in it."""
+    """A raster file, or a path of several with {date}."""
 
     takes_date = True
     has_bands = True
@@ -86,11 +67,11 @@ class RasterFile(FileSource):
 
     @property
     def needs_key(self) -> bool:
-        """Whether a key stands in its address."""
+        """Whether its address contains {key}."""
         return KEY in self.text
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if that is for its host."""
+        """Return the environment's key, if it is for its host."""
         if not self.needs_key:
             return None
         return environment_key([host_of_virtual(self.text)], named_by_user=self.options.named_by_user)
@@ -110,56 +91,52 @@ def open_raster(
 ) -> RasterSource:
     """Open a raster file as a source of imagery.
 
-    A picture that says where it lies: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of
-    files beside it (`trust` says which formats, and why no others). See `RasterSource` for how its pixels become the
-    map's.
+    A georeferenced picture: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of files beside it
+    (see `trust` for the formats). `RasterSource` describes the resampling.
 
     Parameters
     ----------
     path : path
-        Or a path with ``{date}``, which stands for the date in whatever form the files' names have it; or one of
-        GDAL's virtual file systems, ``/vsi…``; or the address of a file, ``https://…/x.tif``, which is read in parts.
+        A path; a path with ``{date}`` in place of the date, in any form; a path in GDAL's virtual file systems,
+        ``/vsi…``; or the address of a file, ``https://…/x.tif``, which is read in parts.
     date : str
-        Of the imagery, YYYY-MM-DD, YYYY-MM or YYYY; empty for what the file states, if anything.
+        YYYY-MM-DD, YYYY-MM or YYYY; empty for the date in the file, if any.
     own_pixels : bool
-        Whether pictures are made of the raster's own pixels in its own CRS, where that can be (see `RasterSource`).
-        False makes them of the Web-Mercator map's, so that they align with those of other sources.
+        Use the raster's pixels in its CRS where possible (see `RasterSource`). Otherwise pictures have the pixels of
+        the Web-Mercator map, aligned with those of other sources.
     bands : sequence of str
-        Names of bands, or their numbers from 1, in the order that they are wanted in; empty for all (as stored), or
-        those of colours.
+        Names of bands, or their numbers from 1, in the wanted order; empty for all (as stored), or those of colours.
     stretch : str
         How values become 8 bits: ``none``, ``percentile``, or two numbers, which become 0 and 255.
     as_stored : bool
-        Pixels have any number of bands, and values of the file's own type where they are not stretched. Otherwise they
-        are red, green and blue of 8 bits.
+        Return any number of bands, in the file's data type unless stretched; otherwise red, green and blue of 8 bits.
     heights : bool
-        The first band is taken for heights, as float32, and rows along degrees keep their own pixels, too.
+        Return the first band as heights of float32, with the raster's pixels also where they are in degrees.
     transport : Transport or None
-        For what is asked of a server beside GDAL's requests; None for one of its own. It stays open.
+        For requests beside GDAL's, left open; None for a new one.
     key : str
-        What ``{key}`` in an address stands for.
+        Value of ``{key}`` in an address.
 
     Raises
     ------
     InvalidInput
-        There is no such file, it is no raster, has no place on the map, no such bands, or other values than of 8 bits
-        where it has to have those; no file of the date; no library that reads raster files; it describes data
-        elsewhere.
+        The file is missing, is not a raster, lacks a georeference, the wanted bands or the 8 bits that are needed, or
+        describes data elsewhere; no file has the date; or no library for raster files is installed.
     SourceError
-        Its server is out of reach, or refuses.
+        Its server is out of reach or refuses.
     """
     given = os.fspath(path)
     name = name_for_gdal(given)
     if name.startswith("/vsi"):
         check_virtual(name)
-    file, date = file_of(name, date)
-    _check_there(file)
+    file, date = dated_file(name, date)
+    _check_exists(file)
     try:
-        drivers = drivers_for(file)
+        drivers = allowed_drivers(file)
     except InvalidInput as wrong:
         raise InvalidInput("{0}: {1}", file, wrong) from wrong
     library = partial(opener(), drivers=drivers)
-    remote = Remote(file, _title(file), transport, _key_for(file, key)) if FETCHED.search(file) else None
+    remote = Remote(file, _title(file), transport, _required_key(file, key)) if FETCHED.search(file) else None
     pool = Pool(library, file, remote)
     try:
         with pool.lent(0) as raster:
@@ -185,24 +162,23 @@ def open_raster(
 
 
 class RasterSource:
-    """A raster file in any coordinate reference system; made by `open_raster`.
+    """A raster file in any coordinate reference system, opened by `open_raster`.
 
-    Where its rows run along those of a projected CRS, pictures are made of its own pixels, and of means of 2, 4, 8 … of
-    them along each side. Otherwise, and where they are the map's anyway, they are made of the map's pixels.
+    Where its rows are parallel to the axes of a projected CRS, pictures have its pixels, or means of 2, 4, 8 … of them
+    along each side. Otherwise, and where they coincide with the map's, pictures have the pixels of the map.
 
-    Each pixel of the map is the mean over its footprint in the raster, placed by PROJ pixel by pixel: bilinear where
-    it is no larger than the raster's, the average where it is, and the raster's own pixel, unchanged, where the two
-    grids fall together. Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0) the
-    channel after the bands' is 0; what is missing never mixes with values. Palettes become colours first. Far below the
-    native zoom the means are taken over an overview of the file, of 4 pixels or more along each side. Values that are
-    stretched to 8 bits are so after all this.
+    Each pixel of the map is the mean over its footprint in the raster, which PROJ places pixel by pixel: bilinear where
+    it is no larger than the raster's pixels, the average where it is, and the unchanged pixel where the grids coincide.
+    Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0), the channel after the bands is
+    0; missing pixels never mix with values. Palettes are converted to colours first. Far below the native zoom, means
+    are taken over an overview, of 4 pixels or more along each side. Values are stretched to 8 bits last.
 
     Attributes
     ----------
     bands : Bands
-        What `fetch` gives the values of.
+        Bands of the pixels that `fetch` returns.
     facts : Facts
-        What the file says of itself.
+        Description of the file.
     """
 
     map_types: tuple[str, ...] = ()
@@ -228,15 +204,18 @@ class RasterSource:
         self.title = _title(path)
         self.date = date
         self.facts = facts
-        credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
+        tags = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST")
+        credit = next((facts.tags[tag] for tag in tags if facts.tags.get(tag, "").strip()), "")
         self.attribution = " ".join(printable(credit[:MAX_METADATA_CHARACTERS]).split()) or self.title
         self._path = path
         self._limits = stretch_range(stretch)
         self._is_stretched = stretch != NO_STRETCH
         self._colours: Colours = (
-            heights_of(facts)
+            height_colours(facts)
             if heights
-            else colours_of(facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title)
+            else choose_colours(
+                facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title
+            )
         )
         kind = self._colours.kind
         self.bands: Bands = replace(kind, data_type="uint8") if self._is_stretched else kind
@@ -255,7 +234,7 @@ class RasterSource:
 
     @property
     def is_warped(self) -> bool:
-        """Whether its coordinate reference system is another than the map's, EPSG:3857."""
+        """Whether its coordinate reference system differs from the map's, EPSG:3857."""
         return self._place.is_warped
 
     def parts(self, window: Window) -> list[Part]:
@@ -272,11 +251,11 @@ class RasterSource:
         Raises
         ------
         InvalidInput
-            A zoom that it does not serve.
+            The zoom is not available.
         PartError
-            Its pixels cannot be read here.
+            The pixels cannot be read.
         SourceError
-            The file is gone, or has changed since it was opened; or its provider's terms let no more of it pass.
+            The file is gone or has changed since it was opened, or its provider's terms allow no more requests.
         Cancelled
             The source is closed.
         """
@@ -291,7 +270,7 @@ class RasterSource:
 
     @property
     def ranges(self) -> tuple[Range, ...]:
-        """Values of each band that are shown darkest and brightest: of 8 bits all, else percentiles of the file.
+        """Values of each band to show darkest and brightest: 0 and 255, or percentiles of the file where not of 8 bits.
 
         Raises
         ------
@@ -303,7 +282,7 @@ class RasterSource:
         return self._file_percentiles()
 
     def _check_same(self, *, anew: bool = False) -> None:
-        """Refuse a file that is gone or another one by now; of a remote one its server is asked now and then."""
+        """Refuse a file that is gone or has changed; the server of a remote file is asked from time to time."""
         if self._pool.remote is not None:
             self._pool.remote.check(anew=anew)
         state = _state(self._path)
@@ -323,7 +302,7 @@ class RasterSource:
         return shown
 
     def _file_percentiles(self) -> tuple[Range, ...]:
-        """Percentiles of each band, of the coarsest overview that tells them; the same whenever they are asked for."""
+        """Percentiles of each band, from the coarsest overview with enough pixels; computed once."""
         with self._measuring:
             if self._percentiles is None:
                 values = self._sampled()
@@ -331,20 +310,20 @@ class RasterSource:
             return self._percentiles
 
     def _sampled(self) -> Values:
-        """Values (n, bands) of pixels all over the raster."""
+        """Values (n, bands) of pixels from the whole raster; of a large one, of 16 by 16 squares."""
         level = max(
             i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX
         )
         width, height = self._sizes[level]
         boxes_read = [PixelBox(0, 0, width, height)]
-        # Of many bands fewer pixels tell enough, and fit memory.
-        share = max(len(self.bands) / _USUAL_BANDS, 1.0)
+        # Fewer pixels for more than four bands, to fit memory.
+        share = max(len(self.bands) / 4.0, 1.0)
         if width * height * share > _MOST_SAMPLED_PX:
-            side = min(max(int(_SAMPLE_SIDE_PX / share), 1), width, height)
+            side = min(max(int(64 / share), 1), width, height)
             boxes_read = [
                 PixelBox(round(left), round(top), side, side)
-                for top in np.linspace(0, height - side, _SAMPLES)
-                for left in np.linspace(0, width - side, _SAMPLES)
+                for top in np.linspace(0, height - side, 16)
+                for left in np.linspace(0, width - side, 16)
             ]
         try:
             with self._pool.lent(level) as file:
@@ -357,7 +336,7 @@ class RasterSource:
         return there
 
     def close(self) -> None:
-        """Close the file; parts asked for from now on raise `Cancelled`."""
+        """Close the file; from then on `fetch` raises `Cancelled`."""
         self._pool.close()
 
     def _grid(self, own: tuple[ProjectedPlane, int] | None) -> PixelGrid:
@@ -365,22 +344,22 @@ class RasterSource:
         width, height = self._sizes[-1]
         lowest = 0
         if width * height > MOST_PX:
-            # Without overviews that are small enough, tiles of low zooms would be means of too many pixels.
+            # Without small overviews, tiles of low zooms would be means of too many pixels.
             side = self._sizes[0][0] / width * MOST_PX**0.5 / TILE_PX
             lowest = max(native - int(np.log2(side)) + 1, 0)
-        if own is None:
-            highest, extent = max(native, _MAX_ZOOM), self._place.extent()
-            return PixelGrid(TILE_PX, lowest, highest, native, extent=extent)
-        highest, extent = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM), self._place.own_extent(native)
-        return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
+        # Higher zooms enlarge: up to that of most tiles on the map, six above the native one in another plane.
+        if own:
+            highest, extent = min(native + 6, HIGHEST_ZOOM), self._place.own_extent(native)
+            return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
+        return PixelGrid(TILE_PX, lowest, max(native, 22), native, extent=self._place.extent())
 
     def _mean_colours(self, footprints: PixelFootprints, part: Window) -> Values:
         level = self._level(footprints)
         width, height = self._sizes[level]
         footprints = footprints.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
-        # Where boxes are large still, blocks of pixels are summed up as they are read.
-        # Of a raster's own pixels all those that one of a lower zoom is the mean of make one block.
-        least = _LEAST_OF_BLOCKS if self.grid.plane.wraps else 1.0
+        # Blocks of pixels are summed while they are read, at least two along each side of a footprint on the map. In
+        # the raster's plane, a footprint is one block.
+        least = 2.0 if self.grid.plane.wraps else 1.0
         x, y = (
             max(int(_smallest(size) / least + _SLIVER_PX), 1)
             for size in (footprints.width_px, footprints.height_px)
@@ -402,23 +381,25 @@ class RasterSource:
         return means(self._read(level, box, x, y), footprints, x * y, self._colours.kind.data_type)
 
     def _level(self, footprints: PixelFootprints) -> int:
-        """Coarsest overview of which boxes still have pixels enough."""
+        """Coarsest overview with four pixels or more along each side of a footprint.
+
+        An overview made by decimation is shifted by half of its pixels: then by an eighth of the map's.
+        """
         full_width, full_height = self._sizes[0]
         wide, high = _smallest(footprints.width_px), _smallest(footprints.height_px)
         return max(
             (
                 level
                 for level, (width, height) in enumerate(self._sizes)
-                if wide * width / full_width >= _LEAST_OF_OVERVIEW_PX
-                and high * height / full_height >= _LEAST_OF_OVERVIEW_PX
+                if wide * width / full_width >= 4.0 and high * height / full_height >= 4.0
             ),
             default=0,
         )
 
     def _read(self, level: int, box: PixelBox, x: int, y: int) -> Sums:
-        """Sums of values over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
+        """Sums of values over blocks of ``x`` by ``y`` px of a box, read in strips of four million values."""
         bottom = box.top + box.height
-        rows = max(_STRIP_VALUES // (box.width * y * (len(self.bands) + 1)), 1) * y
+        rows = max((1 << 22) // (box.width * y * (len(self.bands) + 1)), 1) * y
         try:
             with self._pool.lent(level) as file:
                 strips = [
@@ -429,26 +410,26 @@ class RasterSource:
                     )
                 ]
         except ReadError as wrong:
-            # A file that is another one by now can be read nowhere.
+            # A file that has changed fails as a whole.
             self._check_same(anew=True)
             raise PartError("{0}: cannot be read here: {1}", self.title, wrong) from wrong
         return strips[0] if len(strips) == 1 else np.concatenate(strips)
 
 
-def _key_for(path: str, key: str) -> str:
+def _required_key(path: str, key: str) -> str:
     if KEY in path and not key:
         raise SourceError("{0}: needs an API key: set the environment variable {1}", _title(path), KEY_ENV)
     return key if KEY in path else ""
 
 
 def _title(path: str) -> str:
-    """Name of a file, of whichever kind its path is."""
+    """Name of a file, for every kind of path."""
     if FETCHED.search(path):
         path = unquote(re.split(r"[?&]url=", path)[-1]).partition("?")[0]
     return Path(path).name
 
 
-def _check_there(path: str) -> None:
+def _check_exists(path: str) -> None:
     if path.startswith("/vsi") or file_of_part(path):
         return
     try:
@@ -461,7 +442,7 @@ def _check_there(path: str) -> None:
 
 
 def _state(path: str) -> tuple[int, int] | None:
-    """Size and time of change of a file; None where there is none, as for virtual ones."""
+    """Size and modification time of a file; None for missing and virtual files."""
     try:
         status = Path(file_of_part(path) or path).stat()
     except OSError:
@@ -475,7 +456,7 @@ def _smallest(size_px: Floats) -> float:
 
 
 def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int) -> PixelBox | None:
-    """Pixels of a raster that boxes reach, in whole blocks of ``x`` by ``y`` counted from its corner; None for none."""
+    """Pixels under footprints, in whole blocks of ``x`` by ``y`` px counted from the raster's corner; None for none."""
     left, right = (
         footprints.column_px - footprints.width_px / 2.0,
         footprints.column_px + footprints.width_px / 2.0,
@@ -484,7 +465,7 @@ def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int
         footprints.row_px - footprints.height_px / 2.0,
         footprints.row_px + footprints.height_px / 2.0,
     )
-    # Comparisons with what is not finite say no.
+    # Comparisons with NaN are False.
     with np.errstate(invalid="ignore"):
         across = (right > _SLIVER_PX) & (left < width - _SLIVER_PX)
         down = (bottom > _SLIVER_PX) & (top < height - _SLIVER_PX)
@@ -508,7 +489,7 @@ def checked_date(text: str) -> str:
     InvalidInput
         Another form, or a day that does not exist.
     """
-    found = _FORMS.fullmatch(text)
+    found = re.fullmatch(r"(\d{4})(?:([-_.]?)(\d\d)(?:\2(\d\d))?)?", text)
     numbers = [number for number in (found.group(1, 3, 4) if found else ()) if number]
     try:
         dt.date(*(int(number) for number in [*numbers, "01", "01"][:3]))
@@ -520,33 +501,33 @@ def checked_date(text: str) -> str:
 
 
 def date_of_tags(tags: Mapping[str, str]) -> str:
-    """Day that a file states in the tag of TIFF, as YYYY-MM-DD; empty where it states none."""
-    found = _TAG.match(tags.get("TIFFTAG_DATETIME", ""))
+    """Day in TIFF's tag of the date, as YYYY-MM-DD; empty without one."""
+    found = re.match(r"(\d{4})[:-](\d\d)[:-](\d\d)", tags.get("TIFFTAG_DATETIME", ""))
     try:
         return dt.date(*(int(number) for number in found.groups())).isoformat() if found else ""
     except ValueError:
         return ""
 
 
-def file_of(path: str, date: str) -> tuple[str, str]:
-    """File that a path stands for, and the date.
+def dated_file(path: str, date: str) -> tuple[str, str]:
+    """File of a path and a date.
 
     Parameters
     ----------
     path : str
-        It may contain ``{date}``, also several times and in its folders.
+        May contain ``{date}``, also several times and in its folders.
     date : str
-        Any of the forms of `checked_date`, whichever the files are named in; empty for none.
+        In any form of `checked_date`; empty for none.
 
     Returns
     -------
     path, date : str
-        The date as `checked_date` gives it.
+        The date as `checked_date` returns it.
 
     Raises
     ------
     InvalidInput
-        There is no file of this date, or no date for a path that needs one; names the dates there are.
+        No file has this date, or a path with ``{date}`` has none; the error lists the available dates.
     """
     date = checked_date(date) if date else ""
     if PLACEHOLDER not in path:
@@ -559,19 +540,19 @@ def file_of(path: str, date: str) -> tuple[str, str]:
     if date in files:
         return files[date], date
     dates = sorted(files)
-    named: str = ", ".join(dates[-_MOST_NAMED:]) or Message("none")
-    if len(dates) > _MOST_NAMED:
-        named = Message("{0} earlier ones and {1}", len(dates) - _MOST_NAMED, named)
+    named: str = ", ".join(dates[-10:]) or Message("none")
+    if len(dates) > 10:
+        named = Message("{0} earlier ones and {1}", len(dates) - 10, named)
     missing = Message("there is none of {0}", date) if date else Message("say which date")
     raise InvalidInput("{0}: {1}; dates there are: {2}", path, missing, named, field="date")
 
 
 def _files(path: str) -> dict[str, str]:
-    """Files that a path with ``{date}`` stands for, by their dates."""
+    """Files that match a path with ``{date}``, by their dates."""
     first, *more = os.path.normpath(path).split(PLACEHOLDER)
     pattern = re.compile(re.escape(first) + "(.+?)" + r"\1".join(map(re.escape, more)), re.DOTALL)
     found: dict[str, str] = {}
-    # Path.glob takes no pattern that begins with a root.
+    # Path.glob takes no absolute pattern.
     for name in sorted(glob.glob("*".join(map(glob.escape, [first, *more])))):  # noqa: PTH207
         match = pattern.fullmatch(os.path.normpath(name))
         if match and Path(name).is_file():

@@ -160,7 +160,7 @@ def host_of_virtual(name: str) -> str:
     return url_host(found[0]) if found else ""
 
 
-def with_key(name: str, key: str) -> str:
+def fill_key(name: str, key: str) -> str:
     """Name with what ``{key}`` stands for: a value, written as in an address (%2B for +) or not, or several parameters.
 
     Several, ``name=value&…``, where it stands alone between ``?`` or ``&`` and the next one.
@@ -187,7 +187,7 @@ def check_virtual(path: str) -> None:
         )
 
 
-def drivers_for(path: str) -> list[str]:
+def allowed_drivers(path: str) -> list[str]:
     """Return the formats that GDAL may take a file for.
 
     Raises
@@ -264,7 +264,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
 def _companions(file: Path) -> list[Path]:
     """Files that GDAL opens with a raster; refuses pipes and the like in the place of one, which it waits for."""
     try:
-        companions, odd = _beside(str(file.parent), file.parent.stat().st_mtime_ns)
+        companions, odd = _companion_files(str(file.parent), file.parent.stat().st_mtime_ns)
     except OSError:
         # A folder that may be searched and not listed.
         companions, odd = {}, ()
@@ -277,7 +277,7 @@ def _companions(file: Path) -> list[Path]:
 
 
 @lru_cache(maxsize=16)
-def _beside(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
+def _companion_files(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
     """Overviews and masks in a folder, by their names in lower case, and what there is no file.
 
     GDAL looks for them in a list of the folder, in any case of letters. Kept while the folder is as it was.
@@ -503,7 +503,7 @@ def _check_source(
 ) -> int:
     """Look through a file that a VRT reads, as `_check`; ``folders`` are those that links lead to."""
     within = _real(source)
-    if not any(_is_within(within, folder) for folder in folders):
+    if not any(_contains(within, folder) for folder in folders):
         raise InvalidInput(
             "{0} reads {1}, which is not beside it",
             vrt.name,
@@ -523,7 +523,7 @@ def _real(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _is_within(path: Path, folder: Path) -> bool:
+def _contains(path: Path, folder: Path) -> bool:
     return folder == path or folder in path.parents
 
 

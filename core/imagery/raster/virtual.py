@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from html import escape
 
-#: Bytes of a row of the raster that stands for the file: as many as GDAL asks a server for at once.
+#: Bytes of a row of the raster that represents the file: as many as GDAL requests at once.
 ROW_BYTES = 1 << 14
-#: Rows of it, whatever the file's size is: GDAL gives zeros behind the end.
+#: Rows of that raster, for a file of any size: GDAL returns zeros after its end.
 _ROWS = (1 << 31) - 1
-#: GDAL's option for VRTs of raw bytes that do not lie beside them, which newer versions refuse.
+#: GDAL's option to allow VRTs of raw bytes in other places, which newer versions refuse.
 OPTIONS = {"GDAL_VRT_RAWRASTERBAND_ALLOWED_SOURCE": "ALL"}
 
 
-def vrt_of_bytes(path: str) -> str:
-    """Text of a VRT of one band whose values are a file's bytes, row by row."""
+def raw_bytes_vrt(path: str) -> str:
+    """Text of a VRT of one band with the bytes of a file, row by row."""
     return (
         f'<VRTDataset rasterXSize="{ROW_BYTES}" rasterYSize="{_ROWS}"><VRTRasterBand dataType="Byte" band="1" '
         f'subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="0">{escape(path, quote=False)}</SourceFilename>'
@@ -24,7 +24,7 @@ def vrt_of_bytes(path: str) -> str:
 
 
 class VirtualFile:
-    """A file whose size is not known; behind its end are zeros, up to the end of a row.
+    """A file of unknown size, followed by zeros up to the end of a row.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ class VirtualFile:
         return self._at
 
     def read(self, size: int) -> bytes:
-        """Read that many bytes.
+        """Read a number of bytes.
 
         Raises
         ------
         EOFError
-            There are only zeros: the file ends here, or its server has not sent them, which GDAL does not tell apart.
+            There are only zeros: the file has ended, or its server has not sent them; GDAL does not distinguish these.
         """
         first, last = self._at // ROW_BYTES, (self._at + size - 1) // ROW_BYTES
         rows = []

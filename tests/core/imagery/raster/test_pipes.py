@@ -7,7 +7,7 @@ import os
 import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.raster.trust import drivers_for
+from terrainav.core.imagery.raster.trust import allowed_drivers
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes that have a name in a folder")
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes t
 )
 def test_a_pipe_beside_a_raster_is_refused(tmp_path, name):
     Image.new("L", (8, 8)).save(tmp_path / "a.tif")
-    drivers_for(str(tmp_path / "a.tif"))
+    allowed_drivers(str(tmp_path / "a.tif"))
     os.mkfifo(tmp_path / name)
     with pytest.raises(InvalidInput, match=rf"{name}: is no regular file"):
-        drivers_for(str(tmp_path / "a.tif"))
+        allowed_drivers(str(tmp_path / "a.tif"))

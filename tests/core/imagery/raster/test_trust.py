@@ -17,7 +17,7 @@ from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
-from terrainav.core.imagery.raster.trust import check_virtual, drivers_for  # noqa: E402
+from terrainav.core.imagery.raster.trust import allowed_drivers, check_virtual  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.imagery.tiles import check_address  # noqa: E402
 
@@ -227,7 +227,7 @@ def test_a_link_to_a_vrt_reads_what_is_beside_that(folder, outside, library):
 def test_files_that_cannot_be_there_are_left_to_gdal(folder, outside, name):
     """`pathlib` raises for names that are too long and for links that lead in a circle."""
     (folder / "circle.tif").symlink_to("circle.tif")
-    assert "VRT" in drivers_for(str(naming(folder / "map.vrt", outside, name, "1")))
+    assert "VRT" in allowed_drivers(str(naming(folder / "map.vrt", outside, name, "1")))
 
 
 def test_no_folder_of_the_user_opens_the_network(folder, outside, server, library, monkeypatch):
@@ -440,10 +440,10 @@ def test_names_that_are_none_of_keys(name):
 def test_overviews_are_looked_through_in_any_case_of_letters(tmp_path, server, name):
     """GDAL finds them in a list of the folder, and takes no notice of case there."""
     path = rasters.write(tmp_path / "map.tif", np.full((3, SIZE, SIZE), 77, np.uint8), ON_GRID, 3857)
-    assert drivers_for(str(path))
+    assert allowed_drivers(str(path))
     (tmp_path / name).write_text(WMS.format(url=server.url))
     with pytest.raises(InvalidInput, match="describes a service"):
-        drivers_for(str(path))
+        allowed_drivers(str(path))
     assert server.asked == []
 
 
@@ -455,7 +455,7 @@ def test_a_pipe_in_the_place_of_a_file_beside_a_raster_is_refused(tmp_path, name
     path = rasters.write(tmp_path / "map.tif", np.full((3, SIZE, SIZE), 77, np.uint8), ON_GRID, 3857)
     os.mkfifo(tmp_path / "other.tif.ovr")
     (tmp_path / "map.tif.gone").symlink_to("nowhere")
-    assert drivers_for(str(path))
+    assert allowed_drivers(str(path))
     os.mkfifo(tmp_path / name)
     with pytest.raises(InvalidInput, match=f"{name}: is no regular file, and lies beside map.tif"):
-        drivers_for(str(path))
+        allowed_drivers(str(path))
