@@ -1,7 +1,7 @@
-"""What GDAL may open for a raster source: pictures on this machine, and no more than the user has named.
+"""Checks of raster files before GDAL opens them: pictures only, and no other files than the user has named.
 
-GDAL reads descriptions of other data as readily as data: a VRT names files anywhere on the machine, a WMS file makes
-requests that keep to no terms. Inside them no list of formats holds; so they are read here before GDAL does.
+GDAL also opens descriptions of other data: a VRT names files anywhere on the machine, a WMS file makes requests that
+follow no terms. A list of formats does not apply inside them, so they are read here first.
 """
 
 from __future__ import annotations
@@ -44,143 +44,121 @@ from ...text.plain import one_line
 from ..tiles import check_address, url_host
 from .sizes import check_directories, tag_texts
 
-#: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
+#: GDAL's names of formats of pictures without references to other data, and VRT, which is checked.
 DRIVERS = tuple(
     "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
     "RMF SRTMHGT AAIGrid VRT".split()
 )
-#: Those of which files begin in a way of their own and hold no coordinate reference system as text.
-_PLAIN_DRIVERS = frozenset("JPEG PNG GIF BIGGIF WEBP BMP JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL".split())
-#: What messages call the part of a raster elsewhere that is looked through: its name may hold a key.
+#: Name in errors for the checked part of a raster elsewhere, as its address may contain a key.
 _HEADER = Message("header")
-#: Environment variable with folders that a VRT may read files of, beside its own.
+#: Environment variable with further folders that a VRT may read files from.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
-#: How files begin of formats that may have their coordinate reference system as text anywhere: HFA, NITF, MrSID, ECW.
+#: First bytes of formats that may contain their CRS as text anywhere: HFA, NITF, MrSID, ECW.
 _TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
 _SQLITE = b"SQLite format 3"
-#: Those that would be read from end to end to look through them: these, databases, and grids written as text.
+#: First bytes of formats whose check reads whole files: these, databases, and grids in text form.
 _READ_WHOLE = (*_TEXT_ANYWHERE, _SQLITE, b"ncols", b"NCOLS")
-#: How files of all these formats begin, of those that say so.
+#: First bytes of all formats, as far as they have any.
 _MAGIC = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
     *(b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a"),
     *_READ_WHOLE,
 )
-#: Endings of SRTM's files, which have no beginning of their own, and bytes of their 1, 1.5 and 3 seconds of arc.
+#: Ending of SRTM files, which have no signature, and their lengths in bytes for 1, 1.5 and 3 arc seconds.
 _SRTM, _SRTM_BYTES = (
     ".hgt",
     frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
 )
-#: How descriptions of services and collections begin, wherever GDAL looks for that.
+#: Signatures of descriptions of services and collections, anywhere in the head of a file.
 _DESCRIPTIONS = re.compile(
     rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"", re.IGNORECASE
 )
 _VRT = re.compile(rb"<VRTDataset", re.IGNORECASE)
-#: Bytes of a file that its format is told by.
+#: First bytes of a file that determine its format.
 _HEAD_BYTES = 4096
 #: Elements and attributes of a VRT, in lower case, that name data.
 _NAMING = frozenset(
     "sourcefilename sourcedataset sourcedatasetname filename dempath x_dataset y_dataset".split()
 )
-#: Those whose text is no name, whatever it looks like.
+#: Those whose text is never a name.
 _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
-#: Metadata by which a raster of any format names a file that GDAL then reads as its overviews.
+#: Item and domain of metadata by which a raster of any format names a file with its overviews.
 OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
 NAMES_OVERVIEWS = Message("names another file for its overviews, which is not read")
-#: What names other files in metadata that GDAL writes beside and into rasters.
-_NAMED_BESIDE = re.compile(f"{OVERVIEW_FILE}|/vsi|_DATASET", re.IGNORECASE)
-_NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
-#: Elements of a VRT that have Python compute its pixels, and one that stands for an attribute by which others are told.
-_REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
-#: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
-_OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
-#: Elements of a VRT, or of metadata beside a raster, of which there may be so many; those of overviews are a band's.
+#: Most elements in a VRT, or in metadata beside a raster; overviews count for each band.
 _MOST = {
     "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
     "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
     "mdi": (MAX_RASTER_ITEMS, Message("items of metadata")),
     "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
 }
-_ITEMS = re.compile(rb"<(mdi|gcp|item)\b", re.IGNORECASE)
 #: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys.
 _TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
-#: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
-_DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
-#: Such a name of a directory of a TIFF that may lie anywhere in it, where nothing looks for it.
-_ANYWHERE = "GTIFF_DIR:OFF:"
-#: Pieces between the colons and quotation marks of such a name: some formats have five.
-_MOST_PIECES = 20
-#: GDAL's virtual file systems, and what of them is on other machines.
+#: GDAL's virtual file systems, and those on other machines.
 VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
-#: Address of a raster file, and of no tiles.
+#: Address of a raster file, not of tiles.
 ADDRESS = re.compile(
     r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\}|\{key\})*)?", re.IGNORECASE | re.DOTALL
 )
-#: What stands for a key in an address.
+#: Placeholder of a key in an address.
 KEY = "{key}"
-_WHOLE_KEY = re.compile(r"([?&]){key}(?=[&#]|$)")
-#: Files beside a raster that GDAL opens with it.
+#: Endings of files that GDAL opens with a raster.
 _COMPANIONS = (".ovr", ".msk")
-#: Those in which GDAL looks for the coordinate reference system: with these endings behind the name, and in its place.
+#: Endings of files in which GDAL looks for the CRS: after the name, and in place of its ending.
 _BEHIND, _IN_PLACE = (".aux", ".hdr"), (".prj", ".hdr", ".aux", ".tab")
-#: Boxes of JPEG 2000 and JPEG XL that have pixels alone, and how files of boxes begin.
+#: Boxes of JPEG 2000 and JPEG XL with pixels only, and first bytes of such files.
 _PIXEL_BOXES, _BOXES = frozenset({b"jp2c", b"jxlc", b"jxlp"}), (b"\0\0\0\x0cjP", b"\0\0\0\x0cJXL ")
-#: Those in which it is looked for from end to end: the formats above, and RMF.
-_WITH_TEXT = (*_TEXT_ANYWHERE, b"RSW", b"MTW", b"\0WSR")
-#: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
-_CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
-#: Steps of SQLite between looks at the clock.
-_STEPS = 10_000
 
 
 def file_of_part(name: str) -> str:
-    """Path of the file that GDAL's name of a raster within it is of, where it is there; empty for other names."""
-    if not _DRIVER.match(name):
+    """Path of the existing file in GDAL's name of a raster within it, as GPKG:ortho.gpkg:summer; empty otherwise."""
+    # A single letter is a drive.
+    if not re.match(r"[A-Z][A-Za-z0-9_]+:", name):
         return ""
     pieces = re.split(r'[:"]', name)
-    if len(pieces) > _MOST_PIECES:
-        # Each stretch of them would be looked for.
+    # Some formats have five; every span of them is tried.
+    if len(pieces) > 20:
         return ""
     spans = combinations(range(1, len(pieces) + 1), 2)
-    # The longest first: a path may hold colons.
+    # The longest first, as a path may contain colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
     return next((path for path in paths if path and is_there(path)), "")
 
 
 def name_for_gdal(name: str) -> str:
-    """Name by which GDAL opens what a user has named: an address becomes ``/vsicurl/address``."""
+    """Name for GDAL of a raster that a user has named: an address becomes ``/vsicurl/address``."""
     return CURL + name if ADDRESS.fullmatch(name) else name
 
 
 def host_of_virtual(name: str) -> str:
-    """Host that GDAL fetches a file of its virtual file systems from; empty where the name has no address."""
+    """Host of a file of GDAL's virtual file systems; empty where the name has no address."""
     found = re.search(r"https?://[^#]+", unquote(name).replace("{key}", "0"), re.IGNORECASE)
     return url_host(found[0]) if found else ""
 
 
 def fill_key(name: str, key: str) -> str:
-    """Name with what ``{key}`` stands for: a value, written as in an address (%2B for +) or not, or several parameters.
+    """Name with the key in place of ``{key}``: a value, percent-encoded or not, or several parameters.
 
-    Several, ``name=value&…``, where it stands alone between ``?`` or ``&`` and the next one.
+    Several, ``name=value&…``, where ``{key}`` stands alone as a parameter.
     """
-    whole = _WHOLE_KEY.sub(lambda found: found[1] + key.lstrip("?&"), name)
+    whole = re.sub(r"([?&]){key}(?=[&#]|$)", lambda found: found[1] + key.lstrip("?&"), name)
     return whole.replace(KEY, quote(unquote(key), safe=""))
 
 
 def check_virtual(path: str) -> None:
-    """Refuse a name of GDAL's virtual file systems that holds a key or a password: it ends up in files.
+    """Refuse a name of GDAL's virtual file systems with a key or a password, which would end up in files.
 
     Raises
     ------
     InvalidInput
-        Does not quote it.
+        Without quoting the name.
     """
     plain = unquote(path)
     if re.search(r"[?&](userpwd|header\.|headers?_file|bearer|.*password)", plain, re.IGNORECASE):
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
-    # Of whatever scheme, with however many slashes, as curl takes them; a letter alone is a drive.
+    # Of any scheme, with any number of slashes, as curl accepts them; a single letter is a drive.
     for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
         check_address(
             f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file")
@@ -188,21 +166,21 @@ def check_virtual(path: str) -> None:
 
 
 def allowed_drivers(path: str) -> list[str]:
-    """Return the formats that GDAL may take a file for.
+    """Return the formats in which GDAL may open a file.
 
     Raises
     ------
     InvalidInput
-        It describes data elsewhere, or is a VRT of such data.
+        The file describes data elsewhere, or is a VRT of such data.
     """
     if path.startswith("/vsi"):
-        # What a VRT there names cannot be looked at.
+        # Files named by a VRT there cannot be checked.
         return [name for name in DRIVERS if name != "VRT"]
     part = file_of_part(path)
-    if part and path.upper().startswith(_ANYWHERE):
+    if part and path.upper().startswith("GTIFF_DIR:OFF:"):
         raise InvalidInput("names a place in the file: must name a directory by its number, GTIFF_DIR:2:…")
     file = Path(part or path)
-    # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
+    # A link names its target; GDAL resolves the names in a VRT from there.
     folders = (file.parent, _real(file).parent, *_folders())
     _check(file, tuple(dict.fromkeys(map(_real, folders))), 0, {})
     return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
@@ -215,12 +193,12 @@ def _folders() -> Iterator[Path]:
 
 
 def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
-    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named.
+    """Check a file and those that GDAL opens with it; ``depth`` is 0 for the file named by the user.
 
     Returns
     -------
     int
-        How often it reads other files, and these others; ``seen`` has that of those that were looked through.
+        Number of reads of other files, by the file and by these; ``seen`` has the number of each checked file.
     """
     whole = _real(file)
     if whole in seen:
@@ -248,12 +226,12 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     notes = _head(aux, MAX_VRT_BYTES + 1) if is_there(aux) else b""
     if len(notes) > MAX_VRT_BYTES:
         raise InvalidInput("{0} holds more than {1} MB of metadata", aux.name, MAX_VRT_BYTES >> 20)
-    if _names(_NAMED_BESIDE, notes):
+    if _names(f"{OVERVIEW_FILE}|/vsi|_DATASET", notes):
         raise InvalidInput("{0} names other files, which are not read", aux.name)
     with open_foreign(file) as opened:
         check_directories(file.name, opened, head)
         within = b"".join(tag_texts(file.name, opened, head, _TIFF_METADATA, MAX_VRT_BYTES))
-    if _names(_NAMED_WITHIN, within):
+    if _names(OVERVIEW_FILE, within):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
     _check_items(aux, notes)
     _check_items(file, within)
@@ -262,11 +240,11 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
 
 
 def _companions(file: Path) -> list[Path]:
-    """Files that GDAL opens with a raster; refuses pipes and the like in the place of one, which it waits for."""
+    """Files that GDAL opens with a raster; refuses pipes and the like in their place, for which GDAL would wait."""
     try:
         companions, odd = _companion_files(str(file.parent), file.parent.stat().st_mtime_ns)
     except OSError:
-        # A folder that may be searched and not listed.
+        # A folder may be searchable but not listable.
         companions, odd = {}, ()
     for name in odd:
         if name.lower().startswith(file.stem.lower()):
@@ -278,9 +256,9 @@ def _companions(file: Path) -> list[Path]:
 
 @lru_cache(maxsize=16)
 def _companion_files(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
-    """Overviews and masks in a folder, by their names in lower case, and what there is no file.
+    """Overviews and masks in a folder, by their names in lower case, and entries that are not files.
 
-    GDAL looks for them in a list of the folder, in any case of letters. Kept while the folder is as it was.
+    GDAL looks for them in a list of the folder, ignoring case. Cached until the folder changes.
     """
     companions: dict[str, list[str]] = {}
     odd = []
@@ -289,7 +267,7 @@ def _companion_files(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]
             is_companion = entry.name.lower().endswith(_COMPANIONS)
             if is_companion:
                 companions.setdefault(entry.name.lower(), []).append(entry.name)
-            # Some of GDAL's formats are folders, whose descriptions name other files.
+            # Some formats of GDAL are folders, whose descriptions name other files.
             is_plain = entry.is_file() or (entry.is_dir() and not is_companion)
             if not is_plain and Path(entry.path).exists():
                 odd.append(entry.name)
@@ -307,8 +285,8 @@ def _check_reads(vrt: Path, count: int) -> None:
 
 
 def _check_items(file: Path, metadata: bytes) -> None:
-    """Refuse metadata of so many items that GDAL is busy with them for long."""
-    count = sum(1 for _ in _ITEMS.finditer(metadata))
+    """Refuse metadata of too many items, which take GDAL long."""
+    count = sum(1 for _ in re.finditer(rb"<(mdi|gcp|item)\b", metadata, re.IGNORECASE))
     if count > MAX_RASTER_ITEMS:
         _refuse_number(file, count, MAX_RASTER_ITEMS, Message("items of metadata"))
 
@@ -321,27 +299,27 @@ def _is_srtm(file: Path) -> bool:
     return file.suffix.lower() == _SRTM and file.stat().st_size in _SRTM_BYTES
 
 
-def _names(what: re.Pattern[str], metadata: bytes) -> bool:
-    """Whether metadata in XML name something, whichever way its letters are written."""
-    return what.search(html.unescape(metadata.decode("latin-1"))) is not None
+def _names(pattern: str, metadata: bytes) -> bool:
+    """Whether metadata in XML match a pattern, in any case and with any entities."""
+    return re.search(pattern, html.unescape(metadata.decode("latin-1")), re.IGNORECASE) is not None
 
 
 def check_references(file: Path, head: bytes | None = None) -> None:
-    """Refuse a raster whose coordinate reference system names a file, which PROJ would open as soon as GDAL reads it.
+    """Refuse a raster whose coordinate reference system names a file, which PROJ would open when GDAL reads it.
 
     Parameters
     ----------
     head : bytes or None
-        What the file begins with, where that has been read.
+        First bytes of the file, if already read.
 
     Raises
     ------
     InvalidInput
-        With the reason alone, which names the file that states it.
+        With the reason only, which names the file that contains it.
     """
     aux = file.with_name(file.name + ".aux.xml")
     if is_there(aux):
-        # Older programs wrote it in their own encoding, of which all bytes are characters here.
+        # Older programs wrote it in a local encoding; in this one, every byte is a character.
         _parse(aux, _References(aux), "iso-8859-1")
     beside = [file.with_name(file.name + ending) for ending in _BEHIND]
     for ending in _IN_PLACE if file.suffix else ():
@@ -361,22 +339,22 @@ def check_references(file: Path, head: bytes | None = None) -> None:
 
 
 def check_fetched(name: str, data: bytes) -> None:
-    """Refuse an image of a dataset, fetched from elsewhere, for the same reason."""
+    """Check a fetched image of a dataset as `check_references` does."""
     _check_texts(name, _texts(name, io.BytesIO(data), data[:_HEAD_BYTES], len(data)))
 
 
 def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> list[str]:
-    """Refuse a raster of GDAL's virtual file systems for the same reason, by the bytes that GDAL reads of it.
+    """Check a raster of GDAL's virtual file systems as `check_references` does, by the bytes that GDAL reads.
 
     Returns
     -------
     list of str
-        Those of the formats that it may be of.
+        Formats that the file may have.
 
     Raises
     ------
     InvalidInput
-        With the reason alone; also where it is of a format whose files would have to be read from end to end.
+        With the reason only; also for formats whose check reads whole files.
     """
     if path.lower().endswith(_SRTM):
         return [name for name in drivers if name == "SRTMHGT"]
@@ -393,11 +371,13 @@ def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> li
             "is of a format that is read from folders of this machine alone",
             remedy="name a copy of it, unpacked and on this machine",
         )
-    return [name for name in drivers if name in _PLAIN_DRIVERS]
+    # Formats with a signature and without a CRS as text.
+    plain = "JPEG PNG GIF BIGGIF WEBP BMP JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL".split()
+    return [name for name in drivers if name in plain]
 
 
 def _check_boxes(file: IO[bytes]) -> None:
-    """Look through the boxes of a file of unknown size, behind whose end zeros are read."""
+    """Check the boxes of a file of unknown size, which reads as zeros after its end."""
     number = size = 0
     for start, end in _boxes(file, sys.maxsize):
         is_last = end == sys.maxsize
@@ -416,7 +396,7 @@ def _check_boxes(file: IO[bytes]) -> None:
 
 
 def _check_words(name: str, words: str) -> None:
-    """Refuse a text that has a coordinate reference system with the name of a file in it."""
+    """Refuse a text that contains a coordinate reference system with the name of a file."""
     named = file_named(words)
     if named:
         raise InvalidInput(
@@ -439,31 +419,32 @@ def _check_texts(name: str, texts: Iterable[bytes]) -> None:
 
 
 def _texts(name: str, file: IO[bytes], head: bytes, size: int) -> Iterator[bytes]:
-    """Parts of a raster's file, of no database, that may have its coordinate reference system as text."""
+    """Parts of a raster file, other than a database, that may contain its CRS as text."""
     if head.startswith(_BOXES):
         for start, end in _boxes(file, size):
             yield from _chunks(file, start, end)
     elif head.startswith((b"II", b"MM")):
         yield from tag_texts(name, file, head, _TIFF_KEY_TEXTS, MAX_TIFF_TEXT_BYTES)
-    elif head.startswith(_WITH_TEXT):
+    # RMF has it anywhere, too.
+    elif head.startswith((*_TEXT_ANYWHERE, b"RSW", b"MTW", b"\0WSR")):
         yield from _chunks(file, 0, size)
 
 
 def _chunks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:
-    """Bytes of a file, some of which come twice, so that no name is cut."""
+    """Bytes of a file in chunks of 4 MB that overlap by 1 kB, so that no name is cut."""
     kept = b""
     file.seek(start)
     while start < end:
-        chunk = file.read(min(_CHUNK_BYTES, end - start))
+        chunk = file.read(min(1 << 22, end - start))
         if not chunk:
             return
         start += len(chunk)
         yield kept + chunk
-        kept = chunk[-_OVERLAP_BYTES:]
+        kept = chunk[-(1 << 10) :]
 
 
 def _boxes(file: IO[bytes], size: int) -> Iterator[tuple[int, int]]:
-    """Where each box of a file of JPEG 2000 or JPEG XL begins and ends that may have text."""
+    """Start and end of each box of a JPEG 2000 or JPEG XL file that may contain text."""
     at = 0
     while at < size:
         file.seek(at)
@@ -482,26 +463,26 @@ def _boxes(file: IO[bytes], size: int) -> Iterator[tuple[int, int]]:
 
 
 def _definitions(file: Path) -> Iterator[bytes]:
-    """Coordinate reference systems that a GeoPackage defines."""
+    """Coordinate reference systems defined in a GeoPackage."""
     sqlite3: Any = importlib.import_module("sqlite3")
     until_s = time.monotonic() + MAX_QUERY_S
     try:
         with contextlib.closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as database:
-            database.set_progress_handler(lambda: time.monotonic() > until_s, _STEPS)
+            database.set_progress_handler(lambda: time.monotonic() > until_s, 10_000)
             kinds = database.execute("SELECT type FROM sqlite_master WHERE name = 'gpkg_spatial_ref_sys'")
             if any(kind != "table" for (kind,) in kinds):
                 raise InvalidInput("{0}: has a view in place of its coordinate reference systems", file.name)
             for row in database.execute("SELECT * FROM gpkg_spatial_ref_sys"):
                 yield from (str(value).encode("utf-8", "replace") for value in row)
     except sqlite3.Error:
-        # GDAL says what is wrong with such a file.
+        # GDAL reports the errors of such a file.
         return
 
 
 def _check_source(
     vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]
 ) -> int:
-    """Look through a file that a VRT reads, as `_check`; ``folders`` are those that links lead to."""
+    """Check a file that a VRT reads, as `_check`; ``folders`` have their links resolved."""
     within = _real(source)
     if not any(_contains(within, folder) for folder in folders):
         raise InvalidInput(
@@ -513,13 +494,13 @@ def _check_source(
     if is_there(source):
         return _check(source, folders, depth + 1, seen)
     if os.path.exists(source):  # noqa: PTH110
-        # GDAL waits for a pipe for good, and takes a folder for a product whose description names other files.
+        # GDAL would wait for a pipe for ever, and take a folder for a product whose description names other files.
         raise InvalidInput("{0} reads {1}, which is no regular file", vrt.name, source)
     return 0
 
 
 def _real(path: Path) -> Path:
-    """Where links lead to; `Path.resolve` raises where they lead in a circle."""
+    """Path with links resolved; unlike `Path.resolve`, also where they form a circle."""
     return Path(os.path.realpath(path))
 
 
@@ -528,7 +509,7 @@ def _contains(path: Path, folder: Path) -> bool:
 
 
 def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
-    """Where a name in a VRT may lead to: GDAL takes it from the VRT's folder or from the current one."""
+    """Possible files of a name in a VRT, which GDAL resolves from the VRT's folder or from the current one."""
     name = name.strip()
     inside = Path(name).is_absolute() and not name.startswith("/vsi")
     if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
@@ -551,14 +532,14 @@ def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
 
 
 def _named(vrt: Path) -> list[tuple[str, str | None]]:
-    """Names of data in a VRT, and whether each is relative to it ("1") as GDAL reads that."""
+    """Names of data in a VRT, and whether each is relative to it ("1" for GDAL)."""
     reader = _Reader(vrt)
     _parse(vrt, reader)
     return reader.found
 
 
 def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
-    """Read a VRT, or the file of GDAL's in XML beside a raster."""
+    """Parse a VRT, or GDAL's XML file beside a raster."""
     body = _head(file, MAX_VRT_BYTES + 1)
     body = body[3:] if body.startswith(codecs.BOM_UTF8) else body
     if len(body) > MAX_VRT_BYTES:
@@ -578,7 +559,7 @@ def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
 
 
 class _References:
-    """Looks for coordinate reference systems in XML of GDAL's that name files."""
+    """Handler of GDAL's XML that refuses coordinate reference systems with names of files."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -596,7 +577,7 @@ class _References:
         self._text.append(words)
 
     def between(self, *_: object) -> None:
-        """Take what is between texts for nothing, as GDAL does."""
+        """Ignore comments and the like between texts, as GDAL does."""
 
     def refuse(self, *_: object) -> None:
         raise InvalidInput("{0}: has a document type, which GDAL writes none of", self._file.name)
@@ -607,7 +588,7 @@ class _References:
 
 
 class _Reader(_References):
-    """Collects what a VRT names. GDAL takes an attribute for an element, in any case of letters."""
+    """Handler of a VRT that collects the names in it. GDAL treats attributes as elements, ignoring case."""
 
     def __init__(self, vrt: Path) -> None:
         super().__init__(vrt)
@@ -625,7 +606,12 @@ class _Reader(_References):
             self.refuse()
         self._open.append((name, given))
         key = given.get("key", "").lower()
-        if name in _REFUSED or key == OVERVIEW_FILE.lower() or (name == "ooi" and key not in _OPTIONS):
+        # Python code for pixels; an element in place of the attribute that is checked here; and options of formats,
+        # which may be names of files or statements of SQL.
+        is_refused = name in ("pixelfunctionlanguage", "pixelfunctioncode", "key") or (
+            name == "ooi" and key not in ("overview_level", "num_threads", "numthreads")
+        )
+        if is_refused or key == OVERVIEW_FILE.lower():
             self.refuse()
         for one, value in given.items():
             if one in _NAMING:
@@ -659,7 +645,7 @@ class _Reader(_References):
         self._text.append(words)
 
     def between(self, *_: object) -> None:
-        """Refuse what GDAL may take for the end of a name."""
+        """Refuse comments and the like that GDAL may take for the end of a name."""
         if self._open and self._is_name(self._open[-1]):
             self.refuse()
 
