@@ -1,4 +1,4 @@
-"""What heights count from, and how far that is from the ellipsoid. PROJ is loaded where used."""
+"""Vertical datums of heights, and their heights over the ellipsoid. PROJ is loaded when used."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from ..geodesy.vertical import vertical_code, vertical_crs
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Metres of units that heights come in, by the names that files and people give them.
+#: Metres per unit of heights, by the names in files and of users.
 UNITS_M = {
     **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
     **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
     **dict.fromkeys(("us-ft", "sft", "us survey foot", "ussurveyfoot", "foot_us"), 1200.0 / 3937.0),
 }
-#: PROJ's transformations are for one thread at a time.
+#: A transformer of PROJ is for one thread at a time.
 _ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True)
 class Datum:
-    """A vertical coordinate reference system: what its heights are over, and their unit.
+    """A vertical coordinate reference system and the unit of its heights.
 
     Parameters
     ----------
     code : str
         ``EPSG:code`` or WKT of a vertical system; empty for the WGS 84 ellipsoid.
     unit_m : float
-        Metres up of the unit that values are in: negative where these are depths.
+        Metres per unit of the values, upwards: negative for depths.
     """
 
     code: str = ""
@@ -53,7 +53,7 @@ class Datum:
         Raises
         ------
         InvalidInput
-            Neither.
+            Another name.
         """
         code = vertical_code(text)
         if not code:
@@ -63,27 +63,27 @@ class Datum:
         return found
 
     @classmethod
-    def of_file(cls, wkt: str, unit: str, title: str) -> Datum | None:
-        """Datum that a file's coordinate reference system has; None where that says nothing of heights.
+    def from_crs(cls, wkt: str, unit: str, title: str) -> Datum | None:
+        """Datum of a file's coordinate reference system; None where that has no heights.
 
         Parameters
         ----------
         wkt : str
-            Of the file.
+            Coordinate reference system of the file.
         unit : str
-            That it states for its values; empty for none.
+            Stated unit of its values; empty without one.
         title : str
             The file, as errors name it.
 
         Raises
         ------
         InvalidInput
-            A unit that is not known, or none beside coordinates in feet: heights may be in either. An axis that points
-            neither up nor down.
+            An unknown unit; no unit with coordinates in feet, as heights may be in metres or feet; or an axis that
+            points neither up nor down.
         """
         crs = read_reference(wkt)
         vertical = crs.sub_crs_list[1] if crs.is_compound and len(crs.sub_crs_list) > 1 else None
-        # The third axis of three counts from the ellipsoid.
+        # The third axis of three is the height over the ellipsoid.
         axes = crs.axis_info[2:3] if vertical is None else vertical.axis_info[:1]
         stated = _up_m(axes[0], title) if axes else None
         if unit and vertical is None:
@@ -98,7 +98,7 @@ class Datum:
                 )
             stated = math.copysign(unit_m, stated or 1.0)
         if vertical is not None:
-            # GDAL once named the grid beside the code, which tells it.
+            # Older versions of GDAL name the grid beside the code, which implies it.
             vertical = vertical.source_crs or vertical
             code = vertical.to_epsg()
             return cls(f"EPSG:{code}" if code else str(vertical.to_wkt()), stated or 1.0)
@@ -113,11 +113,11 @@ class Datum:
 
     @property
     def name(self) -> str:
-        """What heights are over, for people."""
+        """Name of the datum, for people."""
         return str(self._vertical.name) if self.code else Message("WGS 84 ellipsoid")
 
     def heights_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Heights of what these count from over the WGS 84 ellipsoid, metres, at positions (any shape)."""
+        """Heights of the datum over the WGS 84 ellipsoid, metres, at positions (any shape)."""
         if not self.code:
             return np.zeros(np.broadcast_shapes(np.shape(lat_deg), np.shape(lon_deg)))
         from ..geodesy.mercator import wrap_lon_deg
@@ -134,7 +134,7 @@ class Datum:
         return vertical_crs(self.code)
 
     def check(self) -> None:
-        """Refuse what PROJ cannot transform here; raises InvalidInput with the grid that it lacks."""
+        """Raise InvalidInput, with the missing grid, where PROJ cannot transform the heights."""
         _ = self._transformer
 
     @cached_property
@@ -145,7 +145,7 @@ class Datum:
 
         both = CompoundCRS(self.name, [CRS.from_epsg(4326), self._vertical])
         with warnings.catch_warnings():
-            # That grids are missing is said below, where they are needed.
+            # Missing grids are reported below, where they are needed.
             warnings.simplefilter("ignore")
             found = TransformerGroup(both, CRS.from_epsg(4979), always_xy=True, allow_ballpark=False)
         if not found.transformers:
@@ -165,7 +165,7 @@ class Datum:
 
 
 def _up_m(axis: Any, title: str) -> float:
-    """Metres up of the unit of a vertical axis: negative where it points down; raises InvalidInput where neither."""
+    """Metres per unit of a vertical axis, negative where it points down; raises InvalidInput for other directions."""
     directions = {"up": 1.0, "down": -1.0}
     if axis.direction.lower() not in directions:
         raise InvalidInput(

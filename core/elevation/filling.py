@@ -1,4 +1,4 @@
-"""Holes in heights, interpolated from those around them."""
+"""Interpolation of holes in heights."""
 
 from __future__ import annotations
 
@@ -9,24 +9,22 @@ from ..errors import InvalidInput, PartError
 from ..imagery.raster.reading import ReadError, filled
 
 Heights32 = NDArray[np.float32]
-#: Pixels within which a hole has to have heights on all sides; the usual ones of `gdal_fillnodata.py`.
+#: Greatest distance of a hole from heights on all sides, px; the default of `gdal_fillnodata.py`.
 REACH_PX = 100
-#: Decimals of metres that interpolated heights have: the last digits of floats differ between processors.
-_DECIMALS = 3
 
 
 def interpolated(heights_m: Heights32) -> Heights32:
-    """Heights (rows, columns) with those that are missing interpolated, by GDAL's FillNodata.
+    """Heights (rows, columns) with holes filled by GDAL's FillNodata.
 
-    Only holes are filled, and nothing beyond the heights that there are: NaN stays where one of the four quadrants
-    about a pixel has no height within `REACH_PX`. A height depends on those within that distance alone.
+    NaN stays where one of the four quadrants around a pixel has no height within `REACH_PX`. A height depends on those
+    within that distance only, and has millimetres, as further digits differ between processors.
 
     Raises
     ------
     InvalidInput
-        No GDAL is there.
+        GDAL is missing.
     PartError
-        It fails.
+        GDAL fails.
     """
     there = np.isfinite(heights_m)
     wanted = ~there & _is_surrounded(there)
@@ -41,11 +39,11 @@ def interpolated(heights_m: Heights32) -> Heights32:
         ) from wrong
     except ReadError as wrong:
         raise PartError("missing heights: cannot be interpolated: {0}", wrong) from wrong
-    return np.where(wanted, np.round(found, _DECIMALS), heights_m)
+    return np.where(wanted, np.round(found, 3), heights_m)
 
 
 def _is_surrounded(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether each of the four quadrants about a pixel has some that are there, within reach."""
+    """Whether each of the four quadrants around a pixel has heights within reach."""
     counts = np.zeros((there.shape[0] + 1, there.shape[1] + 1), np.int64)
     np.cumsum(np.cumsum(there, axis=0), axis=1, out=counts[1:, 1:])
     surrounded = np.ones(there.shape, np.bool_)
@@ -58,7 +56,7 @@ def _is_surrounded(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _spans(side: int) -> tuple[tuple[NDArray[np.intp], NDArray[np.intp]], ...]:
-    """First and last index, the latter excluded, of what lies within reach before and behind each of so many."""
+    """Ranges of indices within reach before and after each of ``side`` pixels."""
     at = np.arange(side)
     before = np.maximum(at - REACH_PX, 0), at + 1
     return before, (at, np.minimum(at + REACH_PX + 1, side))

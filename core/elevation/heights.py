@@ -1,4 +1,4 @@
-"""The heights of one source, over the ellipsoid, in its own pixels."""
+"""Sources of heights: heights over the ellipsoid on the pixel grid of the source."""
 
 from __future__ import annotations
 
@@ -30,46 +30,31 @@ from .datum import UNITS_M, Datum
 
 Heights32 = NDArray[np.float32]
 
-#: Heights that ground may have over the ellipsoid, metres: beyond, a value stands for something else.
+#: Plausible heights of the ground over the ellipsoid, metres.
 LOWEST_M, HIGHEST_M = -12_000.0, 9_500.0
-#: What many programs write where there is no height, and some do not say so.
+#: Common value for no data, which some programs write without declaring it.
 _VOID = -9999.0
-#: Tiles of heights kept by each source, bytes.
-_KEPT_BYTES = 64 << 20
-#: Points along each side of a tile at which it is asked how far the datum is from the ellipsoid, where the tile is
-#: smaller than this: in between geoids are straight to a centimetre. Of larger tiles every pixel is asked for.
-_ASKED, _SMALL_M = 17, 30_000.0
-#: Embedded landscape, which stands above this room.
-_WORLD = "..world.source"
-#: Encodings of heights in the red, green and blue of tiles, by the word before the colon.
+#: Encodings of heights in the red, green and blue of tiles.
 _ENCODED: dict[str, Callable[[NDArray[Any]], Floats]] = {
     "terrarium": lambda rgb: rgb @ np.array([256.0, 1.0, 1.0 / 256.0]) - 32768.0,
     "terrain-rgb": lambda rgb: rgb @ np.array([6553.6, 25.6, 0.1]) - 10000.0,
 }
-#: Heights that tiles so encoded have where there are none, beside black, which is the least that they can state.
-_VOIDS_OF_TILES = (_VOID, -32767.0, -32768.0)
-#: Highest zoom of templates that do not say theirs.
-_DEFAULT_MAX_ZOOM = 15
-#: Size of tiles of addresses with @2x.
-_LARGE_TILE_PX = 512
-_SHIPPED_FILE = "elevation.json"
 
 
 @dataclass(frozen=True)
 class HeightOptions:
-    """How heights are to be understood, and how their source is to be asked.
+    """Options of a source of heights.
 
     Parameters
     ----------
     datum : str
-        What they count from, as `Datum.named` takes it; empty for what the source says, and the ellipsoid where it says
-        nothing.
+        As in `Datum.named`; empty for that of the source, or the ellipsoid where it states none.
     unit : str
-        m, ft or us-ft; empty for what the source says.
+        m, ft or us-ft; empty for that of the source.
     offset_m : float
-        Added to all of them, metres.
+        Added to all heights, metres.
     source : SourceOptions
-        For what sources of heights and of imagery have in common.
+        Options common to sources of heights and of imagery.
     """
 
     datum: str = ""
@@ -83,7 +68,7 @@ class Layer(Protocol):
 
     @property
     def title(self) -> str:
-        """What people see."""
+        """Title for people."""
 
     @property
     def attribution(self) -> str:
@@ -91,10 +76,10 @@ class Layer(Protocol):
 
     @property
     def grid(self) -> PixelGrid:
-        """Pixels whose centres have the heights."""
+        """Pixel grid; heights are those of the pixel centres."""
 
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
-        """Heights in metres, (height_px, width_px), NaN where there are none."""
+        """Heights in metres, (height_px, width_px); NaN where missing."""
 
 
 class ConstantHeight:
@@ -113,20 +98,20 @@ class ConstantHeight:
 
 
 class TiledHeights:
-    """Heights of a source of tiles, each read once while it is kept; the source is closed when nobody has it any more.
+    """Heights of a source of tiles, with a cache of 64 MB; the source is closed with the last reference.
 
     Parameters
     ----------
     source : Source
-        Its first band has the heights, or its colours have them by an encoding.
+        With heights in its first band, or encoded in its colours.
     decoded : callable or None
-        Colours (h, w, 3) to heights.
+        Converts colours (h, w, 3) to heights; None for a band.
     datum : Datum
     offset_m : float
     scale, offset : float
-        Heights of a first band are so many times its values, and so much more.
+        The heights of a band are value * scale + offset.
     says_void : bool
-        Whether the source states a value for no data, beside which -9999 may be one of a scaled band.
+        Whether the source declares a value for no data, so that -9999 may be a value of a scaled band.
     """
 
     def __init__(
@@ -150,7 +135,7 @@ class TiledHeights:
 
     @property
     def datum(self) -> Datum:
-        """What its heights count from."""
+        """Vertical datum of the source."""
         return self._datum
 
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
@@ -158,7 +143,7 @@ class TiledHeights:
         found = np.full((height_px, width_px), np.nan, np.float32)
         whole = Window(zoom, left_px, top_px, width_px, height_px)
         for part in tile_parts(whole, self.grid):
-            if not self._is_there(part.window):
+            if not self._exists(part.window):
                 continue
             tile = self._tile(part.window)
             x, y = max(part.dx_px, 0), max(part.dy_px, 0)
@@ -171,8 +156,8 @@ class TiledHeights:
             ]
         return found
 
-    def _is_there(self, tile: Window) -> bool:
-        """Whether a tile is one of the grid's world."""
+    def _exists(self, tile: Window) -> bool:
+        """Whether a tile lies within the grid's world."""
         count = 1 << tile.zoom
         column, row = (int(at) // self.grid.tile_px for at in (tile.left_px, tile.top_px))
         return 0 <= column < count and 0 <= row < count
@@ -188,7 +173,7 @@ class TiledHeights:
             if tile not in self._kept:
                 self._kept[tile] = made
                 self._kept_bytes += made.nbytes
-            while self._kept_bytes > _KEPT_BYTES and len(self._kept) > 1:
+            while self._kept_bytes > 64 << 20 and len(self._kept) > 1:
                 self._kept_bytes -= self._kept.popitem(last=False)[1].nbytes
         return made
 
@@ -200,18 +185,19 @@ class TiledHeights:
             heights = values[..., 0] * self._scale + self._offset
         else:
             heights = self._decoded(values)
-            # Sums of products of floats are off by their last digits, and steps are 4 mm at least.
-            void = np.isin(np.round(heights, 3), _VOIDS_OF_TILES) | ~values.any(axis=-1)
+            # Missing heights in such tiles, and black, the least that they encode. Rounded for the noise of floats, as
+            # steps are 4 mm or more.
+            void = np.isin(np.round(heights, 3), (_VOID, -32767.0, -32768.0)) | ~values.any(axis=-1)
             heights = np.where(void, np.nan, heights)
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
         void = heights == _VOID
         if not self._says_void:
-            # What stands for no data is stored as it is, and not scaled.
+            # The value for no data is stored unscaled.
             void |= values[..., 0] == _VOID
         heights = heights * self._datum.unit_m + self._offset_m
         if self._datum.code:
-            heights = heights + self._over_ellipsoid(tile)
+            heights = heights + self._datum_heights_m(tile)
         with np.errstate(invalid="ignore"):
             wrong = np.argwhere((heights < LOWEST_M) | (heights > HIGHEST_M) | void)
         if len(wrong):
@@ -231,13 +217,16 @@ class TiledHeights:
             )
         return heights.astype(np.float32)
 
-    def _over_ellipsoid(self, tile: Window) -> Floats:
-        """Heights of the datum at the pixels of a tile."""
+    def _datum_heights_m(self, tile: Window) -> Floats:
+        """Heights of the datum at the pixels of a tile.
+
+        Below 30 km, between 17 points along each side, as geoids are straight to a centimetre there.
+        """
         size = self.grid.tile_px
         middle = self._places(tile, np.array([size / 2.0]), np.array([size / 2.0]))
         width_m = float(self.grid.ground_m_per_px(middle[0], middle[1], tile.zoom)[0]) * size
         every = np.arange(size, dtype=np.float64)
-        at = every if width_m > _SMALL_M else np.linspace(0.0, size - 1.0, _ASKED)
+        at = every if width_m > 30_000.0 else np.linspace(0.0, size - 1.0, 17)
         columns, rows = np.meshgrid(at, at)
         known = self._datum.heights_m(*self._places(tile, columns, rows))
         if len(at) == size:
@@ -260,17 +249,17 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     ----------
     text : str
         A raster file; ``world``, the embedded landscape; ``terrarium``, the public tiles of that name;
-        ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles so encoded, with
-        ``#maxzoom=N`` behind it where a template's tiles end elsewhere than at zoom 15, and ``#tilesize=512`` where
-        they have other than 256 px (512 where @2x is in the address), or both with & between them; or a number: level
-        ground so many metres above the ellipsoid.
+        ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles in that encoding,
+        followed by ``#maxzoom=N`` where the tiles of a template end at another zoom than 15, by ``#tilesize=512`` where
+        they have other than 256 px (512 with @2x in the address), or by both joined by &; or a number, the height of
+        level ground over the ellipsoid in metres.
 
     Raises
     ------
     InvalidInput
-        There is no such source, or its heights cannot be understood.
+        The source is unknown, or its heights are ambiguous or invalid.
     SourceError
-        It cannot be reached.
+        The source is out of reach.
     """
     height_m = _number(text)
     if height_m is not None:
@@ -287,7 +276,8 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
     asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
     if text.lower() == "world":
-        module = __import__(resolve_name(_WORLD, __package__ or ""), fromlist=["*"])
+        # The embedded world stands above this room.
+        module = __import__(resolve_name("..world.source", __package__ or ""), fromlist=["*"])
         return TiledHeights(
             module.WorldHeights(asked.seed, options.source.crs), None, datum or Datum(), options.offset_m
         )
@@ -297,17 +287,17 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
         tiles = open_entry(entry, entry.date(None), None, replace(asked, encoded=True))
         return TiledHeights(tiles, _ENCODED[text], datum or Datum.named("EGM96"), options.offset_m)
     if colon and encoding in _ENCODED:
-        inner, max_zoom, tile_px = _of_template(inner, text)
+        inner, max_zoom, tile_px = _read_template(inner, text)
         asked = replace(asked, heights=False, encoded=True, max_zoom=max_zoom, tile_px=tile_px)
         source = named_source(inner, asked).open()
         return TiledHeights(
             source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
         )
-    return _of_raster(text, named_source(text, asked), datum, options)
+    return _open_raster(text, named_source(text, asked), datum, options)
 
 
-def _of_template(inner: str, text: str) -> tuple[str, int, int | None]:
-    """Source that an encoding stands before, and the highest zoom and the size of tiles that stand behind it."""
+def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
+    """Source after an encoding, and the highest zoom and tile size after it."""
     source, _, behind = inner.partition("#")
     words = dict(word.split("=", 1) for word in behind.split("&") if "=" in word)
     if not words.keys() & {"maxzoom", "tilesize"}:
@@ -321,12 +311,12 @@ def _of_template(inner: str, text: str) -> tuple[str, int, int | None]:
             raise InvalidInput("heights {0}: {1} {2!r} must be a whole number", text, name, value)
         numbers[name] = number
     is_template = source_kind(source).is_address
-    usual = _LARGE_TILE_PX if is_template and "@2x" in source else None
-    return source, numbers.get("maxzoom", _DEFAULT_MAX_ZOOM), numbers.get("tilesize", usual)
+    usual = 512 if is_template and "@2x" in source else None
+    return source, numbers.get("maxzoom", 15), numbers.get("tilesize", usual)
 
 
 def _check_one(text: str) -> None:
-    """Refuse several sources in one text."""
+    """Refuse a text of several sources."""
     parts = re.split(r"\s*[;,]\s*", text)
     if len(parts) > 1 and not is_there(text) and all(_may_be_heights(part, text) for part in parts):
         raise InvalidInput(
@@ -350,8 +340,8 @@ def _may_be_heights(part: str, text: str) -> bool:
     return kind.is_file or kind.is_address
 
 
-def with_whole_path(text: str) -> str:
-    """Text that names the same heights in processes with another current folder."""
+def whole_heights_path(text: str) -> str:
+    """Text that names the same heights from any current folder."""
     if _number(text) is not None:
         return text
     encoding, colon, inner = text.partition(":")
@@ -359,7 +349,7 @@ def with_whole_path(text: str) -> str:
 
 
 def _check_known(named: NamedSource) -> None:
-    """Refuse a name that nothing goes by, in words of heights."""
+    """Refuse an unknown name, with a hint for heights."""
     try:
         _ = named.title
     except InvalidInput as unknown:
@@ -371,7 +361,7 @@ def _check_known(named: NamedSource) -> None:
         ) from unknown
 
 
-def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
+def _open_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
     if source_kind(text).named_by == NAMED:
         _check_known(named)
     if not named.has_bands and named.title:
@@ -384,7 +374,7 @@ def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: Heig
         )
     source: Any = named.open()
     try:
-        found = _datum_of(source, datum, options)
+        found = _raster_datum(source, datum, options)
         first = source.facts.bands[0]
         if not math.isfinite(first.scale * first.offset) or first.scale == 0.0:
             raise InvalidInput(
@@ -401,11 +391,11 @@ def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: Heig
     )
 
 
-def _datum_of(source: Any, datum: Datum | None, options: HeightOptions) -> Datum:
-    """Datum and unit of a raster: those of the user, and else the file's."""
+def _raster_datum(source: Any, datum: Datum | None, options: HeightOptions) -> Datum:
+    """Datum and unit of a raster: the user's, otherwise the file's."""
     facts = source.facts
     unit = "m" if options.unit else facts.bands[0].unit
-    found = Datum.of_file(facts.crs_wkt, unit, source.title) or Datum()
+    found = Datum.from_crs(facts.crs_wkt, unit, source.title) or Datum()
     if datum is None:
         datum = found
     elif found.unit_m * datum.unit_m < 0.0 and (found.code or found.unit_m < 0.0):
@@ -441,5 +431,5 @@ def _number(text: str) -> float | None:
 
 
 def _shipped() -> dict[str, Any]:
-    shipped: dict[str, Any] = read_json(_SHIPPED_FILE)
+    shipped: dict[str, Any] = read_json("elevation.json")
     return shipped

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..elevation.heights import HeightOptions, with_whole_path
+from ..elevation.heights import HeightOptions, whole_heights_path
 from ..elevation.layered import LayeredElevation, open_relief
 from ..errors import TerrAInavError
 from ..imagery.opening import SourceOptions
@@ -46,7 +46,7 @@ def landscape_crs(source: str, crs: str) -> str:
 def with_whole_paths(terrain: Terrain) -> Terrain:
     """Terrain that names the same heights in processes with another current folder."""
     elevation, surface = (
-        tuple(map(with_whole_path, texts)) for texts in (terrain.elevation, terrain.surface)
+        tuple(map(whole_heights_path, texts)) for texts in (terrain.elevation, terrain.surface)
     )
     return replace(terrain, elevation=elevation, surface=surface)
 

@@ -18,7 +18,7 @@ from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.capture.several import capture_imageries
-from terrainav.core.elevation.heights import with_whole_path
+from terrainav.core.elevation.heights import whole_heights_path
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Points
@@ -87,8 +87,8 @@ def test_files_have_whole_paths_where_other_processes_open_them(tmp_path, monkey
     for text in ("/data/x.tif", "https://a.example/x.tif", "/vsizip/x.zip/y.tif"):
         assert pickle.loads(pickle.dumps(named_source(text))).text == text
     for text in ("world", "120.5", "terrarium", "terrarium:https://a.example/{z}/{x}/{y}.png"):
-        assert with_whole_path(text) == text
-    assert with_whole_path("terrain-rgb:x.mbtiles") == f"terrain-rgb:{tmp_path}/x.mbtiles"
+        assert whole_heights_path(text) == text
+    assert whole_heights_path("terrain-rgb:x.mbtiles") == f"terrain-rgb:{tmp_path}/x.mbtiles"
 
 
 def test_an_address_of_a_file_is_a_folder(tmp_path, monkeypatch):
