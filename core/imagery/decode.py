@@ -28,8 +28,6 @@ from .source import composite_on_white
 _JPEG_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]", re.DOTALL)
 _JPEG_FILL = re.compile(rb"\xff*")
 _JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
-#: Segments of a JPEG that do not affect its pixels: comments, and application data except of JFIF and Adobe.
-_JPEG_NOTES = frozenset({*range(0xE1, 0xEE), 0xEF, 0xFE})
 #: First byte of an extension, an image and the trailer of a GIF.
 _GIF_BLOCK = re.compile(rb"[!,;]")
 
@@ -248,7 +246,8 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
                 Message("JPEG of more than {0} scans or {1} segments", MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS)
             )
         at += int.from_bytes(body[at : at + 2], "big")
-        if not scans and marker not in _JPEG_NOTES:
+        # Comments, and application data except of JFIF and Adobe, do not affect the pixels.
+        if not scans and not (0xE1 <= marker <= 0xED or marker in (0xEF, 0xFE)):
             kept.append(body[begin:at])
         if marker == _JPEG_SCAN:
             found = _JPEG_MARKER.search(body, at)

@@ -50,10 +50,6 @@ _FIELD_TYPES: dict[str, tuple[tuple[type, ...], str]] = {
 }
 #: Names of sources.
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
-#: User, host and port of an address, after one or more slashes. A single letter before the colon is a drive.
-_AUTHORITY = re.compile(r"(?<=[A-Za-z0-9+.-]{2}):[/\\]{1,9}([^\s/\\?#&|'\"<>,]+)")
-#: Placeholders, as ${z}, {switch:a,b} and [1-4] of templates.
-_IN_BRACES = re.compile(r"\$?\{[\w:,.-]*\}|\[\w-\w\]")
 
 
 @dataclass(frozen=True)
@@ -528,9 +524,13 @@ def find_providers(text: str) -> tuple[CatalogueEntry, ...]:
         An address, or text with addresses: a data source of QGIS, a name of GDAL, XML. User names, ports, passwords,
         percent-encoding, XML entities and placeholders in braces are resolved.
     """
+    # User, host and port of an address, after one or more slashes. A single letter before the colon is a drive.
+    authority = r"(?<=[A-Za-z0-9+.-]{2}):[/\\]{1,9}([^\s/\\?#&|'\"<>,]+)"
+    # Such as ${z}, {switch:a,b} and [1-4] of templates.
+    placeholder = r"\$?\{[\w:,.-]*\}|\[\w-\w\]"
     found: dict[str, None] = {}
     for written in _readings(text):
-        found.update(dict.fromkeys(_AUTHORITY.findall(_IN_BRACES.sub("0", written))))
+        found.update(dict.fromkeys(re.findall(authority, re.sub(placeholder, "0", written))))
     hosts = dict.fromkeys(url_host(f"//{authority.rpartition('@')[2]}") for authority in found)
     known = map(serving, hosts)
     return tuple({one.name: one for one in known if one is not None}.values())

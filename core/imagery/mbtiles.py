@@ -38,10 +38,6 @@ from .tiles import Tile, tile_address
 _FUNCTIONS = frozenset(
     "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
 )
-#: Quoted text and names, and comments of SQL.
-_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`|\[[^\]]*\]|--[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
-#: Tables with computed columns, and virtual tables.
-_COMPUTED = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
 
 
 class MBTilesFile(FileSource):
@@ -285,15 +281,18 @@ def _check_defined(connection: sqlite3.Connection) -> None:
             (MAX_VIEW_CHARACTERS + 1,),
         )
     ]
+    # Tables with computed columns, and virtual tables; quoted text and names, and comments of SQL.
+    is_computed = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
+    quoted = r"'[^']*'|\"[^\"]*\"|`[^`]*`|\[[^\]]*\]|--[^\n]*|/\*.*?(?:\*/|\Z)"
     computed = {
         name
         for kind, name, sql in defined
-        if kind == "view" or len(sql) > MAX_VIEW_CHARACTERS or _COMPUTED.search(sql)
+        if kind == "view" or len(sql) > MAX_VIEW_CHARACTERS or is_computed.search(sql)
     }
     for kind, name, sql in defined:
         if name.lower() not in ("metadata", "tiles") or name not in computed:
             continue
-        words = _QUOTED.sub(" ", sql).lower()
+        words = re.sub(quoted, " ", sql, flags=re.DOTALL).lower()
         selects, unions = (len(re.findall(rf"\b{word}\b", words)) for word in ("select", "union"))
         if (
             kind != "view"

@@ -40,8 +40,6 @@ PLACEHOLDERS = {
 BBOX = "bbox-epsg-3857"
 OWN_BBOX, OWN_BBOX_YX = "bbox", "bbox-yx"
 _BRACES = re.compile(r"\{([^{}]*)\}")
-#: Names and numbers of hosts, in plain spelling.
-_HOST = re.compile(r"[a-z0-9._-]+|[0-9a-f:.]+")
 #: Subdomains in the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Environment variable with the hosts that may receive the key, separated by commas or spaces.
@@ -233,7 +231,7 @@ def url_host(url: str) -> str:
     except ValueError:
         return ""
     # Programs disagree on where a host with other characters ends.
-    return plain.rstrip(".") if _HOST.fullmatch(plain) else ""
+    return plain.rstrip(".") if re.fullmatch(r"[a-z0-9._-]+|[0-9a-f:.]+", plain) else ""
 
 
 def check_address(text: str, what: str) -> None:

@@ -206,7 +206,7 @@ class XYZSource:
         return kept.body, stored
 
     def _stored_pixels(self, tile: Tile, kept: Kept, store: NoStore) -> PixelValues | None:
-        """Pixels of a stored tile; one that is no imagery is removed."""
+        """Pixels of a stored tile; one without imagery is removed."""
         try:
             return self._read(Response(HTTPStatus.OK, {}, kept.body))
         except PartError:
@@ -218,7 +218,7 @@ class XYZSource:
         return None if response.status == HTTPStatus.NOT_MODIFIED else self._read(response)
 
     def _read(self, response: Response) -> PixelValues:
-        """Pixels of a tile; raises PartError for what is no imagery."""
+        """Pixels of a tile; raises PartError for an answer without imagery."""
         size = self.grid.tile_px
         try:
             return read_answer(

@@ -18,7 +18,6 @@ from ...limits import MAX_HEADER_CHARACTERS, MAX_HEADERS
 from ...resources import version
 from ...text.plain import one_line, whole_number
 
-PROJECT_URL = "https://github.com/terrainav/terrainav"
 #: Lifetime of an answer that states none, seconds: a week, the least that the tile usage policy of OpenStreetMap asks.
 HEURISTIC_LIFETIME_S = 7 * 86400
 #: Longest lifetime, seconds (RFC 9111, 1.2.2).
@@ -154,7 +153,7 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
 
 def user_agent() -> str:
     """Return the User-Agent of every request."""
-    return f"TerrAInav/{version()} (+{PROJECT_URL})"
+    return f"TerrAInav/{version()} (+https://github.com/terrainav/terrainav)"
 
 
 def http_date_s(text: str) -> float | None:

@@ -26,12 +26,6 @@ _OTHER_COLOURS = frozenset(
 _NAMELESS = frozenset(["", "undefined", "palette", "gray"])
 #: Most characters of a band's name and of its metadata's values, and most items of metadata.
 _NAME_CHARACTERS, _VALUE_CHARACTERS, _MOST_ITEMS = 100, 1000, 100
-#: Names of metadata items to keep, and of those that describe all values of the file, or that GDAL states otherwise.
-_ITEM_NAME = re.compile(r"[A-Za-z][\w .:-]{0,99}", re.ASCII)
-_FILE_ITEMS = re.compile(
-    r"STATISTICS_.*|DISPLAY_RANGE|DESCRIPTION|COLORINTERP|SCALE|OFFSET|UNITTYPE", re.IGNORECASE
-)
-_COLOURS = 3
 
 
 @dataclass(frozen=True)
@@ -156,7 +150,7 @@ def choose_colours(
         bands = tuple(plain)
     else:
         bands = _chosen(facts.bands, stated, plain)
-    if not as_stored and len(bands) not in (1, _COLOURS):
+    if not as_stored and len(bands) not in (1, 3):
         raise InvalidInput(
             "{0} bands: JPEG and PNG have one or three",
             len(bands),
@@ -215,12 +209,12 @@ def _kind(
 ) -> Bands:
     """Names, data type and colours of bands, given by their numbers from 1."""
     # Colours are identified by their order, without names.
-    are_named = len(bands) == _COLOURS and any(there[index - 1].name for index in bands)
+    are_named = len(bands) == 3 and any(there[index - 1].name for index in bands)
     if data_type == "uint8" and as_colours and not are_named:
         return RGB
     kept = tuple(names[index - 1] for index in bands)
     if not as_stored:
-        kept = kept * (_COLOURS // len(kept))
+        kept = kept * (3 // len(kept))
     return Bands(kept, data_type, shown_of(kept))
 
 
@@ -252,10 +246,13 @@ def _metadata(band: Band, white: int | None) -> BandMetadata:
         scale, offset = 1.0, 0.0
     if white is not None and (scale, offset) != (1.0, 0.0):
         scale, offset = -scale, offset + scale * white
+    # Items that describe all values of the file, or that GDAL states otherwise, are left out.
+    left_out = r"STATISTICS_.*|DISPLAY_RANGE|DESCRIPTION|COLORINTERP|SCALE|OFFSET|UNITTYPE"
     items = tuple(
         (domain, name, " ".join(printable(value[:_VALUE_CHARACTERS]).split()))
         for domain, name, value in band.items[:_MOST_ITEMS]
-        if _ITEM_NAME.fullmatch(name) and not _FILE_ITEMS.fullmatch(name)
+        if re.fullmatch(r"[A-Za-z][\w .:-]{0,99}", name, re.ASCII)
+        and not re.fullmatch(left_out, name, re.IGNORECASE)
     )
     unit = " ".join(printable(band.unit[:_NAME_CHARACTERS]).split())
     # Images state these by the order of bands, or not at all.
@@ -309,7 +306,7 @@ def _is_picture(bands: Sequence[Band], plain: Sequence[int]) -> bool:
     colours = [bands[index - 1] for index in plain]
     if len(colours) == 1:
         return _table(colours[0], 1) is not None
-    return len(colours) == _COLOURS and all(one.data_type == "uint8" and not one.name for one in colours)
+    return len(colours) == 3 and all(one.data_type == "uint8" and not one.name for one in colours)
 
 
 def _check_colours(stated: dict[str, int]) -> None:
@@ -324,7 +321,7 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
     _check_colours(stated)
     if "palette" in stated:
         return (stated["palette"],)
-    if len(plain) >= _COLOURS:
+    if len(plain) >= 3:
         return plain[0], plain[1], plain[2]
     if len(plain) == 1:
         return (plain[0],)

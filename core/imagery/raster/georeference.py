@@ -16,9 +16,9 @@ from ...geodesy.planes import ProjectedPlane
 from ...geodesy.projections import through_proj
 from ...geodesy.reference import read_reference
 from ..source import Window
+from ..systems import MAP
 from .reading import Facts
 
-_MAP = "EPSG:3857"
 TILE_PX = 256
 #: Tolerance of pixels that coincide, px.
 _SAME_PX = 1e-3
@@ -68,7 +68,7 @@ class RasterGeoreference:
                 self._crs.name,
             )
         try:
-            self._to_map: Transformer | None = Transformer.from_crs(self._crs, _MAP, always_xy=True)
+            self._to_map: Transformer | None = Transformer.from_crs(self._crs, MAP, always_xy=True)
         except ProjError as wrong:
             raise InvalidInput("{0}: {1}", self._crs.name, " ".join(str(wrong).split())) from wrong
         self._period = self._turn()

@@ -28,8 +28,6 @@ Values = NDArray[Any]
 
 #: GDAL's option for errors in place of grey where a JPEG is cut off.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
-#: GDAL's names of types by numpy's.
-_GDAL_TYPES = {"uint8": "GDT_Byte", "uint16": "GDT_UInt16", "int16": "GDT_Int16", "float32": "GDT_Float32"}
 #: GDAL's option for its block cache, and megabytes: a strip of blocks across a raster of 20,000 px. The default, 5 % of
 #: the machine's memory, is no faster.
 _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
@@ -352,7 +350,9 @@ class GdalFile:
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Read stored values."""
-        kind = getattr(self._gdal, _GDAL_TYPES[data_type])
+        gdal = self._gdal
+        kinds = {"uint16": gdal.GDT_UInt16, "int16": gdal.GDT_Int16, "float32": gdal.GDT_Float32}
+        kind = kinds.get(data_type, gdal.GDT_Byte)
         with _collected_errors(self._options) as said:
             values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
         return _array(values, said, (len(bands), box.height, box.width), data_type)

@@ -24,12 +24,6 @@ from ..http.transport import Response, Timeouts, Transport, too_long, user_agent
 from ..policy import Policy
 from .trust import CURL, fill_key
 
-#: GDAL's names of files over HTTP, and of files in archives over HTTP, with and without braces.
-_PLAIN = re.compile(r"()/vsicurl/(https?://[^#]+)()", re.IGNORECASE)
-_WITH_OPTIONS = re.compile(r"(/vsicurl\?(?:.*&)?url=)([^&#]+)(.*)", re.IGNORECASE)
-_WITHIN = re.compile(
-    r"(/vsi(?:zip|tar)/)\{?/vsicurl/(https?://[^{}#]+?\.(?:zip|kmz|tar|tgz|tar\.gz))\}?(/.*)", re.IGNORECASE
-)
 #: Seconds for which a file is assumed unchanged.
 _SAME_FOR_S = 2.0
 #: Most bytes of the answer to a request of one byte.
@@ -232,12 +226,14 @@ def _address(path: str) -> tuple[str, str]:
     """Unique name for GDAL, and the URL of the file; empty where unknown."""
     number = next(_opened)
     # The part after # is not sent.
-    if found := _WITH_OPTIONS.fullmatch(path):
+    if found := re.fullmatch(r"(/vsicurl\?(?:.*&)?url=)([^&#]+)(.*)", path, re.IGNORECASE):
         before, url, after = found.groups()
         return f"{before}{url}%23{number}{after}", unquote(url)
-    if found := _PLAIN.fullmatch(path):
-        return f"{path}#{number}", found.group(2)
-    if found := _WITHIN.fullmatch(path):
+    if found := re.fullmatch(r"/vsicurl/(https?://[^#]+)", path, re.IGNORECASE):
+        return f"{path}#{number}", found.group(1)
+    # A file in an archive, with or without braces.
+    archive = r"(/vsi(?:zip|tar)/)\{?/vsicurl/(https?://[^{}#]+?\.(?:zip|kmz|tar|tgz|tar\.gz))\}?(/.*)"
+    if found := re.fullmatch(archive, path, re.IGNORECASE):
         before, url, after = found.groups()
         return f"{before}{{{CURL}{url}#{number}}}{after}", url
     return path, ""

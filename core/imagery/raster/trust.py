@@ -55,9 +55,8 @@ _HEADER = Message("header")
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 #: First bytes of formats that may contain their CRS as text anywhere: HFA, NITF, MrSID, ECW.
 _TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
-_SQLITE = b"SQLite format 3"
 #: First bytes of formats whose check reads whole files: these, databases, and grids in text form.
-_READ_WHOLE = (*_TEXT_ANYWHERE, _SQLITE, b"ncols", b"NCOLS")
+_READ_WHOLE = (*_TEXT_ANYWHERE, b"SQLite format 3", b"ncols", b"NCOLS")
 #: First bytes of all formats, as far as they have any.
 _MAGIC = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
@@ -68,10 +67,6 @@ _MAGIC = (
 _SRTM, _SRTM_BYTES = (
     ".hgt",
     frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
-)
-#: Signatures of descriptions of services and collections, anywhere in the head of a file.
-_DESCRIPTIONS = re.compile(
-    rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"", re.IGNORECASE
 )
 _VRT = re.compile(rb"<VRTDataset", re.IGNORECASE)
 #: First bytes of a file that determine its format.
@@ -86,13 +81,6 @@ _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
 #: Item and domain of metadata by which a raster of any format names a file with its overviews.
 OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
 NAMES_OVERVIEWS = Message("names another file for its overviews, which is not read")
-#: Most elements in a VRT, or in metadata beside a raster; overviews count for each band.
-_MOST = {
-    "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
-    "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
-    "mdi": (MAX_RASTER_ITEMS, Message("items of metadata")),
-    "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
-}
 #: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys.
 _TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
 #: GDAL's virtual file systems, and those on other machines.
@@ -212,7 +200,11 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
             each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
             seen[whole] += times * (1 + max(each))
             _check_reads(file, seen[whole])
-    elif _DESCRIPTIONS.search(head):
+    elif re.search(
+        rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"",
+        head,
+        re.IGNORECASE,
+    ):
         raise InvalidInput(
             "{0} describes a service or a collection, whose requests keep to no terms",
             file.name,
@@ -331,7 +323,7 @@ def check_references(file: Path, head: bytes | None = None) -> None:
     head = _head(file) if head is None else head
     if _VRT.search(head):
         _parse(file, _References(file))
-    elif head.startswith(_SQLITE):
+    elif head.startswith(b"SQLite format 3"):
         _check_texts(file.name, _definitions(file))
     else:
         with open_foreign(file) as opened:
@@ -628,12 +620,19 @@ class _Reader(_References):
                 MAX_XML_ELEMENTS,
                 MAX_XML_DEPTH,
             )
-        if name not in _MOST:
+        # Overviews count for each band.
+        limits = {
+            "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
+            "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
+            "mdi": (MAX_RASTER_ITEMS, Message("items of metadata")),
+            "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
+        }
+        if name not in limits:
             return
         if name == "vrtrasterband":
             self._counts["overview"] = 0
         self._counts[name] += 1
-        most, what = _MOST[name]
+        most, what = limits[name]
         if self._counts[name] > most:
             _refuse_number(self._vrt, self._counts[name], most, what)
 
