@@ -180,15 +180,14 @@ class XYZSource:
         """File and pixels of a tile: stored ones while they are fresh, else the server's, which may confirm them."""
         kept = store.find(tile)
         stored = None if kept is None else self._stored_pixels(tile, kept, store)
-        allow = partial(self._count, set())
         if kept is None or stored is None:
-            response, pixels = self._client.picture(url, tile, self._read, allow=allow)
+            response, pixels = self._client.picture(url, tile, self._read, allow=partial(self._count, set()))
             store.keep(tile, response)
             return response.body, pixels
         stale_allowed = kept.freshness.stale_allowed
         if not store.is_fresh(kept) and not (stale_allowed and self._client.out_of_reach()):
             try:
-                conditions = kept.freshness.conditions()
+                conditions, allow = kept.freshness.conditions(), partial(self._count, set())
                 response, changed = self._client.picture(url, tile, self._read_change, conditions, allow)
             except OutOfReach:
                 if not stale_allowed:
