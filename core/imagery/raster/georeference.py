@@ -172,7 +172,7 @@ class RasterGeoreference:
         x = grid.plane.west + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * across
         y = grid.plane.north - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * down
         to_map, period, upright = self._to_map, self._period, self.is_upright
-        if grid.own:
+        if not grid.plane.wraps:
             # Its own plane differs from its pixels by steps and origin alone.
             to_map, period, upright = None, None, True
         if upright:
