@@ -73,15 +73,12 @@ _KINDS = {
     "yes_no": ("Bool", "Bool"),
     "time": ("QDateTime", "DateTime"),
 }
-#: From this version on (3.38) a layer's credit is among its properties for servers.
-_WITH_SERVER_ATTRIBUTION = 33800
-#: From this version on (3.38) fields are made with Qt 6's types, under Qt 5, too.
-_WITH_META_TYPES = 33800
 
 
 def attribution(layer: QgsMapLayer) -> str:
     """Whom a layer's server asks to credit."""
-    if Qgis.QGIS_VERSION_INT >= _WITH_SERVER_ATTRIBUTION:
+    # From 3.38 on, the credit is among the layer's properties for servers.
+    if Qgis.QGIS_VERSION_INT >= 33800:
         return layer.serverProperties().attribution()
     return layer.attribution()
 
@@ -89,6 +86,7 @@ def attribution(layer: QgsMapLayer) -> str:
 def field(name: str, kind: str) -> QgsField:
     """Attribute of a layer; ``kind`` is text, integer, number, yes_no or time."""
     there, before = _KINDS[kind]
-    if Qgis.QGIS_VERSION_INT >= _WITH_META_TYPES:
+    # From 3.38 on, fields have Qt 6's types, under Qt 5, too.
+    if Qgis.QGIS_VERSION_INT >= 33800:
         return QgsField(name, getattr(QtCore.QMetaType.Type, there))
     return QgsField(name, getattr(QtCore.QVariant, before))

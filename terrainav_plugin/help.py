@@ -15,17 +15,6 @@ from .tasks import single_shot
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
-_ROOM_PX = (760, 720)
-_NAME = "terrainav_guide"
-_PICTURES = (".jpg", ".png")
-#: Left and right of a picture.
-_MARGINS_PX = 12
-#: By which Qt indents the items of a list, which images may stand in.
-_LIST_PX = 40
-#: Pause in stretching the window after which the pictures follow.
-_PAUSE_MS = 150
-#: Where pages are that are not installed with the plugin.
-_PAGES = "https://github.com/terrainav/terrainav/blob/HEAD/docs/"
 #: The window while it is open: Qt alone does not keep what Python has added to it.
 _OPEN: list[GuideWindow] = []
 
@@ -81,16 +70,16 @@ class GuideWindow(QTextBrowser):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setWindowFlags(Qt.WindowType.Window)
-        self.setObjectName(_NAME)
+        self.setObjectName("terrainav_guide")
         self.setWindowTitle(tr("TerrAInav: guide"))
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setOpenLinks(False)
         self.anchorClicked.connect(self._follow)
-        self.resize(*_ROOM_PX)
+        self.resize(760, 720)
         self._path = Path()
         self._fitted_px = 0
         self._shown: QTextDocument | None = None
-        self._fit_soon = single_shot(self._fit, self, _PAUSE_MS)
+        self._fit_soon = single_shot(self._fit, self, 150)
 
     @classmethod
     def show_page(cls, url: QUrl) -> None:
@@ -139,10 +128,11 @@ class GuideWindow(QTextBrowser):
     def loadResource(self, kind: int, name: QUrl) -> object:
         """Load a picture, no wider than the window."""
         path = self._path.parent / name.path()
-        if path.suffix not in _PICTURES:
+        if path.suffix not in (".jpg", ".png"):
             return super().loadResource(kind, name)
         reader = QImageReader(str(path))
-        size, room = reader.size(), self.viewport().width() - _MARGINS_PX - _LIST_PX
+        # 12 px of margins, and the 40 px by which Qt indents lists, which may hold images.
+        size, room = reader.size(), self.viewport().width() - 12 - 40
         if size.width() > room > 0:
             # Readers of JPEG scale while they read, in a fraction of the time.
             reader.setScaledSize(size * (room / size.width()))
@@ -178,7 +168,9 @@ class GuideWindow(QTextBrowser):
             if link.path():
                 path = self._path.parent / link.path()
                 if not path.is_file():
-                    QDesktopServices.openUrl(QUrl(_PAGES + link.path()))
+                    QDesktopServices.openUrl(
+                        QUrl("https://github.com/terrainav/terrainav/blob/HEAD/docs/" + link.path())
+                    )
                     return
                 if path.suffix != ".md" or not path.is_file():
                     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
-#: A layer of the project as missions name it: QGIS's identifier is no name that a user knows.
-_LAYER = re.compile(r"qgis:layer/(?P<id>[\w-]+)")
 #: Options in advice of the core that the panel has an entry for under the declared title.
 _ENTERED = (
     "error_budget",
@@ -190,7 +188,10 @@ def _shown(value: object) -> object:
         return "" if _names_no_entry(value) else translate(value)
     if isinstance(value, TerrAInavError):
         return translate(value)
-    return _LAYER.sub(_layer_title, value) if isinstance(value, str) else value
+    # Show a layer's title in place of QGIS's identifier.
+    return (
+        re.compile(r"qgis:layer/(?P<id>[\w-]+)").sub(_layer_title, value) if isinstance(value, str) else value
+    )
 
 
 def _layer_title(found: re.Match[str]) -> str:

@@ -26,18 +26,8 @@ from .i18n import tr
 from .plain import escaped
 
 TITLE = "TerrAInav"
-#: What QGIS calls its log panel.
-_LOG_PANEL = "MessageLog"
 #: Characters that two lines of the bar have room for beside its buttons, and those that end a part of a sentence.
 _MOST_LETTERS = 140
-#: Width of a message below which its buttons stand below each other, and leave the text room.
-_NARROW_PX = 700
-_PART_ENDS = ("; ", ". ", ": ", ", ")
-#: Characters of a message that the bar shows: some lines on any map. Qt takes minutes to lay out a million.
-_MOST_SHOWN = 2000
-#: Those of it that the log has.
-_MOST_LOGGED = 16384
-_SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
 def _masked(text: str, most: int) -> str:
@@ -51,7 +41,7 @@ def _masked(text: str, most: int) -> str:
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
-    text = _masked(text, _MOST_LOGGED)
+    text = _masked(text, 16384)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -78,7 +68,7 @@ class LogPanelHandler(logging.Handler):
 def show_log(iface: QgisInterface) -> None:
     """Open the log panel at TerrAInav's tab."""
     iface.openMessageLog()
-    panel = iface.mainWindow().findChild(QDockWidget, _LOG_PANEL)
+    panel = iface.mainWindow().findChild(QDockWidget, "MessageLog")
     for tabs in panel.findChildren(QTabWidget) if panel is not None else ():
         for index in range(tabs.count()):
             if tabs.tabText(index) == TITLE:
@@ -192,8 +182,14 @@ class Messages(QObject):
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        shown = escaped(_masked(text, _MOST_SHOWN))
-        item = QgsMessageBarItem(TITLE, shown, level, 0 if lasts else _SECONDS.get(level, 0))
+        # Some lines on any map; Qt takes minutes to lay out a million characters.
+        shown = escaped(_masked(text, 2000))
+        item = QgsMessageBarItem(
+            TITLE,
+            shown,
+            level,
+            0 if lasts else {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}.get(level, 0),
+        )
         fitting = _Fitting(item)
         for offered in filter(None, (action, other)):
             fitting.buttons.addWidget(self._button(item, *offered))
@@ -263,7 +259,8 @@ class _Fitting(QObject):
             if watched is self._text:
                 self._fit_text(event.size().width())
             else:
-                narrow = event.size().width() < _NARROW_PX
+                # In a narrow message the buttons stand below each other, to leave the text room.
+                narrow = event.size().width() < 700
                 down, along = QBoxLayout.Direction.TopToBottom, QBoxLayout.Direction.LeftToRight
                 self.buttons.setDirection(down if narrow else along)
         return super().eventFilter(watched, event)
@@ -281,5 +278,5 @@ def shortened(text: str) -> str:
     if len(text) <= _MOST_LETTERS:
         return text
     room = text[:_MOST_LETTERS]
-    end = max(room.rfind(mark) for mark in _PART_ENDS)
+    end = max(room.rfind(mark) for mark in ("; ", ". ", ": ", ", "))
     return f"{room[: end if end > 0 else room.rfind(' ')]} …"

@@ -31,8 +31,6 @@ _SERVED = (
     "fuse.s3fs",
     "fuse.gvfs",
 )
-#: What Windows calls a drive of another machine.
-_REMOTE_DRIVE = 4
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 
@@ -51,7 +49,8 @@ def is_remote(folder: str | os.PathLike[str]) -> bool:
     if "://" in text or text.startswith("//"):
         return True
     if sys.platform == "win32":
-        return bool(ctypes.windll.kernel32.GetDriveTypeW(f"{Path(folder).drive}\\") == _REMOTE_DRIVE)
+        # DRIVE_REMOTE: a drive of another machine.
+        return bool(ctypes.windll.kernel32.GetDriveTypeW(f"{Path(folder).drive}\\") == 4)
     try:
         mounts = [line.split(" ") for line in _MOUNTS.read_text("utf-8", "replace").splitlines()]
     except OSError:

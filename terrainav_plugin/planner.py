@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 #: Pause in typing after which a plan is worked out.
 _PAUSE_MS = 150
-#: Pixels of the largest picture that is timed: some seconds, and memory to spare.
-_MOST_TIMED_PX = 4_000_000
 
 
 class PlannedMission(NamedTuple):
@@ -112,7 +110,8 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     from .sources import mission_bands
 
     plan = planned.plan
-    if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > _MOST_TIMED_PX:
+    # Time only images that take a few seconds and little memory.
+    if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > 4_000_000:
         return tr("not timed, as the images are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
     bands = mission_bands(planned.mission)

@@ -33,8 +33,6 @@ PROVIDER = "terrainav"
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
 #: By which QGIS finds the page to open its options at.
 PAGE = "terrainav_options"
-#: Milliseconds between two looks at whether QGIS has its window.
-_LOOK_MS = 500
 
 
 class TerrAInavPlugin:
@@ -108,7 +106,8 @@ class TerrAInavPlugin:
         self._processing_soon.timeout.connect(self.initProcessing)
         self._processing_soon.start(0)
         self._unfinished_soon = QTimer(self.iface.mainWindow())
-        self._unfinished_soon.setInterval(_LOOK_MS)
+        # Look twice a second whether QGIS has its window.
+        self._unfinished_soon.setInterval(500)
         self._unfinished_soon.timeout.connect(self._offer_unfinished)
         self._unfinished_soon.start()
 

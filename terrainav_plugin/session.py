@@ -49,9 +49,6 @@ from .widgets import free_of_menus
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
 
-#: Height of a first mission in feet, where those are set: about that in metres.
-_USUAL_AGL_FT = 400.0
-
 
 class Session(QObject):
     """The plugin at work; made when it is first used.
@@ -290,7 +287,8 @@ class Session(QObject):
     def _restore(self) -> None:
         state = FormState.from_json(self.settings.form)
         if not self.settings.form and self._units == "ft":
-            state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
+            # About the default height, in feet.
+            state = replace(state, agl_unit="ft", agl=400.0)
         if not state.folder:
             first = self.settings.missions / "mission-1"
             self.settings.suggested_folder = str(next_folder(first) if exists(first) else first)

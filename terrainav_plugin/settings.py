@@ -20,16 +20,10 @@ if TYPE_CHECKING:
 
 _ROOT = "TerrAInav/"
 _KEYS = f"{_ROOT}authcfg"
-#: Megabytes as files are counted, for the limit of the cache.
-BYTES_PER_MB = 1_000_000
 UNITS = tuple(LENGTHS_M)
-_CACHE_ENV = "TERRAINAV_CACHE_DIR"
-#: Of a template: a name of 253 letters and what stands in it in braces.
-_LONGEST_HOST = 1000
 _ADDRESS = re.compile(r"(https?)://([^/?#]*)", re.IGNORECASE)
 #: As `Placeholder` takes them.
 _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
-_MOST = 8
 
 
 class _Text:
@@ -176,12 +170,12 @@ class Settings:
     def cache(self) -> Path | None:
         """Folder of the tile cache; None for the platform's own, or that of the environment."""
         chosen = self.cache_folder
-        return Path(chosen).expanduser() if chosen and not os.environ.get(_CACHE_ENV) else None
+        return Path(chosen).expanduser() if chosen and not os.environ.get("TERRAINAV_CACHE_DIR") else None
 
     @property
     def cache_limit_bytes(self) -> int:
         """Most that the cache may take."""
-        return int(self.cache_limit_mb) * BYTES_PER_MB
+        return int(self.cache_limit_mb) * 1_000_000
 
     def tile_cache(self) -> TileCache:
         """Cache of tiles."""
@@ -199,7 +193,8 @@ def credential_name(source: str) -> str:
     address = _ADDRESS.search(source)
     if address:
         host = address.group(2).rpartition("@")[2].lower()
-        if len(host) > _LONGEST_HOST:
+        # Host names have up to 253 characters; templates add braces.
+        if len(host) > 1000:
             return ""
         return re.sub(r"[\w-]*(\{[^{}]*\}|\[[^\[\]]*\])[\w-]*\.?", "", host)
     known = re.fullmatch(r"[a-z0-9][a-z0-9_.:-]*", source) and not source.startswith("qgis:")
@@ -226,4 +221,4 @@ def recent() -> list[Path]:
 def remember(path: Path) -> None:
     """Put a file or folder to the front."""
     others = [other for other in recent() if other != path]
-    Settings().recent = json.dumps([str(path), *map(str, others)][:_MOST])
+    Settings().recent = json.dumps([str(path), *map(str, others)][:8])

@@ -21,15 +21,13 @@ from typing import Any, Generic, TypeVar
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsTask
 from qgis.PyQt.QtCore import QCoreApplication, QObject, Qt, QThread, QTimer, pyqtSignal, pyqtSlot
 
-from ..core.errors import Cancelled, Message, TerrAInavError
+from ..core.errors import Cancelled, InvalidInput, Message, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
 
 Result = TypeVar("Result")
 #: CRSs of layers that TerrAInav opens and makes, beside those that imagery has of its own.
 CRS_IDS = ("EPSG:3857", "EPSG:4326")
-#: Seconds that work waits for the main thread to read another one.
-_READING_S = 3.0
 
 
 class Task(QgsTask):
@@ -243,6 +241,15 @@ def crs_named(text: str) -> QgsCoordinateReferenceSystem:
     return QgsCoordinateReferenceSystem.fromWkt(text)
 
 
+def required_crs(crs: QgsCoordinateReferenceSystem, layer_name: str) -> QgsCoordinateReferenceSystem:
+    """CRS of a layer; raises InvalidInput where it has none."""
+    if not crs.isValid():
+        raise InvalidInput(
+            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer_name)
+        )
+    return crs
+
+
 def hold_crs() -> None:
     """Read the CRSs of TerrAInav's layers on the main thread, before work on another one does."""
     for identifier in CRS_IDS:
@@ -274,7 +281,8 @@ class _Reading(QObject):
     def wait(self) -> bool:
         """Wait for it, but no longer than a user would: the main thread may wait for this one."""
         self._asked.emit()
-        return self._read_there.wait(_READING_S)
+        # Wait up to 3 s for the main thread to read another CRS.
+        return self._read_there.wait(3.0)
 
     @pyqtSlot()
     def _read(self) -> None:

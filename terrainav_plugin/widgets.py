@@ -75,14 +75,8 @@ QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
 #: What people let an entry add up or multiply.
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
-#: What an entry leaves free beside its text.
-_BESIDE_TEXT_PX = 5
 #: Characters of a text that its tooltip shows, and of one that is measured: screens are no wider.
 _MOST_TIP, _MOST_MEASURED = 200, 10_000
-#: Characters of what is said below a field: some lines.
-_MOST_SAID = 1000
-#: Where windows come up, from the corner of the map.
-_CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
 _Text = tuple[str, Callable[[str], None]]
 _Made = TypeVar("_Made", bound=QWidget)
@@ -239,7 +233,8 @@ class ShortLine(QLineEdit):
         self.initStyleOption(option)
         room = self.style().subElementRect(QStyle.SubElement.SE_LineEditContents, option, self).width()
         # Qt leaves two pixels on either side of the text, and one for the cursor.
-        is_cut = self.fontMetrics().horizontalAdvance(text[:_MOST_MEASURED]) > room - _BESIDE_TEXT_PX
+        # An entry leaves 5 px free beside its text.
+        is_cut = self.fontMetrics().horizontalAdvance(text[:_MOST_MEASURED]) > room - 5
         begins = f"{whole[:_MOST_TIP]}\n" if whole != text or is_cut else ""
         super().setToolTip(shown_plain(begins + self._tip))
 
@@ -579,7 +574,8 @@ class FieldMessage(QLabel):
     def say(self, text: str) -> None:
         """Show a text, or nothing."""
         self.setTextFormat(Qt.TextFormat.PlainText)
-        self.setText(shortened(text, _MOST_SAID))
+        # A few lines below a field.
+        self.setText(shortened(text, 1000))
         self.setVisible(bool(text))
         self._fit()
 
@@ -666,7 +662,8 @@ def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int,
     panel.setParent(window)
     panel.setFloating(True)
     iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
-    corner = iface.mapCanvas().mapToGlobal(QPoint(*_CORNER_PX))
+    # A little into the map.
+    corner = iface.mapCanvas().mapToGlobal(QPoint(12, 36))
     screen = window.screen().availableGeometry()
     wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
     left = max(min(corner.x(), screen.right() - wide), screen.left())

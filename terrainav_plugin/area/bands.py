@@ -31,12 +31,8 @@ OUTLINE_COLOURS = AREA_COLOURS._replace(fill=QColor(0, 0, 0, 0))
 #: Red as on flight maps, hatched, so that what is below stays in sight.
 NO_FLY_COLOURS = BandColours(QColor(190, 0, 30), QColor(190, 0, 30, 200), Qt.BrushStyle.BDiagPattern)
 _HANDLE_PX = 9
-_POINT_PX = 8
-_MIDDLE_PX = 7
 #: Width and height of the plugin's symbols, which are drawn as large as they are.
 _SYMBOL_PX = 24
-#: Edges shorter than this on the screen have no handle in their middle.
-_LEAST_EDGE_PX = 40.0
 #: The readout stands this far from the pointer, so that it hides nothing of what is aimed at.
 _ASIDE_PX = 16
 #: Over maps of any colour, in themes that paint no background of labels: the readout brings its own.
@@ -124,8 +120,8 @@ class AreaBands:
             icons = QgsRubberBand.IconType
             self._bands = [
                 area_band(self._canvas, POLYGON, self._colours),
-                _icon_band(self._canvas, icons.ICON_CIRCLE, _POINT_PX),
-                _icon_band(self._canvas, icons.ICON_CIRCLE, _MIDDLE_PX),
+                _icon_band(self._canvas, icons.ICON_CIRCLE, 8),
+                _icon_band(self._canvas, icons.ICON_CIRCLE, 7),
                 corner_band(self._canvas),
                 _icon_band(self._canvas, icons.ICON_FULL_BOX, _HANDLE_PX),
             ]
@@ -144,7 +140,8 @@ class AreaBands:
             band.setToGeometry(shape, None)
         if with_handles:
             _show_points(handles, [*outline.handles.values(), *outline.corners.values()])
-            least = _LEAST_EDGE_PX * self._canvas.mapUnitsPerPixel()
+            # Edges shorter than this on the screen have no handle in their middle.
+            least = 40.0 * self._canvas.mapUnitsPerPixel()
             long = (
                 corner
                 for corner, segments in outline.edges.items()

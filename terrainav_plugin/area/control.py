@@ -51,11 +51,6 @@ from .outline import AreaOutline
 from .patterns import PATTERNS, OrbitDialog, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
-#: Room left around an area that is zoomed to, as a share of it.
-_MARGIN = 1.5
-#: Pause in typing after which the map goes to an area that is out of sight.
-_PAUSE_MS = 600
-
 
 class AreaControl(QObject):
     """Takes areas from wherever a person has them into the form, one undoable step each.
@@ -118,7 +113,8 @@ class AreaControl(QObject):
         self.mark, self._previewed = AreaMark(self._canvas), False
         self.no_fly_mark = AreaMark(self._canvas, NO_FLY_COLOURS)
         self.takeoff_mark = AreaMark(self._canvas, symbol=symbol("takeoff"))
-        self._pause = single_shot(self._go_to_typed, self, _PAUSE_MS)
+        # After a pause in typing, the map moves to an area that is out of sight.
+        self._pause = single_shot(self._go_to_typed, self, 600)
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
@@ -552,7 +548,8 @@ class AreaControl(QObject):
             self._messages.warning(translate(wrong))
             return
         if not (is_in_sight(self._canvas, rectangle) and self._is_any_visible(area)):
-            show_extent(self._canvas, rectangle, _MARGIN)
+            # Show half as much again around the area.
+            show_extent(self._canvas, rectangle, 1.5)
 
     def _is_any_visible(self, area: Area) -> bool:
         """Whether any point is in view, which may lie between points; areas of ground are where their bounds are."""

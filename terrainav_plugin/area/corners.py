@@ -16,16 +16,12 @@ from .outline import Corner, area_rings, kept_lat, polygon_geometry
 LEAST_CORNERS = 3
 #: Of degrees, a centimetre on the ground: a pointer is no nearer, and the panel's entries show them all.
 DECIMALS = 7
-#: Sides of a box as long as this are the longer way around, and no edges of a polygon.
-_HALF_TURN_DEG = 180.0
-#: Square degrees that two areas may share without overlapping: a square micrometre on the ground.
-_SHARED_DEG2 = 1e-22
 
 
 def as_polygons(area: Area) -> Polygon | Polygons | None:
     """Polygons that have the ground of an area; None for points, and for boxes half around the Earth."""
     if isinstance(area, Box):
-        if area.span_deg >= _HALF_TURN_DEG:
+        if area.span_deg >= 180.0:
             return None
         west, south, east, north = area.edges_deg
         return Polygon((((west, south), (east, south), (east, north), (west, north)),))
@@ -164,7 +160,8 @@ def _area(shapes: Sequence[Sequence[Sequence[Position]]]) -> Polygon | Polygons:
 def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[list[Position]] | None:
     """Rings of two polygons in one; None where they share no ground."""
     one, other = polygon_geometry(rings), polygon_geometry(others)
-    if one.intersection(other).area() <= _SHARED_DEG2:
+    # Square degrees that two areas may share without overlapping: a square micrometre on the ground.
+    if one.intersection(other).area() <= 1e-22:
         return None
     joined = one.combine(other)
     if joined.isNull() or joined.type() != POLYGON:

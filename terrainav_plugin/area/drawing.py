@@ -29,11 +29,6 @@ from .corners import LEAST_CORNERS, pointed
 from .layers import polygon_of_rings
 from .outline import point_lon_lat
 
-#: Corners nearer to the one before than this are the same: the two clicks of a double click.
-_SAME_PX = 2.0
-#: Share of a pixel of the screen that edges of the polygon may be off those that are drawn.
-_OFF_PX = 0.5
-_BACK = (Qt.Key.Key_Backspace, Qt.Key.Key_Delete)
 _FINISH = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
@@ -109,7 +104,11 @@ class PolygonTool(TemporaryTool):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take corners back and finish by keys, also by those that are shortcuts of the window."""
-        if isinstance(event, QKeyEvent) and event.key() in (*_BACK, *_FINISH):
+        if isinstance(event, QKeyEvent) and event.key() in (
+            Qt.Key.Key_Backspace,
+            Qt.Key.Key_Delete,
+            *_FINISH,
+        ):
             if event.type() == QEvent.Type.ShortcutOverride:
                 event.accept()
                 return True
@@ -155,7 +154,8 @@ class PolygonTool(TemporaryTool):
     def _add(self, at: QPoint) -> None:
         self._at, self._last_refused = at, False
         point = self.toMapCoordinates(at)
-        if self._corners and self._pixels(self._corners[-1], point) < _SAME_PX:
+        # Corners nearer to the one before than this are the same: the two clicks of a double click.
+        if self._corners and self._pixels(self._corners[-1], point) < 2.0:
             return
         if point_lon_lat(point, self._crs, QgsProject.instance()) is None:
             self._refuse(tr("this place is outside the map"))
@@ -202,7 +202,8 @@ class PolygonTool(TemporaryTool):
     def _tolerance_m(self, point: QgsPointXY) -> float:
         """Metres on the ground that half a pixel of the screen shows."""
         unit = self.canvas().mapUnitsPerPixel()
-        return _OFF_PX * self._length_m(point, QgsPointXY(point.x() + unit, point.y()))
+        # Edges of the polygon are at most half a pixel off those that are drawn.
+        return 0.5 * self._length_m(point, QgsPointXY(point.x() + unit, point.y()))
 
     def _length_m(self, start: QgsPointXY, end: QgsPointXY) -> float:
         """Metres on the ground; 0 where the CRS has no such place."""

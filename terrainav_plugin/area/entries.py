@@ -27,11 +27,6 @@ from .history import AreaHistory
 from .menu import AreaMenu
 from .no_fly import NoFlyMenu
 
-#: Room for five digits and a sign.
-_EDGE_PX = 70
-#: Characters of a list of coordinates that is pasted: tens of thousands of lines. Qt's own limit cuts after a thousand.
-_LONGEST_PASTE = 1_000_000
-
 
 class EdgeLine(ShortLine):
     """Entry for an edge, which can tell a text that is pasted from one that is being typed."""
@@ -249,6 +244,8 @@ def _edge(name: str) -> EdgeLine:
     )
     edit = named(EdgeLine(), name, f"{tips[name]}\n{paste}")
     edit.setPlaceholderText(tr("degrees"))
-    edit.setMinimumWidth(_EDGE_PX)
-    edit.setMaxLength(_LONGEST_PASTE)
+    # Room for five digits and a sign.
+    edit.setMinimumWidth(70)
+    # Room to paste tens of thousands of lines; Qt's default cuts after about a thousand.
+    edit.setMaxLength(1_000_000)
     return edit

@@ -12,10 +12,6 @@ from ..compat import QUndoCommand, QUndoStack
 from ..form.state import BOX_FIELDS, FormState
 from ..i18n import tr
 
-#: Steps that can be taken back.
-_STEPS = 100
-#: Steps that are not to be joined with the one before.
-_ALONE = -1
 _AREA = (*BOX_FIELDS, "shape")
 #: What steps may change beside the area: the height, with pasted coordinates, and what is drawn on the map around it.
 _BESIDE = (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
@@ -88,7 +84,7 @@ class AreaHistory(QObject):
     ) -> None:
         super().__init__(parent)
         self.stack = QUndoStack(self)
-        self.stack.setUndoLimit(_STEPS)
+        self.stack.setUndoLimit(100)
         self._read, self._write = read, write
         self._last = read()
         self._step: tuple[str, int] | None = None
@@ -97,7 +93,8 @@ class AreaHistory(QObject):
 
     def name(self, step: str, joined: bool = False) -> None:
         """Name the change that comes next; ``joined`` makes one step of those that follow each other."""
-        kind = self._kinds.setdefault(step, len(self._kinds)) if joined else _ALONE
+        # Qt joins no steps of kind -1.
+        kind = self._kinds.setdefault(step, len(self._kinds)) if joined else -1
         self._step = step, kind
 
     def note(self) -> None:

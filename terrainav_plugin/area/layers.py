@@ -46,7 +46,7 @@ from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr, translate
 from ..map.canvas import LON_LAT, check_earthly, rectangle_box
-from ..tasks import Task
+from ..tasks import Task, required_crs
 from .xml import xml_elements
 
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
@@ -55,16 +55,9 @@ EDGE_TOLERANCE_M = 0.1
 #: Between the places that are looked at an edge may be off by more than there; by less than twice that, as it bends
 #: one way where the places are this near.
 _LOOKED_AT_SHARE = 0.5
-_LOOKED_AT = (0.25, 0.5, 0.75)
-#: Halvings of one edge: what is not straight then has a pole or the map's edge in it.
-_DEEPEST = 24
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
-#: Features between two looks at whether somebody has lost patience.
-_PAUSE = 256
 _GIMBAL_PITCHES_DEG = (-180.0, 90.0)
 _HALF_TURN_DEG = 180.0
-#: How much larger a box may be than the rectangle that it is around: half as large again.
-_MUCH_LARGER = 1.5
 
 
 class Found(NamedTuple):
@@ -192,7 +185,8 @@ def read_points(
     poses: list[tuple[float, float, float]] = []
     own: dict[str, list[float]] = {}
     for number, feature in enumerate(features):
-        if number % _PAUSE == 0 and cancelled():
+        # Look every 256 features whether the user has cancelled.
+        if number % 256 == 0 and cancelled():
             raise Cancelled
         name = tr("feature {id}").format(id=feature.id())
         agl, values = _agl_m(feature, fields, name), _own_values(feature, fields, name)
@@ -401,7 +395,8 @@ def rectangle_area(
     except InvalidInput:
         # It reaches an edge of the map, which a box around it follows.
         return box
-    return polygon if box.area_m2() > _MUCH_LARGER * polygon.area_m2() else box
+    # A box may be half as large again as the rectangle that it encloses.
+    return polygon if box.area_m2() > 1.5 * polygon.area_m2() else box
 
 
 def layer_extent_area(layer: QgsMapLayer, project: QgsProject) -> Area:
@@ -532,7 +527,8 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
         if _is_straight(one, here, other, there, place):
             yield there
             continue
-        if depth == _DEEPEST:
+        # An edge that is not straight after 24 halvings holds a pole or the map's edge.
+        if depth == 24:
             raise InvalidInput(
                 tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(
                     feature=name
@@ -545,7 +541,7 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
 
 def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Position, place: _Places) -> bool:
     dlon, dlat = _nearest_turn(there[0], here[0]) - here[0], there[1] - here[1]
-    for share in _LOOKED_AT:
+    for share in (0.25, 0.5, 0.75):
         lon, lat = place(
             QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y()))
         )
@@ -656,11 +652,7 @@ def _number(feature: QgsFeature, field: str, what: str) -> float:
 
 
 def _crs(layer: QgsMapLayer) -> QgsCoordinateReferenceSystem:
-    if not layer.crs().isValid():
-        raise InvalidInput(
-            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer.name())
-        )
-    return layer.crs()
+    return required_crs(layer.crs(), layer.name())
 
 
 def _selected(layer: QgsVectorLayer) -> QgsFeatureRequest:

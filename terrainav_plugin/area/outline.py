@@ -29,15 +29,10 @@ from ..map.outlines import around_pole
 
 #: Steps each side is drawn in; sides may be curves on the canvas.
 _STEPS = 48
-#: A polygon's edges are drawn in as many steps as keep its outline at no more than this many.
-_MOST_STEPS = 4_000
 #: Points drawn, evenly picked: more cannot be told apart, and take long to paint.
 MOST_POINTS = 2_000
-#: A step this many times longer than the others leads across the map's edge.
-_JUMP = 20.0
 #: Outlines are cut this far from the map's edge, a tenth of a millimetre on the ground.
 _CUT_DEG = 1e-9
-_BISECTIONS = 50
 #: At a pole itself many maps have no place; this near to it, a decimetre, they have.
 _BESIDE_POLE_DEG = 90.0 - 1e-6
 _EDGES = ("north", "west", "south", "east")
@@ -148,10 +143,11 @@ class AreaOutline:
         if not steps:
             return None
         longest, start, end = max(steps)
-        if longest <= _JUMP * statistics.median(length for length, _, _ in steps):
+        # A step this many times longer than the others leads across the map's edge.
+        if longest <= 20.0 * statistics.median(length for length, _, _ in steps):
             return None
         first = self.project(start, lat)
-        for _ in range(_BISECTIONS):
+        for _ in range(50):
             middle = (start + end) / 2.0
             place = self.project(middle, lat)
             if place is None or place.distance(first) > longest / 2.0:
@@ -173,7 +169,8 @@ class AreaOutline:
         parts = []
         for piece in pieces:
             corners = max(sum(1 for _ in piece.vertices()), 1)
-            fine = piece.densifyByCount(max(min(_STEPS, _MOST_STEPS // corners), 0))
+            # As many steps an edge as keep the outline at 4,000 points.
+            fine = piece.densifyByCount(max(min(_STEPS, 4_000 // corners), 0))
             for part in _polygons(fine):
                 rings = [self._ring(ring) for ring in part]
                 if rings and len(rings[0]) >= 3:

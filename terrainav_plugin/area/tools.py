@@ -46,9 +46,6 @@ from .outline import (
 
 #: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
 _REACH_PX = 8.0
-#: The same of edges, which are taken hold of less readily than corners, so that small areas can be moved.
-_EDGE_PX = 5.0
-_REMOVE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 #: Screen pixels that an arrow key moves the area by, and with Shift.
 _STEP_PX, _FAR_STEP_PX = 1, 10
 _ARROWS = {
@@ -283,7 +280,11 @@ class AreaTool(TemporaryTool):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Move the area by arrow keys, which would move the map; remove a corner by those that remove things."""
-        if isinstance(event, QKeyEvent) and event.key() in _REMOVE and self._picked is not None:
+        if (
+            isinstance(event, QKeyEvent)
+            and event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+            and self._picked is not None
+        ):
             if event.type() == QEvent.Type.ShortcutOverride:
                 # The window's own shortcut would remove features.
                 event.accept()
@@ -534,9 +535,8 @@ class AreaTool(TemporaryTool):
     def _find_edge(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return find_edge(
-            self._outline, self.toMapCoordinates(at), _EDGE_PX * self.canvas().mapUnitsPerPixel()
-        )
+        # Edges have a shorter reach than corners, so that small areas can be moved.
+        return find_edge(self._outline, self.toMapCoordinates(at), 5.0 * self.canvas().mapUnitsPerPixel())
 
     def _is_at_area(self, at: QPoint) -> bool:
         place = self._place(at)

@@ -39,8 +39,6 @@ SAME_HEIGHT_M = 1e-4
 _KEPT = 8
 #: Of a corner, of a point with its height and yaw, and of two corners.
 _POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
-#: Latitudes at which a meridian's curvature is looked at, for its length to the four digits that are shown.
-_LATITUDES = 17
 
 
 class FormError(TerrAInavError):
@@ -260,7 +258,8 @@ def size_m(box: Box) -> tuple[float, float]:
     middle = np.radians((box.north_deg + box.south_deg) / 2.0)
     radius = float(WGS84.normal_radius_m(np.degrees(middle)))
     width = radius * math.cos(float(middle)) * math.radians(box.span_deg)
-    radii = WGS84.meridional_radius_m(np.linspace(box.south_deg, box.north_deg, _LATITUDES))
+    # 17 latitudes give the length of a meridian to the four digits that are shown.
+    radii = WGS84.meridional_radius_m(np.linspace(box.south_deg, box.north_deg, 17))
     return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
 
 

@@ -31,7 +31,6 @@ _NOTHING_TYPED = {
     "sensor_width_mm": 0.0,
     "sensor_height_mm": 0.0,
 }
-_SENSOR_SIZE = ("sensor_width_mm", "sensor_height_mm")
 #: Entries that a ground sample distance depends on, beside the height.
 _CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
 
@@ -119,7 +118,7 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
         return convert_camera(_restore_fields(before, now, _CAMERA), now.fov_mode)
     if field == "agl_unit":
         return in_length_unit(_restore_fields(before, now, ("agl", "camera_gsd", field)), now.agl_unit)
-    if field in _SENSOR_SIZE:
+    if field in ("sensor_width_mm", "sensor_height_mm"):
         now = _update_aspect(now)
     if field in _CAMERA:
         now = _update_diagonal(now)

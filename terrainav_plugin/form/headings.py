@@ -11,9 +11,6 @@ from .area import area_words, entered_area
 from .state import DECLARED, SENSOR, FormState
 from .text import short_aspect
 
-#: Digits of numbers in headings.
-_DIGITS = ".4g"
-
 
 def headings(state: FormState, source: str) -> dict[str, str]:
     """Words of every group, by its name.
@@ -120,7 +117,7 @@ def _changed_choice(state: FormState, name: str) -> str:
 
 
 def _number(value: float) -> str:
-    return number_text(value, _DIGITS) if abs(value) < 1e4 else number_text(value, ",.0f")
+    return number_text(value, ".4g") if abs(value) < 1e4 else number_text(value, ",.0f")
 
 
 def _degrees(value: float) -> str:

@@ -8,10 +8,6 @@ from fractions import Fraction
 
 from ..i18n import decimal_sign, localized, plain_number
 
-_DEGREE_DECIMALS = 7
-#: Aspect ratios have parts as small as those of 4:3, 16:9 or 3000:2000; others are quotients of what was measured.
-_LARGEST_DENOMINATOR = 100
-_RATIO_DECIMALS = 4
 _TWO, _THREE = 2, 3
 #: Between the numbers of pasted coordinates.
 SEPARATORS = re.compile(r"[_,;\s]+")
@@ -34,8 +30,6 @@ _ANGLE = re.compile(rf"(?P<sign>[-+]?){_SEXAGESIMAL}")
 #: The same with the letter of a hemisphere behind it, as other programs write places.
 _LETTERED = re.compile(rf"(?<![\w.,])(?P<sign>){_SEXAGESIMAL}\s?(?P<letter>[NSEWnsew])\b")
 _FULL_MINUTES = 60.0
-#: Characters of a place as people write it, with room to spare.
-_LONGEST_PLACE = 100
 
 
 def parse_number(text: str) -> float:
@@ -85,7 +79,8 @@ def parse_degrees(text: str, letters: str) -> float:
 def parse_place(text: str) -> tuple[float, float]:
     """Read a latitude and a longitude in one text; raises ValueError where it can be read in no way, or in several."""
     plain = to_decimal_points(text.strip().strip(",;"))
-    if len(plain) > _LONGEST_PLACE:
+    # Longer than any place that people write.
+    if len(plain) > 100:
         raise ValueError(text)
     halves = ((plain[: one.start()], plain[one.end() :]) for one in SEPARATORS.finditer(plain))
     places = {place for place in (_place(*half) for half in halves) if place is not None}
@@ -182,7 +177,7 @@ def short_degrees(text: str) -> str:
     """Text of degrees as their user writes it, with the decimals that mean something: 7 are a centimetre."""
     plain = to_decimal_point(text)
     _, _, decimals = plain.partition(".")
-    if len(decimals) > _DEGREE_DECIMALS and _DECIMAL.fullmatch(plain):
+    if len(decimals) > 7 and _DECIMAL.fullmatch(plain):
         plain = degrees_text(float(plain))
     return as_written(plain)
 
@@ -201,11 +196,12 @@ def short_aspect(text: str) -> str:
     if colon and _DIGITS.fullmatch(first) and _DIGITS.fullmatch(second):
         fraction = Fraction(int(first), int(second) or 1)
         written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
-        long = written and fraction.denominator > _LARGEST_DENOMINATOR
+        # Written ratios reduce to small parts (4:3, 16:9, 3000:2000); others are quotients of measurements.
+        long = written and fraction.denominator > 100
         return as_written(f"{float(fraction):.4g}") if long else text
     plain = to_decimal_point(text)
     _, point, decimals = plain.partition(".")
-    if point and len(decimals) > _RATIO_DECIMALS and _DECIMAL.fullmatch(plain):
+    if point and len(decimals) > 4 and _DECIMAL.fullmatch(plain):
         plain = f"{float(plain):.4g}"
     return as_written(plain)
 

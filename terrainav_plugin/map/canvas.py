@@ -25,8 +25,6 @@ from ..i18n import tr, translate
 LON_LAT = "EPSG:4326"
 #: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
 _POINTS_A_SIDE = 64
-#: Rectangles with no side of this many pixels of the screen are a dot, and count as out of sight.
-_DOT_PX = 6.0
 
 
 def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoordinateTransform:
@@ -106,7 +104,8 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
 def is_in_sight(canvas: QgsMapCanvas, rectangle: QgsRectangle) -> bool:
     """Whether a rectangle of its CRS can be seen on the map: some of it, and as more than a dot."""
     wide_px = max(rectangle.width(), rectangle.height()) / canvas.mapUnitsPerPixel()
-    return not 0.0 < wide_px < _DOT_PX and canvas.extent().intersects(rectangle)
+    # A rectangle with no side of 6 px on the screen is a dot, and counts as out of sight.
+    return not 0.0 < wide_px < 6.0 and canvas.extent().intersects(rectangle)
 
 
 def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:

@@ -37,10 +37,6 @@ CAPTURED = "captured"
 FAILED = "failed"
 
 
-#: Characters of a path that systems take at most.
-_LONGEST_PATH = 4096
-
-
 class SavedMission(NamedTuple):
     """A mission that a project holds.
 
@@ -92,7 +88,8 @@ def is_path(text: str) -> bool:
         name = os.fsencode(text)
     except ValueError:
         return False
-    return bool(text.strip()) and len(text) <= _LONGEST_PATH and b"\0" not in name
+    # The longest path that systems take.
+    return bool(text.strip()) and len(text) <= 4096 and b"\0" not in name
 
 
 def _text(group: QgsLayerTreeGroup, name: str) -> str:

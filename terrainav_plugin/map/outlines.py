@@ -44,10 +44,6 @@ __all__ = [
     "seen_edges",
 ]
 
-#: Corners up to which a ring in one piece cannot touch itself: those of a frame.
-_PLAIN_CORNERS = 4
-#: Corners of a ring so near to a pole are those that it goes around the pole by.
-_POLE_DEG = 90.0 - 1e-9
 #: Where footprints in degrees are cut: along the antimeridian and the poles.
 CUTS_WKT = "LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)"
 #: Places within a micrometre are the same.
@@ -71,7 +67,8 @@ def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
     """Polygons of a ring in the CRS of a plane, cut where that ends."""
     if isinstance(plane, ProjectedPlane):
         # Around a pole, longitudes and latitudes have to go along it, which is a point here.
-        kept = np.abs(lat_deg) < _POLE_DEG
+        # Corners this near to a pole only lead the ring around it.
+        kept = np.abs(lat_deg) < (90.0 - 1e-9)
         x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
         reached = np.isfinite(x)
         shape = _polygons([(x[reached], y[reached])] if reached.sum() > 2 else [])
@@ -111,7 +108,8 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
         line.close()
         parts.addGeometry(QgsPolygon(line))
     geometry = QgsGeometry(parts)
-    if len(rings) == 1 and len(rings[0][0]) <= _PLAIN_CORNERS:
+    # A ring of four corners in one piece, as a frame's, cannot touch itself.
+    if len(rings) == 1 and len(rings[0][0]) <= 4:
         return geometry
     # A ring cut in two may keep its halves joined along the cut, and one around a pole the way there and back.
     return geometry if geometry.isGeosValid() else _only_polygons(geometry.makeValid())

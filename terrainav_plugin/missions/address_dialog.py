@@ -13,8 +13,6 @@ from ..remote.address import DatasetAddress
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, growing_form, line_edit, named, ok_and_cancel, show_row
 
-_WIDTH_PX = 560
-
 
 class AddressDialog(QDialog):
     """Asks for the address of a dataset, and for a web server's authentication.
@@ -52,7 +50,7 @@ class AddressDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addLayout(self._form)
         layout.addWidget(self.buttons)
-        self.setMinimumWidth(_WIDTH_PX)
+        self.setMinimumWidth(560)
         self.entry.textChanged.connect(self._changed)
         self._changed()
 

@@ -10,8 +10,6 @@ from qgis.PyQt.QtNetwork import QNetworkReply, QNetworkRequest
 from ...core.imagery.http.transport import Response, TransportError, check_length, too_long, unpacked
 from ...core.limits import MAX_HEADERS
 
-#: Statuses whose Content-Length is that of the body they stand for, and none of a reply that failed.
-_BODILESS = (None, 204, 304)
 _Error = QNetworkReply.NetworkError
 #: Answers with a status that says what is wrong: to be judged by those who asked.
 _OF_STATUS = frozenset(
@@ -84,7 +82,7 @@ def read_answer(
         bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1")
         for name, value in reply.rawHeaderPairs()
     }
-    if status not in _BODILESS:
+    if status not in (None, 204, 304):
         check_length(len(body), headers)
     if status is None or not is_of_status(error):
         asked = QUrl(url)

@@ -13,9 +13,6 @@ from ...core.imagery.http.transport import Response, Timeouts, TransportError, u
 from ...core.limits import MAX_BODY_BYTES
 from .worker import NetworkWorker, PendingRequest, Terms, in_main_thread
 
-#: Seconds of one wait for an outcome.
-_LOOK_S = 0.1
-
 
 class QgisTransport:
     """Transport over QGIS's network stack; `get` is called from any thread, the main one works through its events.
@@ -118,7 +115,7 @@ def _await(exchange: PendingRequest) -> None:
                 | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
             )
         else:
-            exchange.done.wait(_LOOK_S)
+            exchange.done.wait(0.1)
 
 
 def _cancelled() -> Cancelled:

@@ -38,11 +38,6 @@ from .answers import has_too_many_headers, read_answer
 
 #: Requests that a manager of Qt sends to one server at a time, over as many connections; for more there are more.
 PER_MANAGER = 6
-#: Milliseconds between two looks at how much of the answers has come, within which a body may outgrow its limit.
-_LOOK_MS = 50
-#: Longest time between two looks that counts: beyond it the main thread had other work and heard nothing of answers.
-_TURN_S = 0.25
-_HTTPS_PORT = 443
 #: Workers that are not destroyed yet: theirs is the last reference, so that no other thread lets go of one.
 _ALIVE: set[NetworkWorker] = set()
 
@@ -266,9 +261,11 @@ class NetworkWorker(QObject):
             self._timer = QTimer(self)
             self._timer.timeout.connect(self._look)
         if self._timer.isActive():
-            self._clock_s += min(now_s - self._looked_s, _TURN_S)
+            # A longer time between two looks counts as this: the main thread had other work and heard no answers.
+            self._clock_s += min(now_s - self._looked_s, 0.25)
         else:
-            self._timer.start(_LOOK_MS)
+            # A body may outgrow its limit for up to 50 ms.
+            self._timer.start(50)
         self._looked_s = now_s
 
     def _lateness(self, exchange: PendingRequest) -> TransportError | None:
@@ -423,4 +420,4 @@ def _set_headers(request: QNetworkRequest, headers: Mapping[str, str]) -> None:
 
 def _host_and_port(url: QUrl) -> str:
     """Name a server as QGIS's authentication database does."""
-    return f"{url.host().strip()}:{url.port(_HTTPS_PORT)}"
+    return f"{url.host().strip()}:{url.port(443)}"

@@ -28,11 +28,7 @@ if TYPE_CHECKING:
 _DEGREES, _MM = 360.0, 1e6
 #: Decimals to which a field of view and that of a preset are the same camera.
 _SAME_DECIMALS = 6
-#: Room for "Focal length".
-_MODE_LETTERS = 10
 _SENSOR = ("sensor_width_mm", "sensor_height_mm")
-#: Largest number that the parts of an aspect ratio are written with; beyond, it is written as it is.
-_MOST_IN_RATIO = 10_000
 
 
 class CameraEntries(Entries):
@@ -114,7 +110,8 @@ class CameraEntries(Entries):
             "focal length and sensor in mm. A change converts the values."
         )
         self.fov_mode = combo("fov_mode", modes, tip)
-        self.fov_mode.setMinimumContentsLength(_MODE_LETTERS)
+        # Room for "Focal length".
+        self.fov_mode.setMinimumContentsLength(10)
         tip = tr("Field of view across the image's diagonal, in degrees")
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
         tip = tr("Field of view across the image's width or height, as selected, in degrees")
@@ -230,7 +227,8 @@ def save_camera(name: str, state: FormState) -> None:
     camera = state_camera(state)
     if camera is None:
         raise InvalidInput(tr("These values are not a valid camera: fix the highlighted fields, then save."))
-    fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)
+    # Ratios whose parts would be larger are written as decimals.
+    fraction = Fraction(camera.aspect_ratio).limit_denominator(10_000)
     exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
     ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]
     facts: dict[str, Any] = {"fov_deg": camera.fov_deg}

@@ -30,8 +30,6 @@ from .form import DockForm, set_tab_order
 from .runs import RunList
 
 _SHARE_KEY = "TerrAInav/estimates_share"
-#: Most of the panel that figures and captures take by themselves.
-_MOST_BELOW = 0.5
 
 
 class Dock(QgsDockWidget):
@@ -208,7 +206,8 @@ class PanelSplitter(QSplitter):
         wanted = layout.totalSizeHint().height()
         if layout.hasHeightForWidth():
             wanted = layout.totalHeightForWidth(self.width())
-        most = round(room * (self._share or _MOST_BELOW))
+        # Figures and captures take at most half of the panel until the border is moved.
+        most = round(room * (self._share or 0.5))
         below = most if self._share else min(wanted, most)
         self.setSizes([room - below, below])
 

@@ -27,12 +27,7 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
-#: Lines of text that are always to be seen.
-_LEAST_LINES = 3
 _FOLDED_KEY = "TerrAInav/folded/details"
-_UPSAMPLE = "upsample"
-#: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.
-_COARSER = 1.02
 
 
 class Figures(QScrollArea):
@@ -89,7 +84,7 @@ class Figures(QScrollArea):
         if readout.offers_upsampling:
             offer = tr("The source has no finer detail here.")
             link = tr("Allow upsampling")
-            warnings.append(f'{html.escape(offer)} <a href="{_UPSAMPLE}">{html.escape(link)}</a>')
+            warnings.append(f'{html.escape(offer)} <a href="upsample">{html.escape(link)}</a>')
         self._show(
             warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
         )
@@ -113,7 +108,8 @@ class Figures(QScrollArea):
 
     def minimumSizeHint(self) -> QSize:
         """Some lines, or all of the text where it has fewer."""
-        least = _LEAST_LINES * self.fontMetrics().lineSpacing()
+        # At least three lines of text are visible.
+        least = 3 * self.fontMetrics().lineSpacing()
         return QSize(super().minimumSizeHint().width(), min(least, self._text_height()))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -193,7 +189,8 @@ def readout(
         Of the source's provider, where it has one.
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.resolution.source_m_per_px
-    coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
+    # A source up to 2 % coarser counts as fine as the camera.
+    coarser = own_m > 1.02 * summary.requested_gsd_m_per_px
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
         tuple(translate(text) for text in summary.warnings),

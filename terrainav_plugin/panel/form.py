@@ -47,8 +47,6 @@ from .sections import (
 )
 
 _KEY = "TerrAInav/folded/{name}"
-#: Pause in typing after which entries are written down: QGIS writes its whole file of settings each time.
-_PAUSE_MS = 1000
 
 
 class DockForm(QWidget):
@@ -287,7 +285,8 @@ class FormMemory(QObject):
     def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
         super().__init__(parent)
         self._settings, self._read = settings, read
-        self._pause = single_shot(self.write, self, _PAUSE_MS)
+        # After a pause in typing only: QGIS writes its whole file of settings each time.
+        self._pause = single_shot(self.write, self, 1000)
 
     @property
     def pending(self) -> bool:

@@ -9,11 +9,6 @@ from qgis.PyQt.QtWidgets import QGroupBox, QStyle, QStyleOptionGroupBox
 from ..i18n import tr
 from ..plain import shown_plain
 
-#: Height of a folded group over that of its letters: QGIS gives it less, and cuts off what hangs below the line.
-_ABOVE_AND_BELOW_PX = 5
-#: What a group's title leaves free on both sides, for its arrow and its frame.
-_AROUND_PX = 24
-
 
 class Heading(QObject):
     """The title of a group: alone while it is open, with what it holds while it is folded, cut to the room there is."""
@@ -43,13 +38,15 @@ class Heading(QObject):
             title, tip = self._title, self._tip
         else:
             whole = tr("{title}: {values}").format(title=self._title.replace("&", ""), values=self._words)
-            room = max(box.width() - _AROUND_PX - self._mark_px(), 0)
+            # A group's arrow and frame take 24 px beside its title.
+            room = max(box.width() - 24 - self._mark_px(), 0)
             shown = box.fontMetrics().elidedText(whole, Qt.TextElideMode.ElideRight, room)
             title, tip = shown.replace("&", "&&"), shown_plain("\n".join(filter(None, (whole, self._tip))))
         if title != QGroupBox.title(box):
             box.setTitle(title)
         box.setToolTip(tip)
-        box.setMinimumHeight(box.fontMetrics().height() + _ABOVE_AND_BELOW_PX if box.isCollapsed() else 0)
+        # QGIS makes folded groups less high and cuts off descenders.
+        box.setMinimumHeight(box.fontMetrics().height() + 5 if box.isCollapsed() else 0)
 
     def _mark_px(self) -> int:
         """Width of the box to tick, of a group that has one."""

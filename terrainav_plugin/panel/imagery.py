@@ -42,8 +42,6 @@ from .choices import (
     unlisted,
 )
 
-#: Least room for titles; in a panel of the usual width there is more.
-_TITLE_LETTERS = 9
 #: Entries that are seen without scrolling.
 _ROWS = 24
 
@@ -189,7 +187,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def _add_source(self) -> None:
         self.source = SourceCombo()
         self.source.setToolTip(tr("Where the images come from; type a part of its name to find it"))
-        self.source.setMinimumContentsLength(_TITLE_LETTERS)
+        # Panels of the usual width have more room.
+        self.source.setMinimumContentsLength(9)
         tip = tr("Add this source to the map as background and zoom to the area")
         self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
         self.show_on_map.clicked.connect(self.show_on_map_clicked)

@@ -47,10 +47,6 @@ from ..widgets import (
     wrapped_label,
 )
 
-#: Rows that are seen without scrolling.
-_ROWS = 6
-_ROOM_PX = (620, 320)
-
 
 class OptionsPage(QgsOptionsPageWidget):
     """Shows the settings, marks those that cannot be kept, and keeps the others when QGIS's options are accepted.
@@ -306,7 +302,7 @@ class KeysTable(QTableWidget):
             self.choosers[name] = chooser
             self.setCellWidget(line, 1, chooser)
             self.setRowHeight(line, chooser.sizeHint().height() + 4)
-        shown = range(min(self.rowCount(), _ROWS))
+        shown = range(min(self.rowCount(), 6))
         rows_px = sum(self.rowHeight(line) for line in shown)
         self.setMinimumHeight(self.horizontalHeader().sizeHint().height() + rows_px + 2 * self.frameWidth())
 
@@ -347,7 +343,7 @@ class CacheDialog(QDialog):
         layout = QVBoxLayout(self)
         for widget in (self.told, self.table, buttons):
             layout.addWidget(widget)
-        self.resize(*_ROOM_PX)
+        self.resize(620, 320)
         self._fill()
 
     def _fill(self, more: str = "") -> None:

@@ -27,9 +27,6 @@ from ..widgets import ElidedLabel, named, push_button, tool_button
 if TYPE_CHECKING:
     from ..capture.queue import Runs
 
-#: Rows to be seen at once; others are scrolled to.
-_ROWS = 4
-_BAR_HEIGHT_PX = 4
 #: Characters of a run's name and of what is said of it that there is always room for.
 _TITLE_LETTERS, _TEXT_LETTERS = 10, 8
 
@@ -203,7 +200,7 @@ class RunRows(QScrollArea):
 
     def sizeHint(self) -> QSize:
         """All rows, up to a few."""
-        return QSize(super().sizeHint().width(), self._list_height(_ROWS))
+        return QSize(super().sizeHint().width(), self._list_height(4))
 
     def minimumSizeHint(self) -> QSize:
         """One row."""
@@ -256,7 +253,7 @@ class RunRow(QFrame):
         self.bar = named(QProgressBar(), "run_progress")
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
-        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.bar.setFixedHeight(4)
         self.text = named(ElidedLabel(Qt.TextElideMode.ElideRight, _TEXT_LETTERS), "run_text")
         self.buttons = self._make_buttons(title)
         self._lay_out()

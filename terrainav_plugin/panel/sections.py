@@ -50,8 +50,6 @@ if TYPE_CHECKING:
 
 #: What the spin boxes let through; what is right is said in words.
 _HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
-#: Flights below this are seldom meant: such a height comes of a small image.
-_LOW_M = 20.0
 
 
 class FlightEntries(Entries):
@@ -94,7 +92,8 @@ class FlightEntries(Entries):
 
     def show_low(self, state: FormState) -> None:
         """Say what a ground sample distance comes to where that is a flight close to the ground."""
-        is_low = state.height_by == "gsd" and 0.0 < state.agl_m < _LOW_M
+        # Flights below 20 m are seldom intended: such a height results from a small image.
+        is_low = state.height_by == "gsd" and 0.0 < state.agl_m < 20.0
         text = tr(
             "With {px} px along the image's longer side, this means flying {height} above ground. To fly "
             "higher, increase “Image's longer side” under Camera."

@@ -56,8 +56,6 @@ if TYPE_CHECKING:
 
 #: Of a source of which nothing is said; a server may take more, and should be asked first.
 _CONNECTIONS, _REQUESTS_PER_S = 4, 10.0
-_ROOM_PX = 460
-_SERVICE_ROOM_PX = (520, 420)
 #: Entries in which fields of a source are put right; all others come of its address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
 #: Choice of a layer in a service's name, by kind.
@@ -66,8 +64,6 @@ _CHOICES = {"wms": "layers", "wmts": "layer"}
 _LAYERS_ROOM_PX, _TILE_ROOM_PX = 110, 128
 #: Systems that an entry of the list names.
 _SYSTEMS_NAMED = 3
-#: Longest part of a layer's name that its source is called by: room is left for a number.
-_NAME_LETTERS = 56
 
 
 class AddSourceDialog(QDialog):
@@ -228,7 +224,7 @@ class AddSourceDialog(QDialog):
         layout.addLayout(trial)
         layout.addStretch(1)
         layout.addWidget(self.buttons)
-        self.setMinimumWidth(_ROOM_PX)
+        self.setMinimumWidth(460)
 
     def _connect(self) -> None:
         self.name.textEdited.connect(self._take_name)
@@ -552,7 +548,7 @@ class ServiceDialog(QDialog):
         layout = QVBoxLayout(self)
         for widget in (self.search, self.list, self.told, self.buttons):
             layout.addWidget(widget)
-        self.resize(*_SERVICE_ROOM_PX)
+        self.resize(520, 420)
         self.search.textChanged.connect(self._filter)
         self.list.itemSelectionChanged.connect(self._show_ready)
         self.list.itemDoubleClicked.connect(lambda _: self.accept())
@@ -644,7 +640,8 @@ def _free_name(words: str) -> str:
     from ...core.imagery.catalogue import shelf, sources
 
     taken = {known.name for known in sources()} | set(shelf().problems)
-    plain = re.sub(r"[^a-z0-9]+", "-", words.lower()).strip("-")[:_NAME_LETTERS].strip("-") or "layer"
+    # Leave room for a number after the name.
+    plain = re.sub(r"[^a-z0-9]+", "-", words.lower()).strip("-")[:56].strip("-") or "layer"
     name, number = plain, 2
     while name in taken:
         name, number = f"{plain}-{number}", number + 1

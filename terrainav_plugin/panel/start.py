@@ -14,9 +14,6 @@ from ...core.mission.parts import Flight, utc_time
 from ..i18n import tr
 from ..widgets import FieldMessage, named
 
-_SHOWN = "yyyy-MM-dd HH:mm:ss 'UTC'"
-_US_PER_MS = 1000
-
 
 class _DayAndTime(QgsDateTimeEdit):
     """An entry that Tab leaves at once, and that a wheel turns only when it has been entered."""
@@ -50,7 +47,7 @@ class StartEntry(QWidget):
         self.setToolTip(tip)
         self.edit = named(_DayAndTime(), "start", tip)
         self.edit.setTimeSpec(Qt.TimeSpec.UTC)
-        self.edit.setDisplayFormat(_SHOWN)
+        self.edit.setDisplayFormat("yyyy-MM-dd HH:mm:ss 'UTC'")
         self.edit.setCalendarPopup(True)
         self.edit.setAllowNull(True)
         self.edit.setNullRepresentation(tr("not set"))
@@ -87,7 +84,7 @@ class StartEntry(QWidget):
                 # `clear` alone shows the present time until the entry is left or shown anew.
                 self.edit.setDateTime(QDateTime())
             else:
-                at = QTime(time.hour, time.minute, time.second, time.microsecond // _US_PER_MS)
+                at = QTime(time.hour, time.minute, time.second, time.microsecond // 1000)
                 self.edit.setDateTime(QDateTime(QDate(time.year, time.month, time.day), at, Qt.TimeSpec.UTC))
         self._show_local()
 

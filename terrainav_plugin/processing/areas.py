@@ -19,6 +19,7 @@ from ...core.errors import InvalidInput
 from ...core.text.plain import one_line
 from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
+from ..tasks import required_crs
 
 if TYPE_CHECKING:
     from ...core.mission.areas.area import Area, Box, Polygon, Polygons
@@ -136,12 +137,7 @@ def _together(polygons: tuple[Polygon, ...]) -> Polygons:
 
 def layer_crs(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
     """CRS of a layer; raises InvalidInput where it has none."""
-    crs = source.sourceCrs()
-    if not crs.isValid():
-        raise InvalidInput(
-            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=source.sourceName())
-        )
-    return crs
+    return required_crs(source.sourceCrs(), source.sourceName())
 
 
 def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:

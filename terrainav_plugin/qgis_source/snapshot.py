@@ -35,7 +35,7 @@ from ...core.imagery.raster.sizes import check_block, check_counts
 from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
-from ..tasks import crs_named
+from ..tasks import crs_named, required_crs
 from .connections import is_connection
 from .renderer import Pipes
 from .terms import policies
@@ -270,10 +270,7 @@ def _fix_style(copy: QgsRasterLayer, project: QgsProject) -> None:
 def _refuse_placeless(layers: list[QgsMapLayer]) -> None:
     """Refuse layers without a CRS: QGIS shows them wherever their numbers lie on the map of the moment."""
     for layer in layers:
-        if not layer.crs().isValid():
-            raise InvalidInput(
-                tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer.name())
-            )
+        required_crs(layer.crs(), layer.name())
 
 
 def _refuse_large(layers: list[QgsMapLayer]) -> None:

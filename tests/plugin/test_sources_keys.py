@@ -17,7 +17,7 @@ from qgis.PyQt.QtWidgets import QFileDialog
 from terrainav.core.imagery import opening
 from terrainav.core.imagery.catalogue import add, described, user_sources
 from terrainav.core.imagery.entry import CatalogueEntry
-from terrainav.core.imagery.opening import FILE, SERVICE, Kind
+from terrainav.core.imagery.opening import FILE, SERVICE, SourceKind
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.credentials import credential_problem
@@ -422,8 +422,10 @@ def test_sources_are_found_by_typing(desk, screenshot):
 
 def test_new_kind_reaches_the_list_by_its_line_alone(desk, monkeypatch):
     """A kind of files and one of addresses, as two lines in the table."""
-    scenes = Kind("scenes", FILE, ".mbtiles", "MBTilesFile", endings=(".scenes",))
-    service = Kind("stac", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=re.compile("stac:").match)
+    scenes = SourceKind("scenes", FILE, ".mbtiles", "MBTilesFile", endings=(".scenes",))
+    service = SourceKind(
+        "stac", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=re.compile("stac:").match
+    )
     monkeypatch.setattr(opening, "KINDS", (scenes, service, *opening.KINDS))
     asked = []
     monkeypatch.setattr(
