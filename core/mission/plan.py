@@ -16,7 +16,7 @@ from ..geodesy.frames import Windows
 from ..geodesy.mercator import PixelGrid
 from .areas.area import Points, check_area, check_polygons
 from .flight.direct import DirectFlight, stated_times_s
-from .flight.motion import fly, intervals_s, legs
+from .flight.legs import intervals_s, legs
 from .flight.path import FlightPath, flight_path
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
@@ -352,6 +352,8 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses that are flown: moved and turned by the wind."""
     if mission.wind is None:
         return nominal
+    from .flight.motion import fly
+
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     stated = stated_times_s(mission, layout.column)
     interval_s = (

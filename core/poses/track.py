@@ -13,7 +13,7 @@ from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName
 from ..fields import field_named
 from ..mission.areas.area import Points, check_agl
-from ..mission.flight.motion import legs
+from ..mission.flight.legs import legs
 from ..mission.parts import Flight
 
 #: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.

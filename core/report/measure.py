@@ -14,7 +14,8 @@ from ..errors import Message
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
-from ..mission.flight.motion import fly, intervals_s, legs
+from ..mission.flight.legs import intervals_s, legs
+from ..mission.flight.motion import fly
 from ..mission.flight.wind import Wind
 from ..mission.methods import (
     COARSEST_MESH_PX,

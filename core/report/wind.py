@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
-from ..mission.flight.motion import legs
+from ..mission.flight.legs import legs
 from ..mission.plan import Plan, plan
 from .positions import errors_px, scene_of, spread
 

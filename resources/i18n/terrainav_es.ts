@@ -12353,6 +12353,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
+        <source>points have no rows, and several polygons have rows each by themselves</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>rows cover an area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so near to a pole</source>
         <translation>no se pueden situar pasadas desde {0:g} m tan cerca de un polo</translation>
     </message>
@@ -12360,11 +12370,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>several polygons have rows each by themselves</source>
-        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -13578,11 +13583,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
-        <source>elevation {0}: the mission is planned without its heights</source>
-        <translation>elevación {0}: la misión se planifica sin sus alturas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/plan.py"/>
         <source>fly higher or in less turbulence</source>
         <translation>vuele más alto o con menos turbulencia</translation>
     </message>
@@ -13595,16 +13595,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>no-fly areas</source>
         <translation>zonas de exclusión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/plan.py"/>
-        <source>rays over relief: the ground is level</source>
-        <translation>rayos sobre relieve: el terreno es llano</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/plan.py"/>
-        <source>view of a map frame: its image is a window of the source as it is</source>
-        <translation>vista de un encuadre de mapa: su imagen es una ventana de la fuente tal como es</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -13682,6 +13672,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>ajuste {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/relief/ground.py"/>
+        <source>name a further source that fills it{0}, or have holes interpolated{1}</source>
+        <translation>nombre otra fuente que lo complete{0}, o haga interpolar los huecos{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief/ground.py"/>
+        <source>no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole</source>
+        <translation>sin altura en la latitud {0:.6f}, longitud {1:.6f}: la elevación termina allí, o tiene un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief/ground.py"/>
+        <source>rays over relief: the ground is level</source>
+        <translation>rayos sobre relieve: el terreno es llano</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/relief/modelled.py"/>
         <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: the surface there rises to {3:.1f} m, and {4:g} m of clearance are to be kept</source>
         <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: la superficie sube allí hasta {3:.1f} m, y hay que mantener {4:g} m de distancia de seguridad</translation>
@@ -13698,6 +13703,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/relief/modelled.py"/>
+        <source>elevation {0}: the mission is planned without its heights</source>
+        <translation>elevación {0}: la misión se planifica sin sus alturas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>fly higher, or keep a clearance ({0})</source>
         <translation>vuele más alto, o mantenga una distancia de seguridad ({0})</translation>
     </message>
@@ -13710,16 +13720,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/relief/modelled.py"/>
         <source>hole in the heights at latitude {0:.6f}, longitude {1:.6f}: the first source has none there</source>
         <translation>hueco en las alturas en la latitud {0:.6f}, longitud {1:.6f}: la primera fuente no tiene ninguna ahí</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/relief/modelled.py"/>
-        <source>name a further source that fills it{0}, or have holes interpolated{1}</source>
-        <translation>nombre otra fuente que lo complete{0}, o haga interpolar los huecos{1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/relief/modelled.py"/>
-        <source>no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole</source>
-        <translation>sin altura en la latitud {0:.6f}, longitud {1:.6f}: la elevación termina allí, o tiene un hueco</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief/modelled.py"/>
@@ -13775,6 +13775,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/settings.py"/>
         <source>{0} {1}: needs {2} as well</source>
         <translation>{0} {1}: necesita también {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/views.py"/>
+        <source>view of a map frame: its image is a window of the source as it is</source>
+        <translation>vista de un encuadre de mapa: su imagen es una ventana de la fuente tal como es</translation>
     </message>
     <message>
         <location filename="../../core/mosaic/bigtiff.py"/>

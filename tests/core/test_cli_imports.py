@@ -92,6 +92,20 @@ def test_what_is_not_used_is_not_imported(line, unused, tmp_path):
     assert not modules & unused
 
 
+def test_a_plain_box_on_the_web_mercator_map_is_planned_without_proj_and_gusts():
+    program = """
+import sys
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.areas.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+assert len(plan(Mission(Box(35.16, -89.90, 35.158, -89.898), 120.0), PixelGrid()))
+print(*sys.modules)
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert not set(ended.stdout.split()) & {"pyproj", "terrainav.core.mission.flight.gusts"}
+
+
 def test_a_source_on_the_network_has_what_it_needs(tmp_path):
     """A plan asks nobody for tiles; a capture does, and so the modules that the embedded world goes without do come."""
     codes, modules = run("plan --coords 35.14_-89.86_120 --source osm --accept-error", cwd=tmp_path)

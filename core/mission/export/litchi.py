@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...errors import InvalidInput, Message
-from ..flight.motion import legs
+from ..flight.legs import legs
 from ..flight.path import LANDING, TAKEOFF
 from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Floats, Numbers
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
-from ..flight.motion import legs
+from ..flight.legs import legs
 from ..flight.path import CAPTURE, LANDING, TAKEOFF
 from ..plan import Plan
 

@@ -2,7 +2,8 @@
 
 - `wind`: what a mission is flown in
 - `gusts`: gusts and the aircraft in them, discretised exactly
-- `motion`: legs and clock, and poses in wind
+- `legs`: legs between captures and the time they take
+- `motion`: poses in wind
 - `direct`: the flight from capture to capture, without turns
 - `path`: what an aircraft flies: take-off, ways, lead-ins, captures and turns, in sorties
 - `alignment`: rows along the longest side of an area, or for the shortest flight

@@ -21,7 +21,7 @@ from ..mission import Mission
 from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
 from ..plan import Plan, plan
 from ..relief.ground import Heights
-from .motion import legs
+from .legs import legs
 
 #: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.
 _STEPS_DEG = (5.0, 1.25, 0.4, 0.1)

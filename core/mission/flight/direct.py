@@ -11,7 +11,7 @@ from ...arrays import Floats, Numbers
 from ...geodesy.camera import Poses
 from ..areas.area import Points
 from ..mission import Mission
-from .motion import Legs, intervals_s, legs
+from .legs import Legs, intervals_s, legs
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class DirectFlight:
         """Seconds of each exposure after the first one, (n,).
 
         Those of the points, or the time of the legs at the ground speed and of climbs at the airspeed: see
-        `motion.intervals_s`.
+        `legs.intervals_s`.
         """
         mission = self.mission
         stated = stated_times_s(mission, self.column)

@@ -1,17 +1,14 @@
-"""Flight from capture to capture: legs, exposure times, and the pose errors that gusts cause."""
+"""Pose errors that gusts cause at each exposure of a flight."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Floats
 from ...errors import InvalidInput
-from ...geodesy.mercator import wrap_lon_deg
-from ...geodesy.projections import geodesics
 from ...units import M_PER_FT
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, output_matrix
 from .wind import Wind
@@ -24,50 +21,6 @@ MOST_STEPS = 2048
 RESOLUTIONS = ((1e-6, 480), (4e-3, 800), (0.016, 200), (0.064, 200), (0.256, 100), (1.0, MOST_STEPS))
 #: Exposures sampled at a time: 1.5 MB of states and noise, which stay in the processor's cache.
 CHUNK = 4096
-
-
-class Legs(NamedTuple):
-    """Geodesics from each capture to the next, arrays (n - 1,): azimuth at the start, degrees, and length, metres."""
-
-    azimuth_deg: Floats
-    distance_m: Floats
-
-    def headings_deg(self) -> Floats:
-        """Track over ground at each exposure, (n,): azimuth of the leg ahead, at the last one of the leg behind."""
-        if not len(self.azimuth_deg):
-            return np.zeros(1)
-        return np.append(self.azimuth_deg, self.azimuth_deg[-1:])
-
-
-def legs(lat_deg: Floats, lon_deg: Floats) -> Legs:
-    """Legs between captures at positions in degrees, (n,) each, n >= 1."""
-    lon = wrap_lon_deg(lon_deg)
-    forward, _, distance = geodesics(lat_deg[:-1], lon[:-1], lat_deg[1:], lon[1:])
-    return Legs(forward, distance)
-
-
-def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | None) -> Floats:
-    """Seconds from each exposure to the next, (n - 1,).
-
-    Legs are flown at the ground speed of their heading in the wind, climbs and descents at the airspeed; along a
-    slanting leg the two times combine as the sides of a right triangle. Turns and the ways from and to the take-off are
-    not included.
-
-    Parameters
-    ----------
-    agl_m : array (n,)
-        Heights of the captures above ground.
-    wind : Wind or None
-        None for still air.
-    """
-    speed: Floats | float = airspeed_m_per_s
-    if wind is not None:
-        speed = wind.ground_speed_m_per_s(way.azimuth_deg, airspeed_m_per_s)
-    along = way.distance_m / speed
-    if not any(agl_m.strides):
-        return np.asarray(along, np.float64)
-    seconds: Floats = np.hypot(along, np.diff(agl_m) / airspeed_m_per_s)
-    return seconds
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..relief.ground import Relief, Route, no_ground
 from .direct import DirectFlight
-from .motion import legs
+from .legs import legs
 
 #: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
 #: the way back ends, are transit, as are those around no-fly polygons and over relief.

@@ -16,7 +16,7 @@ from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..areas.area import Box, Points, Polygon, Polygons, touching
-from ..flight.motion import legs
+from ..flight.legs import legs
 from ..mission import Mission
 from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 

@@ -20,7 +20,7 @@ from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.raytracing.surface import Surface
 from ..areas.area import ANGLES, Box, Points, Polygon, Polygons, parts_of
 from ..areas.area import inside as inside_area
-from ..flight.motion import legs
+from ..flight.legs import legs
 from ..layout.coverage import rings_of
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission

@@ -14,7 +14,7 @@ from ...arrays import Floats, Numbers
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.projections import LocalPlane
 from ...geodesy.raytracing.surface import Surface
-from ..flight.motion import legs
+from ..flight.legs import legs
 from .ground import Profile
 
 #: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
