@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..arrays import Flags
@@ -99,18 +97,7 @@ def of_captures(mission: Mission, plan: Plan, kept: Flags) -> Mission:
             remedy="choose another area, or lower flights",
         )
     if isinstance(mission.area, Points):
-        points, at = mission.area, plan.column[kept].tolist()
-        return mission.with_(
-            area=replace(
-                points,
-                poses=tuple(points.poses[one] for one in at),
-                **{
-                    name: tuple(getattr(points, name)[one] for one in at)
-                    for name in ("yaws_deg", "tilts_deg", "rolls_deg", "times_s")
-                    if getattr(points, name)
-                },
-            )
-        )
+        return mission.with_(area=mission.area.take(plan.column[kept].tolist()))
     if not plan.relief.is_level or mission.wind is not None:
         raise InvalidInput(
             "images within the imagery: of an area over relief or in wind they are not told apart",

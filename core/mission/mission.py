@@ -128,15 +128,14 @@ class Mission:
     @property
     def kind(self) -> str:
         """``raster`` for areas, ``single`` for one point, ``list`` for several."""
-        if isinstance(self.area, Points):
-            return "single" if len(self.area.poses) == 1 else "list"
-        return "raster"
+        return self.area.kind
 
     @property
     def trigger(self) -> str:
         """What releases the camera: waypoints where the route says distance, but points have no rows."""
-        is_points = isinstance(self.area, Points)
-        return BY_WAYPOINT if is_points and self.route.trigger == BY_DISTANCE else self.route.trigger
+        if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
+            return BY_WAYPOINT
+        return self.route.trigger
 
     @property
     def by_imagery(self) -> dict[str, Mission]:

@@ -14,7 +14,7 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners
 from ..geodesy.frames import Windows
 from ..geodesy.mercator import PixelGrid
-from .areas.area import Points, check_area, check_polygons
+from .areas.area import check_area, check_polygons
 from .flight.direct import DirectFlight, stated_times_s
 from .flight.legs import intervals_s, legs
 from .flight.path import FlightPath, flight_path
@@ -214,7 +214,7 @@ class Plan:
         Of turned rows it is the share that the rectangles show that are turned with them. Cameras that do not see the
         ground below them show the lower ground of relief elsewhere: points of it are looked for in their images.
         """
-        if isinstance(self.mission.area, Points):
+        if not self.mission.area.covers_ground:
             return None
         if self.passes:
             found = rotated_coverage(self.mission, self.passes, self._rectangles)
@@ -232,14 +232,14 @@ class Plan:
         """How much of the area and of the pictures lies on the source's imagery, where its grid states an extent."""
         own, extent = self.grid.own, self.grid.extent
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
-        if own is None or extent is None or isinstance(self.mission.area, Points):
+        if own is None or extent is None or not self.mission.area.covers_ground:
             return found
         return found._replace(share=share_on(self.mission.area, own, extent))
 
     @cached_property
     def overlap(self) -> Overlap:
         """Shares that neighbouring pictures have in common; all None for points."""
-        if isinstance(self.mission.area, Points):
+        if not self.mission.area.covers_ground:
             return Overlap(None, None, None, None)
         if self.passes:
             return rotated_overlap(self.column, self.row, self.passes, self._rectangles)

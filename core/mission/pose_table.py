@@ -264,7 +264,7 @@ def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, in
 def table_text(points: Points) -> str:
     """Text of a table that `read_poses` reads as the same points."""
     columns: dict[str, Sequence[object]] = dict(zip(("lat", "lon", "agl"), zip(*points.poses)))
-    columns.update((name, points.own_deg(name)) for name in ANGLES if points.own_deg(name))
+    columns.update((name, points.stated_deg(name)) for name in ANGLES if points.stated_deg(name))
     if points.times_s:
         columns["time"] = points.times_s
     rows = zip(*columns.values())

@@ -168,13 +168,13 @@ def _kept(
         drawn = min(
             max(2 * drawn, math.ceil(1.1 * drawn * count / max(len(at), 1))), 8 * drawn + 100, MAX_POSES
         )
-    angles = {f"{name}s_deg": tuple(points.own_deg(name)[one] for one in at) for name in ANGLES}
+    angles = {f"{name}s_deg": tuple(points.stated_deg(name)[one] for one in at) for name in ANGLES}
     return Points(tuple(points.poses[one] for one in at), **angles)
 
 
 def _poses_of(points: Points) -> Poses:
     lat, lon, agl = np.array(points.poses, np.float64).T
-    return Poses(lat, lon, agl, *(np.array(points.own_deg(name), np.float64) for name in ANGLES))
+    return Poses(lat, lon, agl, *(np.array(points.stated_deg(name), np.float64) for name in ANGLES))
 
 
 def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count: int) -> Floats:

@@ -179,7 +179,7 @@ def _litchi(text: str, name: str, agl_m: float | None) -> Track:
     """Images of a mission of Litchi's, with heights above the ground."""
     points = read_poses(text.splitlines() or [""], name, agl_m=agl_m)
     lat, lon, agl = np.array(points.poses).T
-    yaw, tilt, roll = (np.array(points.own_deg(angle) or np.zeros(len(lat))) for angle in ANGLES)
+    yaw, tilt, roll = (np.array(points.stated_deg(angle) or np.zeros(len(lat))) for angle in ANGLES)
     return Track(lat, lon, agl, 0.0, None, (yaw, tilt, roll))
 
 

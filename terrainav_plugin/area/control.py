@@ -14,7 +14,7 @@ from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, parts_of
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons
 from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, entered_no_fly, replace_area
@@ -466,7 +466,7 @@ class AreaControl(QObject):
         self._add_no_fly((polygon,), tr("draw a no-fly area"))
 
     def _take_no_fly_read(self, found: Found, step: str) -> None:
-        self._add_no_fly(parts_of(found.area), step)
+        self._add_no_fly(found.area.parts, step)
         self._show_on_canvas(found.area)
 
     def _add_no_fly(self, added: tuple[Polygon, ...], step: str) -> None:
@@ -533,7 +533,7 @@ class AreaControl(QObject):
         self._entries.show_words(
             area_words(area, state.agl_unit),
             not isinstance(area, Box),
-            is_ground=not isinstance(area, Points),
+            is_ground=area.covers_ground,
         )
 
     def _show_on_canvas(self, area: Area | None = None) -> None:
@@ -553,7 +553,7 @@ class AreaControl(QObject):
 
     def _is_any_visible(self, area: Area) -> bool:
         """Whether any point is in view, which may lie between points; areas of ground are where their bounds are."""
-        if not isinstance(area, Points):
+        if area.covers_ground:
             return True
         view = self._canvas.extent()
         crs = self._canvas.mapSettings().destinationCrs()

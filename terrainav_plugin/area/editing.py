@@ -8,7 +8,7 @@ from functools import partial
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
-from ...core.mission.areas.area import Area, Points, Polygon
+from ...core.mission.areas.area import Area, Polygon
 from ..form.area import (
     FormError,
     area_words,
@@ -122,7 +122,7 @@ class AreaEditing(QObject):
         area = entered_area(state)
         if (area, state.agl_unit) != self._worded[:2]:
             self._worded = area, state.agl_unit, "" if area is None else area_words(area, state.agl_unit)
-        is_ground = area is not None and not isinstance(area, Points)
+        is_ground = area is not None and area.covers_ground
         self._entries.show_no_fly(len(entered_no_fly(state)))
         self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost, is_ground)
         self.noted.emit()

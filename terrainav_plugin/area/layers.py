@@ -32,7 +32,7 @@ from ...core.arrays import Floats
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position, check_area, parts_of
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position, check_area
 from ...core.mission.areas.coords import parse_coords
 from ...core.mission.areas.files import load_area, load_no_fly
 from ...core.mission.clock import check_column
@@ -319,7 +319,7 @@ def outline_reader(
     def read(task: Task) -> Found:
         features = source.getFeatures(request)
         shapes = (read_polygons([one], crs, context, task.isCanceled) for one in features)
-        return made([outline for shape in shapes for outline in parts_of(shape)])
+        return made([outline for shape in shapes for outline in shape.parts])
 
     return read
 

@@ -12,7 +12,7 @@ from qgis.PyQt.QtGui import QKeyEvent
 from qgis.PyQt.QtWidgets import QApplication, QMenu
 
 from ...core.errors import TerrAInavError
-from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons
+from ...core.mission.areas.area import Area, Box, Polygon, Polygons
 from ..compat import POLYGON
 from ..form.area import readout
 from ..i18n import tr, translate
@@ -518,7 +518,7 @@ class AreaTool(TemporaryTool):
         crs = canvas.mapSettings().destinationCrs()
         near = canvas.extent().center().x() if crs.isGeographic() else 0.0
         self._outline = AreaOutline(area, crs, QgsProject.instance(), near)
-        self._bands.show(self._outline, with_handles=not isinstance(area, Points), picked=self._picked)
+        self._bands.show(self._outline, with_handles=area.covers_ground, picked=self._picked)
 
     def _find_grip(self, at: QPoint) -> frozenset[str]:
         if self._outline is None:
@@ -545,7 +545,12 @@ class AreaTool(TemporaryTool):
         return self._is_at_point(at)
 
     def _is_at_point(self, at: QPoint) -> bool:
-        if self._outline is None or not isinstance(self._area, Points) or self._outline.shape.isEmpty():
+        if (
+            self._outline is None
+            or self._area is None
+            or self._area.covers_ground
+            or self._outline.shape.isEmpty()
+        ):
             return False
         reach = _REACH_PX * self.canvas().mapUnitsPerPixel()
         return self._outline.shape.distance(QgsGeometry.fromPointXY(self.toMapCoordinates(at))) <= reach

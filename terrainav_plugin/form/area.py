@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.areas.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground, parts_of
+from ...core.mission.areas.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground
 from ...core.mission.areas.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.mission.pose_table import header_of, read_poses, usual_names
@@ -283,7 +283,7 @@ def area_words(area: Area, unit: str) -> str:
         localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
     )
     words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
-    own = [what for name, what in point_words().items() if name in ANGLES and area.own_deg(name)]
+    own = [what for name, what in point_words().items() if name in ANGLES and area.stated_deg(name)]
     own += [tr("time")] if area.times_s else []
     if len(heights) == 1 and area.yaws_deg:
         words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
@@ -350,7 +350,7 @@ def _number(text: str) -> float:
 
 
 def _polygon_words(polygon: Polygon | Polygons, unit: str) -> str:
-    parts = parts_of(polygon)
+    parts = polygon.parts
     corners = sum(len(ring) for part in parts for ring in part.rings)
     words = [tr("Polygon") if len(parts) == 1 else tr("{n} polygons").format(n=number_text(len(parts)))]
     words.append(tr("{n} corners").format(n=number_text(corners)))

@@ -15,7 +15,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.mercator import wrap_lon_deg
-from ...core.mission.areas.area import Polygon, parts_of
+from ...core.mission.areas.area import Polygon
 from ..map.outlines import flight_lines, footprint_shapes, metres, placed, ring_polygon
 from .index import Rects
 
@@ -84,7 +84,7 @@ def area_features(plan: Plan) -> list[QgsFeature]:
     share = np.arange(pieces) / pieces
     plane = plan.grid.plane
     found = []
-    for part in parts_of(area):
+    for part in area.parts:
         outer, *holes = (
             ring_polygon(
                 plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring)

@@ -163,13 +163,12 @@ def _polygons(
     run: AlgorithmRun, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
     """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
-    from ...core.mission.areas.area import parts_of
     from ..area.layers import read_polygons
 
     crs, context = layer_crs(source), run.context.transformContext()
     if not any(feature.geometry().type() == POLYGON for feature in features):
         raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
     try:
-        return parts_of(read_polygons(features, crs, context, run.feedback.isCanceled))
+        return read_polygons(features, crs, context, run.feedback.isCanceled).parts
     except InvalidInput as wrong:
         raise InvalidInput(tr("{layer}: {problem}").format(layer=name, problem=translate(wrong))) from wrong

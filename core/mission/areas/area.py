@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, Union
+from typing import Any, ClassVar, NamedTuple, Protocol, Union
 
 import numpy as np
 
@@ -69,8 +69,21 @@ def check_yaw(yaw_deg: float) -> None:
     field_named(Attitude, "yaw_deg").settled(yaw_deg)
 
 
+class _Covered:
+    """Areas that rows of captures cover, as opposed to points."""
+
+    covers_ground: ClassVar[bool] = True
+    kind: ClassVar[str] = "raster"
+    #: Times that points may state, and these do not.
+    times_s: ClassVar[tuple[float, ...]] = ()
+
+    def stated_deg(self, _name: str) -> tuple[float, ...]:
+        """Return no angles: all captures have the mission's."""
+        return ()
+
+
 @dataclass(frozen=True)
-class Box:
+class Box(_Covered):
     """A latitude-longitude box, in degrees; one whose west exceeds its east crosses the antimeridian."""
 
     north_deg: float
@@ -110,6 +123,16 @@ class Box:
         """The box itself."""
         return self
 
+    @property
+    def parts(self) -> tuple[Box | Polygon, ...]:
+        """The box, as the only part."""
+        return (self,)
+
+    def arrays(self) -> list[tuple[Floats, Floats]]:
+        """Longitudes and latitudes of the corners, as the only ring."""
+        west, south, east, north = map(float, self.edges_deg)
+        return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+
     def area_m2(self) -> float:
         """Square metres of ellipsoid inside."""
         return self.span_deg * float(
@@ -118,7 +141,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Polygon:
+class Polygon(_Covered):
     """A polygon with holes; edges are straight in longitude and latitude (RFC 7946).
 
     Parameters
@@ -153,6 +176,11 @@ class Polygon:
             float(lat.max()), float(lon.min()), float(lat.min()), east - 360.0 if east > 180.0 else east
         )
 
+    @property
+    def parts(self) -> tuple[Box | Polygon, ...]:
+        """The polygon, as the only part."""
+        return (self,)
+
     def area_m2(self) -> float:
         """Square metres of ellipsoid inside the outer ring and outside the holes."""
         outer, *holes = (WGS84.ring_area_m2(lon, lat) for lon, lat in self.arrays())
@@ -179,7 +207,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
 
 
 @dataclass(frozen=True)
-class Polygons:
+class Polygons(_Covered):
     """Several polygons that one mission covers, each by rows of its own.
 
     Parts that are the same polygon are one. Where two others overlap, the ground belongs to both: each of them is
@@ -278,6 +306,9 @@ class Points:
     rolls_deg: tuple[float, ...] = ()
     times_s: tuple[float, ...] = ()
 
+    covers_ground: ClassVar[bool] = False
+    parts: ClassVar[tuple[Box | Polygon, ...]] = ()
+
     def __post_init__(self) -> None:
         if not self.poses:
             raise InvalidInput("list of points is empty: needs at least one latitude, longitude and height")
@@ -295,15 +326,26 @@ class Points:
                     "{0} {1} of {2} points: give one for each, or none", len(values), what, len(self.poses)
                 )
         for name in ANGLES:
-            field, own = field_named(Attitude, f"{name}_deg"), self.own_deg(name)
+            field, own = field_named(Attitude, f"{name}_deg"), self.stated_deg(name)
             for angle in () if _within(own, field.least, field.most) else own:
                 field.settled(angle)
         _check_times(self.times_s)
 
-    def own_deg(self, name: str) -> tuple[float, ...]:
-        """Angles of the points, one of `ANGLES`; empty where all have the mission's own."""
-        own: tuple[float, ...] = getattr(self, f"{name}s_deg")
-        return own
+    def stated_deg(self, name: str) -> tuple[float, ...]:
+        """Angles of the points, one of `ANGLES`; empty where all have the mission's."""
+        stated: tuple[float, ...] = getattr(self, f"{name}s_deg")
+        return stated
+
+    @property
+    def kind(self) -> str:
+        """``single`` for one point, ``list`` for several."""
+        return "single" if len(self.poses) == 1 else "list"
+
+    def take(self, which: Sequence[int]) -> Points:
+        """Some of the points, by index."""
+        lists = ("poses", "yaws_deg", "tilts_deg", "rolls_deg", "times_s")
+        values = ((name, getattr(self, name)) for name in lists)
+        return Points(**{name: tuple(of[one] for one in which) for name, of in values if of})
 
     @property
     def bounds(self) -> Box:
@@ -357,11 +399,6 @@ def _shifted(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
 Area = Union[Box, Polygon, Polygons, Points]
 
 
-def parts_of(area: Box | Polygon | Polygons) -> tuple[Box | Polygon, ...]:
-    """Return what of an area is covered by rows of its own: its parts, or all of it."""
-    return area.parts if isinstance(area, Polygons) else (area,)
-
-
 class Rings(Protocol):
     """Something of rings, the outer one first, whose sides are straight along two axes: of degrees, or of a plane."""
 
@@ -378,12 +415,12 @@ def sides_of(polygon: Rings) -> Edges:
     return lon0, lat0, lon1, lat1
 
 
-def shared_rings(area: Box | Rings, others: Sequence[Polygon]) -> list[tuple[Floats, Floats]]:
+def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, Floats]]:
     """Ground that an area shares with any of some polygons, as trapezoids between parallels.
 
     They have no ground in common. Their longitudes are continuous with the area's.
     """
-    rings = ring_of_box(area) if isinstance(area, Box) else area.arrays()
+    rings = area.arrays()
     west, east = float(rings[0][0].min()), float(rings[0][0].max())
     south, north = float(rings[0][1].min()), float(rings[0][1].max())
     shapes = [rings]
@@ -512,8 +549,7 @@ def check_rings(polygon: Polygon) -> None:
 
 def check_area(area: Area) -> None:
     """Refuse an area with a polygon that tells no ground, see `check_rings`."""
-    polygons = () if isinstance(area, Points) else parts_of(area)
-    check_polygons([one for one in polygons if isinstance(one, Polygon)], Message("area"), "area")
+    check_polygons([one for one in area.parts if isinstance(one, Polygon)], Message("area"), "area")
 
 
 def check_polygons(polygons: Sequence[Polygon], what: Message, name: str) -> None:
@@ -537,12 +573,6 @@ def _check_named(polygon: Polygon, what: Message, name: str) -> None:
         check_rings(polygon)
     except InvalidInput as wrong:
         raise InvalidInput("{0}: {1}", what, wrong, field=name) from wrong
-
-
-def ring_of_box(box: Box) -> list[tuple[Floats, Floats]]:
-    """Longitudes and latitudes of a box's corners, as the only ring."""
-    west, south, east, north = map(float, box.edges_deg)
-    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
 
 
 def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
@@ -665,14 +695,14 @@ def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     return held
 
 
-def inside(area: Box | Polygon | Polygons, lat_deg: Floats, lon_deg: Floats) -> Flags:
+def inside(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
     """Return which places are inside an area, (n,), whatever turn of the world their longitudes count from."""
     west, south, _, north = area.bounds.edges_deg
     if isinstance(area, Box):
         in_turn = np.mod(lon_deg - west, 360.0) <= area.span_deg
         return np.asarray((lat_deg >= south) & (lat_deg <= north) & in_turn)
     found = np.zeros(np.shape(lat_deg), bool)
-    for polygon in area.parts if isinstance(area, Polygons) else (area,):
+    for polygon in area.parts:
         west, south, east, north = polygon.bounds.edges_deg
         lon = lon_deg - 360.0 * np.floor((lon_deg - west) / 360.0)
         # Only what is in the box around it is looked at.

@@ -12,9 +12,8 @@ from ...errors import Cancelled, InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import arctan2
 from ...geodesy.mercator import PixelGrid
 from ...geodesy.projections import LocalPlane
-from ..areas.area import Box, Points, Polygon, Polygons
+from ..areas.area import Box, Polygon
 from ..estimate import length_text
-from ..layout.coverage import rings_of
 from ..layout.framing import ground_of
 from ..layout.rotated import is_rotated, lay_out_rotated
 from ..mission import Mission
@@ -102,8 +101,7 @@ def align_rows(
     Cancelled
         ``go_on`` returned False.
     """
-    area = mission.area
-    if isinstance(area, Points):
+    if not mission.area.covers_ground:
         raise InvalidInput("points have no rows that could be aligned")
     if mission.flight.layout != COVER:
         raise InvalidInput(
@@ -112,9 +110,7 @@ def align_rows(
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
-    if isinstance(area, Polygons):
-        # The largest of several polygons.
-        area = max(area.parts, key=Polygon.area_m2)
+    area = max(mission.area.parts, key=lambda part: part.area_m2())
     flights = _Flights(mission, grid, heights, area)
     before = flights.plan(mission.flight.row_azimuth_deg)
     found = flights.plan(longest_side_deg(area)) if way == LONGEST_SIDE else flights.shortest(before, go_on)
@@ -140,7 +136,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
         across = plane.forward(np.full(2, plane.lat_deg), lon)
         high, wide = math.hypot(x[1] - x[0], y[1] - y[0]), math.hypot(*(end[1] - end[0] for end in across))
         return [0.0, EASTWARD_DEG] if high > wide else [EASTWARD_DEG, 0.0]
-    lon, lat = rings_of(area)[0]
+    lon, lat = area.arrays()[0]
     x, y = plane.forward(lat, lon)
     side = np.stack([np.roll(x, -1) - x, np.roll(y, -1) - y], axis=1)
     length = np.hypot(*side.T)

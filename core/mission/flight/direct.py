@@ -9,7 +9,6 @@ import numpy as np
 
 from ...arrays import Floats, Numbers
 from ...geodesy.camera import Poses
-from ..areas.area import Points
 from ..mission import Mission
 from .legs import Legs, intervals_s, legs
 
@@ -83,5 +82,5 @@ class DirectFlight:
 
 def stated_times_s(mission: Mission, column: Numbers) -> Floats | None:
     """Times of points of a mission, by their columns, (n,); None where it states none."""
-    times = mission.area.times_s if isinstance(mission.area, Points) else ()
+    times = mission.area.times_s
     return np.array(times, np.float64)[column] if times else None

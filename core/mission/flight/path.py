@@ -16,7 +16,7 @@ from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane, geodesic_ends, geodesics
 from ...geodesy.ways import way_around
-from ..areas.area import Points, Polygon
+from ..areas.area import Polygon
 from ..layout.no_fly import in_no_fly
 from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
@@ -236,11 +236,12 @@ class _Maker:
             np.arange(count, dtype=np.int64),
         )
         self._row, self._capture_ground = plan.row, ground
-        is_points = isinstance(self._mission.area, Points)
-        asked = meant.agl_m if is_points else np.minimum(meant.agl_m, self._mission.flight.agl_m)
+        area, asked = self._mission.area, meant.agl_m
+        if area.covers_ground:
+            asked = np.minimum(asked, self._mission.flight.agl_m)
         self._asked_agl = np.asarray(asked)
         self._exposures_s = plan.direct.exposures_s
-        self._own_times = isinstance(self._mission.area, Points) and bool(self._mission.area.times_s)
+        self._own_times = bool(area.times_s)
         lat, lon = self._captures.lat, self._captures.lon
         middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0
         self._plane = LocalPlane(*middle)

@@ -17,13 +17,10 @@ from ..areas.area import (
     Area,
     Box,
     Part,
-    Points,
     Polygon,
     Polygons,
     Rings,
     area_within_m2,
-    parts_of,
-    ring_of_box,
     shared_rings,
 )
 
@@ -333,7 +330,7 @@ def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: 
 
 
 def coverage(
-    area: Box | Polygon | Polygons,
+    area: Area,
     windows: Windows,
     grid: PixelGrid,
     zoom: int,
@@ -346,7 +343,7 @@ def coverage(
     shown, world = Rectangles(*windows.bounds_px), grid.world_px(zoom)
     several = isinstance(area, Polygons)
     found = []
-    for part, placed in zip(parts_of(area), area.placed() if isinstance(area, Polygons) else (area,)):
+    for part, placed in zip(area.parts, area.placed() if isinstance(area, Polygons) else area.parts):
         whole = _coverage_of(
             part.area_m2(),
             placed,
@@ -525,19 +522,14 @@ def imagery_share(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> I
 
     The share of the area is None where that lies in a plane of its own (see `rotated.share_on`).
     """
-    whole = None if isinstance(area, Points) else 1.0
+    whole = 1.0 if area.covers_ground else None
     if grid.extent is None:
         return ImageryShare(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
     outside, partly = _pictures_beyond(windows, extent, grid, zoom)
-    share = None if isinstance(area, Points) or not grid.plane.wraps else _share(area, extent)
+    share = _share(area, extent) if area.covers_ground and grid.plane.wraps else None
     return ImageryShare(share, outside, partly)
-
-
-def rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
-    """Longitudes and latitudes of the corners of an area's rings, the outer one first."""
-    return area.arrays() if isinstance(area, Polygon) else ring_of_box(area)
 
 
 def twice_area(ring: Floats) -> float:
@@ -578,13 +570,11 @@ def _pictures_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: in
     return int(np.sum(~(touched | inside))), int(np.sum(touched & ~inside))
 
 
-def _share(area: Box | Polygon | Polygons, extent: Floats) -> float:
+def _share(area: Area, extent: Floats) -> float:
     """Share of an area that lies on an extent (positively oriented)."""
     total = held = 0.0
     signed = [
-        (-1.0 if number else 1.0, ring)
-        for part in parts_of(area)
-        for number, ring in enumerate(rings_of(part))
+        (-1.0 if number else 1.0, ring) for part in area.parts for number, ring in enumerate(part.arrays())
     ]
     for sign, (lon, lat) in signed:
         total += sign * WGS84.ring_area_m2(lon, lat)

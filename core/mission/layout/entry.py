@@ -10,7 +10,6 @@ import numpy as np
 
 from ...arrays import Floats, Numbers
 from ...geodesy.mercator import wrap_lon_deg
-from ..areas.area import Points
 from ..mission import Mission
 from ..parts import COMPASS_CORNERS, FIRST, NEAREST, ONE_WAY, TRACK
 from .rows import (
@@ -33,7 +32,7 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
         single one.
     """
     route = mission.route
-    if isinstance(mission.area, Points) or route.entry == FIRST:
+    if not mission.area.covers_ground or route.entry == FIRST:
         return layout
     starts = sorted({0, *(first for first in firsts if first < len(layout.row))})
     north = layout.lat_deg - layout.lat_deg[0]

@@ -311,8 +311,8 @@ def _from_grid_north(mission: Mission, plane: Plane, layout: Layout) -> Layout:
     if beyond.any():
         at = int(np.flatnonzero(beyond)[0])
         raise plane.frame_error(float(layout.lat_deg[at]), float(layout.lon_deg[at]), float(layout.agl_m[at]))
-    own_yaws = isinstance(mission.area, Points) and mission.area.yaws_deg
-    if own_yaws or mission.flight.facing == TRACK or plane.wraps:
+    stated_yaws = mission.area.stated_deg("yaw")
+    if stated_yaws or mission.flight.facing == TRACK or plane.wraps:
         return layout
     return layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
 
@@ -326,9 +326,7 @@ def _over_highest(mission: Mission, relief: Relief) -> Mission:
     """A mission as high above level ground as it is above the highest that it sees of the relief."""
     if relief.is_level:
         return mission
-    box = mission.area.bounds
-    if not isinstance(mission.area, Points):
-        box = bounds_with_margin(mission, mission.area)
+    box = bounds_with_margin(mission, mission.area)
     least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
     return mission.with_(agl_m=float(least.min()))
 
@@ -577,9 +575,9 @@ class CameraFraming:
 
     def _of_each(self, values: Floats) -> Floats:
         """Values of captures (n,) as they are for points, and their median for a flight over an area."""
-        if isinstance(self.mission.area, Points):
-            return values
-        return np.broadcast_to(np.median(values), values.shape)
+        if self.mission.area.covers_ground:
+            return np.broadcast_to(np.median(values), values.shape)
+        return values
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission

@@ -17,6 +17,7 @@ from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane, geodesic_ends
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..areas.area import (
+    Area,
     Box,
     Points,
     Polygon,
@@ -24,7 +25,6 @@ from ..areas.area import (
     crossed_and_held,
     ground_m2,
     in_band,
-    parts_of,
     shared_rings,
     sides_of,
     touching,
@@ -38,7 +38,6 @@ from .coverage import (
     gaps,
     joined,
     overlap_of,
-    rings_of,
     shares,
     summed,
     twice_area,
@@ -127,7 +126,7 @@ class PlaneArea(NamedTuple):
 
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
-    if isinstance(mission.area, Points):
+    if not mission.area.covers_ground:
         return False
     # Rows along parallels are alike but for their latitude: those that see aside to both sides are not.
     sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
@@ -208,7 +207,7 @@ def lay_out_rotated(
 
 def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
     """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
-    lon, lat = (np.concatenate(values) for values in zip(*rings_of(area)))
+    lon, lat = (np.concatenate(values) for values in zip(*area.arrays()))
     ends = np.linspace(0.0, 1.0, _MIDDLE_POINTS, endpoint=False)
     lon, lat = (
         (part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel()
@@ -295,7 +294,7 @@ def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float
     margin = mission.flight.margin_m
     if not margin:
         return 0.0
-    lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*rings_of(area)))
+    lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*area.arrays()))
     azimuths = np.arange(0.0, 360.0, _MARGIN_STEP_DEG)
     to_lat, to_lon, _ = geodesic_ends(*np.broadcast_arrays(lat, lon, azimuths, margin))
     to_lon = lon + wrap_lon_deg(to_lon - lon)
@@ -426,7 +425,7 @@ def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellips
 
 def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> PlaneArea:
     """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
-    found = [_cut(lon, lat, plane, bend_m) for lon, lat in rings_of(area)]
+    found = [_cut(lon, lat, plane, bend_m) for lon, lat in area.arrays()]
     # Twice what is seen, for pieces that bend unevenly.
     return PlaneArea(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
 
@@ -497,10 +496,8 @@ def rotated_coverage(
     Of several polygons each is looked at by itself, in the rectangles of its own passes.
     """
     area = mission.area
-    if isinstance(area, Points):
-        raise InvalidInput("points cover no area")
     found = []
-    for part in parts_of(area):
+    for part in area.parts:
         own = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
         of_part = [passes[at] for at in own], [rectangles[at] for at in own]
         held = [
@@ -538,16 +535,18 @@ def _coverage_of(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequen
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
 
 
-def share_on(
-    area: Box | Polygon | Polygons, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]
-) -> float:
+def share_on(area: Area, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
     """Share of an area that lies on a rectangle (its corners as fractions) of a plane, measured in the plane."""
-    if isinstance(area, Polygons):
-        shares = [share_on(part, own, extent) for part in area.parts]
-        if min(shares) == 1.0:
-            return 1.0
-        sizes = [part.area_m2() for part in area.parts]
-        return sum(size * share for size, share in zip(sizes, shares)) / sum(sizes)
+    shares = [_part_share_on(part, own, extent) for part in area.parts]
+    if len(shares) == 1 or min(shares) == 1.0:
+        return min(shares)
+    sizes = [part.area_m2() for part in area.parts]
+    return sum(size * share for size, share in zip(sizes, shares)) / sum(sizes)
+
+
+def _part_share_on(
+    area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]
+) -> float:
     plane = own.turned(*_middle_on(own, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T

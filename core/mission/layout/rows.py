@@ -15,7 +15,7 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from ..areas.area import Box, Points, Polygon, Polygons, touching
+from ..areas.area import Area, Box, Points, Polygon, touching
 from ..flight.legs import legs
 from ..mission import Mission
 from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
@@ -92,7 +92,7 @@ def lay_out_points(mission: Mission) -> Layout:
 
 def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
     """Yaw, tilt or roll of each point, (n,): its own, or the mission's; what is the same for all takes no memory."""
-    own = area.own_deg(name)
+    own = area.stated_deg(name)
     if own:
         return np.array(own, np.float64)
     angle = getattr(mission.attitude, f"{name}_deg")
@@ -142,7 +142,7 @@ def sees_below(mission: Mission) -> bool:
     return bool(in_front[0] and (np.abs(below[0]) <= 1.0).all())
 
 
-def bounds_with_margin(mission: Mission, area: Box | Polygon | Polygons) -> Box:
+def bounds_with_margin(mission: Mission, area: Area) -> Box:
     """Box around an area, that reaches so much farther north and south as its margin does."""
     box = area.bounds
     if not mission.flight.margin_m:

@@ -18,10 +18,9 @@ from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.raytracing.surface import Surface
-from ..areas.area import ANGLES, Box, Points, Polygon, Polygons, parts_of
+from ..areas.area import ANGLES, Area, Points
 from ..areas.area import inside as inside_area
 from ..flight.legs import legs
-from ..layout.coverage import rings_of
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
@@ -73,7 +72,7 @@ class ModelledRelief:
         lat, lon = _ends(mission)
         #: Corners of the area, or its points; and what captures stand within, as far as it is known.
         self._ends = self._stand = lat, lon
-        if mission.flight.margin_m and not isinstance(mission.area, Points):
+        if mission.flight.margin_m and mission.area.covers_ground:
             lat, lon = self._stand = _widened(lat, lon, mission.flight.margin_m)
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
@@ -242,17 +241,14 @@ class ModelledRelief:
         area, (lat, lon) = self.mission.area, surface.places(column, row)
         west, east = float(self._ends[1].min()), float(self._ends[1].max())
         lon = lon - 360.0 * np.rint((lon - (west + east) / 2.0) / 360.0)
-        if isinstance(area, Points):
+        if area.covers_ground:
+            inside = inside_area(area, lat, lon)
+        else:
             own_column, own_row = surface.position(*self._ends)
-            # What is below a point is made of the four pixels about it.
+            # The height below a point is interpolated from the four pixels about it.
             inside = np.zeros(len(row), bool)
             for x, y in zip(own_column.tolist(), own_row.tolist()):
                 inside |= (np.abs(column - x) < 1.0) & (np.abs(row - y) < 1.0)
-        elif isinstance(area, (Polygon, Polygons)):
-            inside = inside_area(area, lat, lon)
-        else:
-            south, north = float(self._ends[0].min()), float(self._ends[0].max())
-            inside = (lat >= south) & (lat <= north) & (lon >= west) & (lon <= east)
         found = np.flatnonzero(inside)
         if len(found):
             raise InvalidInput(
@@ -333,9 +329,8 @@ class ModelledRelief:
 
     def _takeoff_m(self) -> float:
         lat, lon = self._ends
-        if isinstance(self.mission.area, Points):
-            at = lat[:1], lon[:1]
-        else:
+        at = lat[:1], lon[:1]
+        if self.mission.area.covers_ground:
             at = np.array([lat.max()]), np.array([lon.min()])
         found = float(self._ground.heights(*self._ground.position(*at))[0])
         if math.isnan(found):
@@ -467,7 +462,7 @@ class ModelledRelief:
         lat, lon = layout.lat_deg, layout.lon_deg
         self.covers(lat, lon)
         ground = self.ground_m(lat, lon)
-        agl = layout.agl_m if isinstance(mission.area, Points) else np.full(len(lat), mission.flight.agl_m)
+        agl = np.full(len(lat), mission.flight.agl_m) if mission.area.covers_ground else layout.agl_m
         wanted, _ = self.wanted_m(lat, lon, agl)
         least, what = self._least_m(lat, lon)
         height = wanted
@@ -505,7 +500,7 @@ class ModelledRelief:
 
         How far others of a table see would lower them, too.
         """
-        if flown is None or not isinstance(self.mission.area, Points):
+        if flown is None or self.mission.area.covers_ground:
             return layout
         lat, lon, height = layout.lat_deg, layout.lon_deg, flown.height_m
         reach = _reaches(self.mission)[layout.column]
@@ -564,7 +559,7 @@ class ModelledRelief:
         Told from `_LOOKED_FOR` points spread over the area, and as many along its edge.
         """
         area = self.mission.area
-        if isinstance(area, Points):
+        if not area.covers_ground:
             return 0.0
         spread, edge = self._spread(), self._with_heights(*_along_edge(area))
         lat, lon, height = (np.concatenate(parts) for parts in zip(spread, edge))
@@ -592,7 +587,7 @@ class ModelledRelief:
     def _spread(self) -> tuple[Floats, Floats, Floats]:
         """Latitudes, longitudes and heights of points spread over the area, where there is a surface."""
         area = self.mission.area
-        if isinstance(area, Points):
+        if not area.covers_ground:
             return np.empty(0), np.empty(0), np.empty(0)
         west, south, east, north = area.bounds.edges_deg
         # Kronecker's sequence of the plastic number's powers: as even as can be, whatever their number.
@@ -601,9 +596,8 @@ class ModelledRelief:
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
-        if isinstance(area, (Polygon, Polygons)):
-            inside = inside_area(area, lat, lon)
-            lon, lat = lon[inside], lat[inside]
+        inside = inside_area(area, lat, lon)
+        lon, lat = lon[inside], lat[inside]
         return self._with_heights(lat, lon)
 
     def _with_heights(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats, Floats]:
@@ -725,9 +719,9 @@ def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
     )
 
 
-def _along_edge(area: Box | Polygon | Polygons) -> tuple[Floats, Floats]:
+def _along_edge(area: Area) -> tuple[Floats, Floats]:
     """Latitudes and longitudes of `_LOOKED_FOR` places along the rings of an area, their corners among them."""
-    rings = [ring for part in parts_of(area) for ring in rings_of(part)]
+    rings = [ring for part in area.parts for ring in part.arrays()]
     share = np.linspace(0.0, 1.0, max(_LOOKED_FOR // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
     lon, lat = (
         np.concatenate(

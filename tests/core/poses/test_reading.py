@@ -46,7 +46,7 @@ def near(points: Points, wanted: Points, *, agl_m=1e-3, deg=1e-6) -> None:
     )
     np.testing.assert_allclose(np.array(points.poses)[:, 2], np.array(wanted.poses)[:, 2], atol=agl_m)
     for name in ("yaw", "tilt", "roll"):
-        np.testing.assert_allclose(points.own_deg(name), wanted.own_deg(name), atol=deg)
+        np.testing.assert_allclose(points.stated_deg(name), wanted.stated_deg(name), atol=deg)
 
 
 def test_a_trajectory_that_was_exported_is_flown_again(tmp_path, run):
@@ -94,7 +94,7 @@ def test_axes_are_those_that_are_said(world, body, quaternion, attitude):
     assert left_out == 0
     assert points.times_s == (5.5,)
     np.testing.assert_allclose(points.poses[0], (*ORIGIN[:2], 40.0), atol=1e-6)
-    found = [points.own_deg(name)[0] for name in ("yaw", "tilt", "roll")]
+    found = [points.stated_deg(name)[0] for name in ("yaw", "tilt", "roll")]
     np.testing.assert_allclose(found, attitude, atol=1e-5)
 
 
