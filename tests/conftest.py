@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import socket
 import sys
 
@@ -13,6 +14,16 @@ FORBIDDEN = ("PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "qgis")
 
 INSIDE_QGIS = "qgis" in sys.modules
 forbidden_modules = pytest.StashKey[list[str]]()
+
+
+def pytest_collection_finish() -> None:
+    """Keep what collecting tests has made out of later searches for garbage: it stays, and is much.
+
+    In QGIS it would keep the plugin that was loaded at the start as well.
+    """
+    if not INSIDE_QGIS:
+        gc.collect()
+        gc.freeze()
 
 
 @pytest.hookimpl(trylast=True)
