@@ -318,7 +318,7 @@ def test_a_second_capture_into_the_folder_is_refused(driver, tmp_path):
 
 
 def test_the_lock_of_a_killed_process_is_free(tmp_path):
-    held = "from terrainav.core.files import open_locked; from pathlib import Path; import sys, time;"
+    held = "from terrainav.core.storage.files import open_locked; from pathlib import Path; import sys, time;"
     held += "file = open_locked(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
     path = tmp_path / "journal.jsonl"
     with subprocess.Popen(
