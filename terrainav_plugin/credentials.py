@@ -27,7 +27,7 @@ def read_key(authcfg: str) -> str | None:
 
 
 def credential_problem(authcfg: str, is_key: bool) -> str:
-    """What keeps a run from using a configuration, in words; empty for nothing. On the main thread.
+    """Reason why a run cannot use a configuration; empty for none. On the main thread.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The guide: in a window of its own where it is installed with the plugin, otherwise at the project's homepage."""
+"""The guide: in a window where it is installed with the plugin, otherwise at the project's homepage."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def add_help_button(buttons: QDialogButtonBox, topic: str) -> None:
 
 
 class GuideWindow(QTextBrowser):
-    """Shows the guide; links to its own headings and pages are followed here, others by the user's browser."""
+    """Shows the guide; links to the guide's headings and pages are followed here, others by the user's browser."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -86,7 +86,7 @@ def translate(message: object) -> str:
 
 
 def option_label(name: str) -> str:
-    """What the panel calls an option of a mission, quoted; empty where it has no entry for it."""
+    """The panel's name of an option of a mission, quoted; empty where it has no entry for it."""
     if name == "max_images":
         return tr(
             "“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file"
@@ -149,7 +149,7 @@ def plain_number(text: str) -> float:
 
 
 def decimal_sign() -> str:
-    """What the user writes before decimals."""
+    """Decimal mark of the user's language."""
     return str(QLocale().decimalPoint())
 
 

@@ -1,4 +1,4 @@
-"""What the plugin tells the user: the message bar, and a log for the details."""
+"""Messages to the user: the message bar, and a log for the details."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def is_remote(folder: str | os.PathLike[str]) -> bool:
 
 
 def path_key(path: Path) -> str:
-    """What two ways of writing the same path have in common."""
+    """Key of a path, the same for all ways of writing it."""
     return os.path.normcase(os.path.realpath(path))
 
 

@@ -31,7 +31,7 @@ class PlannedMission(NamedTuple):
 
 
 class Planner(QObject):
-    """Plans one mission at a time on a thread of its own; requests overtaken by newer ones are dropped.
+    """Plans one mission at a time on a thread; requests overtaken by newer ones are dropped.
 
     Signals
     -------

@@ -36,7 +36,7 @@ PAGE = "terrainav_options"
 
 
 class TerrAInavPlugin:
-    """What QGIS loads and unloads."""
+    """The plugin as QGIS loads and unloads it."""
 
     def __init__(self, iface: QgisInterface) -> None:
         self.iface = iface
@@ -96,7 +96,7 @@ class TerrAInavPlugin:
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
-        # QGIS looks for a layer's file before it tells anybody of the project.
+        # QGIS looks for a layer's file before it reports that the project is read.
         self._path_finder = QgsPathResolver.setPathPreprocessor(_found)
         self.iface.projectRead.connect(self._project_read)
         self.iface.newProjectCreated.connect(self._project_begun)

@@ -116,7 +116,7 @@ class Session(QObject):
     # --- what toolbar and panel ask for
 
     def state(self) -> FormState:
-        """What is entered."""
+        """State of the panel's entries."""
         return self.dock.form.state()
 
     @property

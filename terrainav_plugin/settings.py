@@ -1,4 +1,4 @@
-"""What the plugin remembers between sessions, as typed properties over QGIS's settings."""
+"""Settings that the plugin keeps between sessions, as typed properties over QGIS's settings."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def mission_heights(mission: Mission) -> Heights | None:
 
 
 def request_costs(name: str) -> Costs:
-    """What a request to a source is assumed to take, for estimates."""
+    """Assumed cost of a request to a source, for estimates."""
     from ..core.imagery.opening import source_kind
     from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
 
@@ -142,7 +142,7 @@ def request_costs(name: str) -> Costs:
 
 
 def source_policy(name: str) -> Policy | None:
-    """What the provider of a source allows; None where there is none, or only its network could tell."""
+    """Terms of a source's provider; None where there is none, or only the network could tell."""
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
     source = _named(name)
@@ -150,7 +150,7 @@ def source_policy(name: str) -> Policy | None:
 
 
 def mission_snapshot(mission: Mission) -> Snapshot | None:
-    """What QGIS is to draw for a mission, as it is now; on the main thread. None for every other source.
+    """Snapshot of the layers that QGIS draws for a mission; on the main thread. None for every other source.
 
     Raises
     ------
@@ -226,7 +226,7 @@ def source_key(source: str) -> str | None:
 
 
 def credentials_problem(source: str) -> str:
-    """What keeps a run from using the key or the authentication of a source, in words; empty for nothing.
+    """Reason why a run cannot use the key or the authentication of a source; empty for none.
 
     On the main thread: QGIS asks for its master password where it has not been given it.
     """
@@ -254,7 +254,7 @@ def needs_key(source: str) -> bool:
 
 
 def _options(mission: Mission, **how: Any) -> SourceOptions:
-    """What a mission wants of its source, and how it is to be asked."""
+    """Options to open a mission's source with."""
     from ..core.imagery.opening import SourceOptions
 
     return SourceOptions(
@@ -378,7 +378,7 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
 
 
 def _authenticated(name: str, known: Connection | None) -> str:
-    """What a layer's data source says of authentication: the id of a configuration, and no secret."""
+    """Authentication in a layer's data source: the id of a configuration, and no secret."""
     authcfg = authcfg_of_requests(name) if known is None else known.authcfg
     referer = "" if known is None else known.headers.get("Referer", "")
     known_by = f"&authcfg={authcfg}" if authcfg else ""

@@ -109,7 +109,7 @@ def withdraw_notice(description: str) -> None:
 
 
 class LatestWorker(QObject):
-    """One piece of work at a time on a thread of its own: the last one asked for wins.
+    """One piece of work at a time on a thread: the last one asked for wins.
 
     Answers and errors of work that is overtaken are dropped, and so is work that has not begun by then.
 

@@ -56,7 +56,7 @@ from ..core.text.plain import shortened
 from .i18n import localized, plain_number, tr
 from .plain import plain_label, shown_plain
 
-#: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
+#: Vermillion of the Okabe-Ito palette: readable on light and dark themes, distinct to colour-blind people.
 WRONG_COLOUR = "#D55E00"
 #: Share of that colour behind the text of a spin box.
 _TINT = 0.3
@@ -452,7 +452,7 @@ class NumberBox(QgsDoubleSpinBox):
             event.ignore()
 
     def number(self) -> float | int | None:
-        """What is entered, whole where no decimals are taken; None where nothing is."""
+        """Number entered, an int where no decimals are taken; None where there is none."""
         if self.may_be_left_out and (self.value() == self.minimum() or self.unread() is not None):
             return None
         return self.value() / self.times if self.decimals() else int(self.value())

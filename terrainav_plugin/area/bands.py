@@ -17,7 +17,7 @@ from .outline import AreaOutline, Corner, count_turns
 
 
 class BandColours(NamedTuple):
-    """What a band is drawn in."""
+    """Colours and pattern of a band."""
 
     line: QColor
     fill: QColor
@@ -204,7 +204,7 @@ def area_band(
 
 
 def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
-    """Make a band for handles: white inside tells them from the line they lie on."""
+    """Make a band for handles, white inside to stand out from their line."""
     band = area_band(canvas, POINT, colours)
     band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
     band.setIconSize(_HANDLE_PX)

@@ -264,7 +264,7 @@ class PointsDialog(LayerDialog):
         self.form.addRow("", self.tilt_is)
         self.form.addRow(tr("&Roll from field"), self.roll_field)
         self.form.addRow(tr("Ti&me from field"), self.time_field)
-        # Buttons of one parent are one choice unless they are told apart.
+        # Buttons of one parent are one choice unless they are in groups.
         for pair in ((self.all, self.selected), (self.by_value, self.by_field)):
             choice = QButtonGroup(self)
             for button in pair:
@@ -379,7 +379,7 @@ class PosesDialog(QDialog):
     Parameters
     ----------
     path : str
-        Of the file: its ending, or its first line, tells the format that is chosen at first.
+        Of the file: its ending or first line gives the format chosen at first.
     state : FormState
         Of which the height, its unit and the start are those entered at first.
     """

@@ -1,4 +1,4 @@
-"""What happens between the entries of the area and the form that they are part of."""
+"""Edits of the area, between its entries and the form."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class Found(NamedTuple):
     note: str = ""
 
 
-#: What reads an area, in a task that it may be told of: how far it is, and whether to go on.
+#: Reads an area, given the task to report progress to and ask whether to go on.
 Reading = Callable[[Task], Found]
 
 

@@ -29,7 +29,7 @@ from ..map.outlines import around_pole
 
 #: Steps each side is drawn in; sides may be curves on the canvas.
 _STEPS = 48
-#: Points drawn, evenly picked: more cannot be told apart, and take long to paint.
+#: Points drawn, evenly picked: more merge into each other and take long to paint.
 MOST_POINTS = 2_000
 #: Outlines are cut this far from the map's edge, a tenth of a millimetre on the ground.
 _CUT_DEG = 1e-9
@@ -45,7 +45,7 @@ GRIPS = (
 LEAST_SPAN_DEG = 1e-6
 _POLE_DEG = 90.0
 _TURN_DEG = 360.0
-#: Corners up to which each has a handle: more cannot be told apart, and would take long to draw anew at every move.
+#: Corners up to which each has a handle: more merge into each other and are slow to redraw at every move.
 MOST_CORNERS = 2_000
 #: Pieces of an edge that is a curve on the canvas, and by what share of its length it is one.
 _CURVE_STEPS, _CURVED = 16, 0.002

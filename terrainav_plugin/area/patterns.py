@@ -112,7 +112,7 @@ class _PatternDialog(LayerDialog):
         return f"{which} {self._panel_values()}"
 
     def _panel_values(self) -> str:
-        """What is taken from the panel."""
+        """Values taken from the panel."""
         return tr("Camera and overlaps ({along} %, {across} %) are those of the panel.").format(
             **_percents(self._state)
         )
@@ -278,7 +278,7 @@ class RandomDialog(QDialog):
 
 
 def _whole_images(state: FormState) -> Callable[[Poses], Any]:
-    """What tells which poses see the imagery of the panel alone; raises FormError where that is not complete."""
+    """Test of which poses see nothing but the panel's imagery; raises FormError where that is not complete."""
     from ...core.geodesy.ellipsoid import WGS84
     from ...core.mission.inside import poses_inside
     from ..form.mission_form import mission

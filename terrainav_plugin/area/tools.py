@@ -64,7 +64,7 @@ _CURSORS = (
 
 
 class BoxTool(TemporaryTool):
-    """Draws a rectangle on the canvas and tells the ground under it, whatever the project's CRS.
+    """Draws a rectangle on the canvas and emits the ground under it, whatever the project's CRS.
 
     Signals
     -------
@@ -343,7 +343,7 @@ class AreaTool(TemporaryTool):
             return
         if self._dragged is None:
             return
-        # Not every move is told, and the last one may be missing.
+        # Qt reports not every move, and may leave out the last.
         if event.pos() != self._pressed_at:
             self._drag_box(event.pos())
         held, is_new = self._held, self._held_in is not self._area
@@ -381,7 +381,7 @@ class AreaTool(TemporaryTool):
         self.dragging.emit(self._dragged)
 
     def _words(self) -> str:
-        """What is said of the area that is being dragged."""
+        """Readout of the area that is being dragged."""
         if self._held is not None and not is_sound(self._dragged) and is_sound(self._area):
             return tr("The outline would cross itself")
         return readout(self._dragged, self.length_unit)

@@ -1,4 +1,4 @@
-"""What is entered in the panel, as one plain value, and the mission that it asks for. Knows no widget.
+"""The panel's entries as one plain value, and the mission that they ask for. Knows no widget.
 
 text            numbers, aspect ratios and degrees as people type and read them
 fields          what people read of a field that a mission declares

@@ -270,7 +270,7 @@ def size_text(box: Box, unit: str) -> str:
 
 
 def area_words(area: Area, unit: str) -> str:
-    """What an area is, in a line, in metres or feet and what goes with them."""
+    """Summary of an area in a line, in metric or imperial units."""
     if isinstance(area, Box):
         return tr("Box, {size}").format(size=size_text(area, unit))
     if not isinstance(area, Points):
@@ -295,12 +295,12 @@ def area_words(area: Area, unit: str) -> str:
 
 
 def point_words() -> dict[str, str]:
-    """What the angles of points are called."""
+    """Names of the angles of points."""
     return {"yaw": tr("yaw"), "tilt": tr("tilt"), "gimbal_pitch": tr("gimbal pitch"), "roll": tr("roll")}
 
 
 def readout(area: Area, unit: str) -> str:
-    """What is said at the cursor while an area is drawn or moved."""
+    """Readout at the cursor while an area is drawn or moved."""
     if isinstance(area, Points):
         return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
     return size_text(area, unit) if isinstance(area, Box) else area_text(area.area_m2(), unit)

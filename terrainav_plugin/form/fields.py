@@ -1,4 +1,4 @@
-"""What people read of a declared field of a mission, in their language: titles, tips, choices."""
+"""Translated titles, tips and choices of a mission's declared fields."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def field_title(field: Field) -> str:
 
 
 def field_sentence(field: Field) -> str:
-    """What a field does, as a sentence."""
+    """Help of a field, as a sentence."""
     return begun(translate(field.help)) + "."
 
 
 def field_tip(field: Field) -> str:
-    """What a field does, its unit and its range; of what is typed in another unit that one alone."""
+    """Help of a field with its unit and range; only the unit where another one is typed."""
     numbers = field.kind in (float, int)
     beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
     text = begun(translate(field.help))
@@ -39,5 +39,5 @@ def field_choices(field: Field) -> tuple[tuple[str, str], ...]:
 
 
 def map_type_title(name: str) -> str:
-    """What a map type is called: its folder's name where it is none of the usual ones."""
+    """Title of a map type; the folder's name of an unusual one."""
     return translate(field_named(Imagery, "map_types").choices.get(name, name))

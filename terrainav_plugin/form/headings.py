@@ -1,4 +1,4 @@
-"""What the groups of entries hold, each in a few words that stand beside its title while it is folded."""
+"""Summaries of the groups of entries, shown beside the titles of folded groups."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _choice(state: FormState, name: str) -> str:
 
 
 def _changed_choice(state: FormState, name: str) -> str:
-    """What is chosen; empty where that is the default."""
+    """Title of the choice; empty for the default."""
     return "" if getattr(state, name) == DECLARED[name].default else _choice(state, name)
 
 

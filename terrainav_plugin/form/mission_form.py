@@ -349,7 +349,7 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
 
 
 def extras_text(state: FormState) -> str:
-    """What a state's mission says that the panel has no entries for, in words; empty for nothing."""
+    """Values of a state's mission that the panel has no entries for, as text; empty for none."""
     said = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
     return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
 

@@ -53,7 +53,7 @@ _Asked: Any = make_dataclass(
 
 @dataclass(frozen=True)
 class FormState(_Asked):
-    """What the dock shows, as typed: texts where people type freely, numbers where a spin box guards them.
+    """The panel's entries as typed: texts where people type freely, numbers where a spin box guards them.
 
     The fields of `ENTERED_AS_DECLARED` are those of a mission; these are typed in another way.
 
@@ -150,7 +150,7 @@ class FormState(_Asked):
 
     @property
     def source_name(self) -> str:
-        """What the mission names its source by."""
+        """Name of the source in the mission."""
         return self.template.strip() if self.source == URL_TEMPLATE else self.source
 
     @property

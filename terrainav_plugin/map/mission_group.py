@@ -171,7 +171,7 @@ class GroupsOnTop(QObject):
         super().__init__()
         self._project = project
         self._added: set[str] = set()
-        # Layers are told of before they are in the layer tree.
+        # QGIS reports layers before they are in the layer tree.
         self._soon = single_shot(self._move, self)
         project.legendLayersAdded.connect(self._note)
         # Layers of a project that is opened are where they were.

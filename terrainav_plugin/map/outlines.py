@@ -1,4 +1,4 @@
-"""What a plan draws on the map, as QGIS's geometries in the CRS of its pictures' pixels. On any thread.
+"""Outlines of a plan as QGIS's geometries, in the CRS of its images' pixels. On any thread.
 
 In EPSG:3857 they are cut at the antimeridian and at the ends of the map; other CRSs have neither.
 """
@@ -59,7 +59,7 @@ def placed(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> Ring:
 
 
 def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    """What each picture shows: the frame that its file will state, or the ground that the camera sees."""
+    """Footprint of each image: the frame that its file will state, or the ground that the camera sees."""
     return map(_polygons, pictures_m(plan))
 
 

@@ -386,7 +386,7 @@ class Missions(QObject):
             self.open_file(path)
 
     def open_file(self, path: Path) -> None:
-        """Take a mission file's mission into the panel; it is captured into a folder of its own."""
+        """Take a mission file's mission into the panel; it is captured into another folder."""
         from ...core.mission.mission import Mission
 
         folder = self._settings.missions / path.stem
@@ -662,7 +662,7 @@ def _is_same_flight(text: str, mission: Mission) -> bool:
 
 
 def _flown(mission: Mission) -> dict[str, Any]:
-    """What a mission says of its flight."""
+    """The flight of a mission, in words."""
     return {name: part for name, part in mission.to_dict().items() if name not in ("imagery", "output")}
 
 

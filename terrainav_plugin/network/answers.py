@@ -1,4 +1,4 @@
-"""What a reply of Qt's says, as a response or an error of a transport, in words of our own."""
+"""Qt's replies as a transport's responses or errors, in words that name no Qt."""
 
 from __future__ import annotations
 

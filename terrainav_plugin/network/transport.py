@@ -34,7 +34,7 @@ class QgisTransport:
     headers : mapping of str or None
         To be sent along with every request.
     home : tuple of scheme and host
-        Server that both are for, as `credential_home` tells it; an empty host for every one that is asked. What a
+        Server that both are for, as `credential_home` returns it; an empty host for every one that is asked. What a
         server points to, or names in its capabilities, gets neither.
     """
 

@@ -43,7 +43,7 @@ _ALIVE: set[NetworkWorker] = set()
 
 
 class Terms(NamedTuple):
-    """What holds for all requests of a transport.
+    """Options of all requests of a transport.
 
     Parameters
     ----------
@@ -238,7 +238,7 @@ class NetworkWorker(QObject):
 
     @pyqtSlot("QList<QSslError>")
     def _judge_tls(self, errors: list[Any]) -> None:
-        """Let pass what the user has told QGIS, for good, to let pass of this server's certificate."""
+        """Ignore the certificate errors of this server that the user has told QGIS to ignore for good."""
         reply = self.sender()
         if not isinstance(reply, QNetworkReply):
             return
@@ -269,7 +269,7 @@ class NetworkWorker(QObject):
         self._looked_s = now_s
 
     def _lateness(self, exchange: PendingRequest) -> TransportError | None:
-        """What there is to say of an exchange that has to end."""
+        """Error of a request that has to end; None for others."""
         timeouts = self._terms.timeouts
         if exchange.received_bytes > self._terms.max_body_bytes:
             return too_long(self._terms.max_body_bytes)

@@ -1,4 +1,4 @@
-"""What the panel offers to choose from: cameras by name, and sources from wherever there are some."""
+"""Choices of the panel: cameras by name, and sources of all kinds."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def unlisted(name: str) -> SourceChoice | None:
 
 
 def template_limits(template: str) -> str:
-    """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
+    """Terms of the provider of a URL template, as HTML; empty for an invalid template."""
     from ...core.imagery.opening import named_source, source_kind
 
     kind = source_kind(template)
@@ -144,7 +144,7 @@ def template_limits(template: str) -> str:
 
 
 def limits_html(entry: CatalogueEntry) -> str:
-    """What a source's provider allows, in a few lines."""
+    """Terms of a source's provider, in a few lines."""
     if entry.kind == "world":
         return html.escape(tr("Computed on this computer for any place, without limits."))
     policy = entry.policy

@@ -117,5 +117,5 @@ def _titled() -> list[tuple[str, str]]:
 
 
 def _layer_file(layer: QgsRasterLayer) -> str:
-    """What a layer's heights are read from; empty where the core has no way to it."""
+    """File that a layer's heights are read from; empty where the core cannot read it."""
     return str(layer.source()) if layer.providerType() == "gdal" else ""

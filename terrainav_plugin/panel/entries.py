@@ -85,7 +85,7 @@ class FacingBox(QWidget):
             signal.connect(self.changed)
 
     def text(self) -> str:
-        """What is chosen; an azimuth in the digits that it was entered in, as long as it is the same."""
+        """The value chosen; an azimuth as it was entered, as long as it is the same."""
         if self.choice.currentData() != _AZIMUTH:
             return str(self.choice.currentData())
         shown = f"{self.azimuth.value():.15g}"

@@ -145,7 +145,7 @@ class Figures(QScrollArea):
 
 @dataclass(frozen=True)
 class Readout:
-    """What a plan comes to, by how much it matters.
+    """Figures of a plan, the most important first.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ class Readout:
     offers_upsampling: bool = False
 
     def figures_html(self) -> str:
-        """What everybody asks, as a table for a label."""
+        """The main figures, as a table for a label."""
         return _table(self.figures)
 
     def details_html(self) -> str:
@@ -250,7 +250,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
 
 
 def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
-    """What is below the flight; nothing over level ground."""
+    """The relief below the flight; empty over level ground."""
     lowest, highest, clearance = summary.lowest_ground_m, summary.highest_ground_m, summary.clearance_m
     finest, coarsest = summary.finest_gsd_m_per_px, summary.coarsest_gsd_m_per_px
     if lowest is None or highest is None or clearance is None or finest is None or coarsest is None:
@@ -267,7 +267,7 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
 
 
 def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
-    """What the plan asks of the provider beside what the provider allows; nothing where there is no limit."""
+    """Requests of the plan beside the provider's limit; empty where there is none."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
     requests = plan.requests * len(plan.mission.imagery.map_types)
@@ -295,7 +295,7 @@ def _details(mission: Mission, summary: Summary, cost: str) -> list[tuple[str, s
 
 
 def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
-    """What was chosen, with its bounds."""
+    """The methods chosen, with their bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
             stage=translate(choice.method.stage),

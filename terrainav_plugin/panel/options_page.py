@@ -99,7 +99,7 @@ class OptionsPage(QgsOptionsPageWidget):
         choose(self.units, "m")
 
     def apply(self) -> None:
-        """Keep what is right; what is not stays as it was, and is told in the log."""
+        """Keep valid settings; invalid ones stay as they were and are reported in the log."""
         problems = self._check()
         for name, widget in self.folders.items():
             if name in problems:
@@ -227,7 +227,7 @@ class OptionsPage(QgsOptionsPageWidget):
 
 
 def placeholders_problem(text: str) -> str:
-    """What is wrong with tiles to treat as missing, in words; empty for nothing."""
+    """Problem with the tiles to treat as missing; empty for none."""
     from ...core.imagery.placeholder import Placeholder
 
     try:
@@ -238,7 +238,7 @@ def placeholders_problem(text: str) -> str:
 
 
 def folder_problem(text: str) -> str:
-    """What is wrong with a folder to write to, in words; empty for nothing, and for no folder."""
+    """Problem with a folder to write to; empty for none, and for no folder."""
     text = text.strip()
     if not text:
         return ""
@@ -322,7 +322,7 @@ class CacheDialog(QDialog):
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
         self._cache = Settings().tile_cache()
-        self.told = wrapped_label("told")
+        self.notice = wrapped_label("told")
         self.table = QTableWidget(0, 5)
         self.table.setHorizontalHeaderLabels(
             [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
@@ -341,7 +341,7 @@ class CacheDialog(QDialog):
         buttons.rejected.connect(self.reject)
         add_help_button(buttons, tr("sources"))
         layout = QVBoxLayout(self)
-        for widget in (self.told, self.table, buttons):
+        for widget in (self.notice, self.table, buttons):
             layout.addWidget(widget)
         self.resize(620, 320)
         self._fill()
@@ -368,7 +368,7 @@ class CacheDialog(QDialog):
         text = tr("{size} of at most {limit} in {folder}").format(
             size=size, limit=limit, folder=self._cache.folder
         )
-        self.told.setText(f"{more} {text}".strip())
+        self.notice.setText(f"{more} {text}".strip())
         self.clear_all.setEnabled(bool(files))
         self._show_selection()
 
@@ -400,7 +400,7 @@ def _keyless_titles() -> dict[str, str]:
     try:
         return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
     except TerrAInavError:
-        # The chooser of sources tells what is wrong with the user's own.
+        # The chooser of sources reports problems of the user's sources.
         from ...core.imagery.entry import shipped
 
         return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}

@@ -167,7 +167,7 @@ class Planning(QObject):
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _mission_cost(self, mission: Mission) -> str:
-        """What a mission's methods were timed at; empty where that is not known."""
+        """Times measured of a mission's methods; empty where not known."""
         return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 
     def _show_refused(self, error: Exception) -> None:

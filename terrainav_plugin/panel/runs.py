@@ -325,7 +325,7 @@ class RunRow(QFrame):
 
 
 def _run_actions(run: CaptureRun) -> set[str]:
-    """What can be done with a run now."""
+    """Actions that a run offers now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}
     if run.stage is Stage.RUNNING:

@@ -313,7 +313,7 @@ class RouteSection(Section):
 
 
 class WindSection(Section):
-    """What moves and turns the camera at each exposure; off unless it is ticked."""
+    """Wind and gusts, which move and turn the camera; off unless ticked."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("wind", tr("Wind"), marks)

@@ -139,7 +139,7 @@ class AddSourceDialog(QDialog):
         self.layers = named(QListWidget(), "layers", tr("Layers that the service offers"))
         self.layers.setMaximumHeight(_LAYERS_ROOM_PX)
         self.system = combo("system", (), tr("Coordinate reference system of the images"))
-        self.told = wrapped_label("told")
+        self.notice = wrapped_label("told")
         self.test = push_button("test", tr("&Test"), tr("Fetch one tile and show it"))
         self.tile = named(QLabel(), "tile")
         self.tile.setFixedSize(_TILE_ROOM_PX, _TILE_ROOM_PX)
@@ -191,7 +191,7 @@ class AddSourceDialog(QDialog):
         }
         for label, widget in self._rows.values():
             form.addRow(label, widget)
-        form.addRow("", self.told)
+        form.addRow("", self.notice)
         for label, name in (
             (tr("Name"), "name"),
             (tr("Title"), "title"),
@@ -263,7 +263,7 @@ class AddSourceDialog(QDialog):
         self._named = False
         suggested = re.sub(r"[^a-z0-9]+", "-", host).strip("-")[:64]
         if self._entry is not None and suggested:
-            # Of a service's layers each is a source of its own.
+            # Each layer of a service is a source.
             suggested = _free_name(f"{suggested}-{self._entry.title}")
         self.name.setText(suggested)
 
@@ -314,7 +314,7 @@ class AddSourceDialog(QDialog):
             chooser.blockSignals(True)
             chooser.clear()
             chooser.blockSignals(False)
-        self.told.clear()
+        self.notice.clear()
         self._show_tile(None)
 
     def _stop(self) -> None:
@@ -332,15 +332,15 @@ class AddSourceDialog(QDialog):
         def ended(task: _Asking) -> None:
             self._task = None
             if task.error:
-                self.told.setText(translate(task.error))
+                self.notice.setText(translate(task.error))
             else:
-                self.told.clear()
+                self.notice.clear()
                 then(task.result)
             self._check()
 
         address = self.url.text().strip()
         self._task = _Asking(description, work, address)
-        self.told.setText(tr("Asking the service…"))
+        self.notice.setText(tr("Asking the service…"))
         self._check()
         self._task.begin(ended)
 
@@ -374,7 +374,7 @@ class AddSourceDialog(QDialog):
             item.setData(Qt.ItemDataRole.UserRole, layer)
             item.setToolTip(shown_plain(", ".join((layer.name, *layer.sets, *layer.systems))))
             self.layers.addItem(item)
-        self.told.setText(tr("{count} layers").format(count=number_text(len(offered))))
+        self.notice.setText(tr("{count} layers").format(count=number_text(len(offered))))
         if len(offered) == 1:
             self.layers.setCurrentRow(0)
 
@@ -493,7 +493,7 @@ class AddSourceDialog(QDialog):
             for widget in self._rows[name]:
                 widget.setVisible(visible)
         self.find_layers.setEnabled(service and not busy)
-        self.told.setVisible(bool(self.told.text()))
+        self.notice.setVisible(bool(self.notice.text()))
         dated = "{date}" in self.url.text()
         for widget in (self._date_label, self._date_row):
             widget.setVisible(dated)
@@ -542,11 +542,11 @@ class ServiceDialog(QDialog):
         self.search = line_edit("search", tr("Part of a layer's title or name"), tr("Search"))
         self.search.setClearButtonEnabled(True)
         self.list = named(QListWidget(), "layers", tr("Layers that the service offers"))
-        self.told = wrapped_label("told")
+        self.notice = wrapped_label("told")
         self.buttons = ok_and_cancel(self)
         add_help_button(self.buttons, tr("sources"))
         layout = QVBoxLayout(self)
-        for widget in (self.search, self.list, self.told, self.buttons):
+        for widget in (self.search, self.list, self.notice, self.buttons):
             layout.addWidget(widget)
         self.resize(520, 420)
         self.search.textChanged.connect(self._filter)
@@ -570,7 +570,7 @@ class ServiceDialog(QDialog):
 
     def _ask(self, task: _Capabilities, then: object) -> None:
         self._task = task
-        self.told.setText(tr("Asking the service…"))
+        self.notice.setText(tr("Asking the service…"))
         self._show_ready()
         task.begin(then)
 
@@ -585,7 +585,7 @@ class ServiceDialog(QDialog):
         text = tr("{count} layers").format(count=number_text(len(task.layers)))
         if self._service.key:
             text += " " + tr("The key in its address will be kept in QGIS's authentication database.")
-        self.told.setText(translate(task.error) or text)
+        self.notice.setText(translate(task.error) or text)
         self._show_ready()
 
     def _keep(self, task: _Capabilities) -> None:
@@ -595,7 +595,7 @@ class ServiceDialog(QDialog):
                 raise SourceError(task.error or tr("nothing was answered"))
             self.added = kept(task.entry, self._service, self._chosen())
         except TerrAInavError as wrong:
-            self.told.setText(translate(wrong))
+            self.notice.setText(translate(wrong))
             self._show_ready()
             return
         super().accept()

@@ -110,7 +110,7 @@ class StartEntry(QWidget):
 
 
 def local_text(time: datetime) -> str:
-    """What the clock of this computer shows at a time, as the user writes times; empty beyond what it knows."""
+    """Local time, as the user writes times; empty beyond what this computer converts."""
     try:
         seconds = int(time.replace(tzinfo=timezone.utc).timestamp())
     except (OverflowError, OSError, ValueError):

@@ -1,4 +1,4 @@
-"""What would be captured, drawn on the map before it is, and the map below it.
+"""The preview of a mission on the map, and the background below it.
 
 view            what the map shows now
 preview         layers that follow every change of the mission and of the view

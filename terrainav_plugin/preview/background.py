@@ -249,7 +249,7 @@ class Background:
         )
 
     def visible_box(self) -> Box | None:
-        """What the map shows; None for an empty map, or one that shows no place on Earth."""
+        """Box that the map shows; None for an empty map, or one that shows no place on Earth."""
         if not self._canvas.layers():
             return None
         try:

@@ -99,7 +99,7 @@ def area_features(plan: Plan) -> list[QgsFeature]:
 
 
 class Picked(NamedTuple):
-    """Some captures of a plan, as a plan of their own, and what the whole plan knows of them.
+    """Some captures of a plan, as a plan, with figures of the whole plan.
 
     ``overlap`` is how many of all planned images show the middle of each, ``crowd`` how many of these are drawn over
     the middle of each, by the rectangles around them.
@@ -127,7 +127,7 @@ def plan_part(plan: Plan, ids: Numbers) -> Plan:
 
 
 def footprint_features(picked: Picked) -> list[QgsFeature]:
-    """What each picture shows: the frame its file will state, or the ground the camera sees."""
+    """Footprint of each image: the frame its file will state, or the ground the camera sees."""
     plan = picked.plan
     where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
     sight = (picked.overlap, picked.crowd, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
@@ -152,7 +152,7 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
 
 
 def plan_flight(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
-    """What an aircraft flies: from capture to capture, or a path that has more than these."""
+    """Flight of a plan: from capture to capture, or a path that has more points than these."""
     return FlightLine(plan, index, clock) if plan.path.is_captures else SortieLines(plan, clock)
 
 
@@ -241,7 +241,7 @@ class FlightLine:
         return self._feature([self._whole[row == end] for end in np.unique([row[0], row[-1]])])
 
     def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
-        """Whether the legs of the whole flight lie far enough apart on the screen, over all, to be told apart."""
+        """Whether the legs of the whole flight lie far enough apart on the screen to be distinct, on average."""
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
         plane = self._plan.grid.plane
         # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.

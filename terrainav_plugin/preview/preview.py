@@ -31,7 +31,7 @@ class _Overtaken(Exception):
 class Preview(QObject):
     """Shows one plan at a time, in the detail that the map's view allows.
 
-    A thread of its own works out what a view needs; the layers are made and filled on the main thread, in steps too
+    A thread works out what a view needs; the layers are made and filled on the main thread, in steps too
     short to be felt. What is there already and still right stays.
 
     Signals
@@ -101,7 +101,7 @@ class Preview(QObject):
 
     @property
     def drawing(self) -> Drawing | None:
-        """What is drawn now."""
+        """The current drawing."""
         return self._drawing
 
     def layer(self, role: str) -> QgsVectorLayer | None:
@@ -132,7 +132,7 @@ class Preview(QObject):
         self._held = {}
         ids = [layer_id for layer_id in self._ids.values() if self._project.mapLayer(layer_id)]
         self._keep_styles(ids)
-        # They go by its own will, which is nothing to be noticed.
+        # Removed by the preview: `_forget` need not react.
         self._ids = {}
         self._project.removeMapLayers(ids)
         if ids:
@@ -287,7 +287,7 @@ class Preview(QObject):
     # --- layers
 
     def _set_group(self, group: MissionGroup) -> None:
-        """A mission with another folder has a group of its own."""
+        """Change the group; a mission with another folder has another."""
         if self._group is not None and not self._group.is_same(group):
             self.remove()
         self._group = group
@@ -324,7 +324,7 @@ class Preview(QObject):
         layer = self.layer("area") or self._adopt("area")
         if layer is not None:
             self._keep_styles([layer.id()])
-            # It goes by the preview's own will, which is nothing to be noticed.
+            # Removed by the preview: `_forget` need not react.
             del self._ids["area"]
             self._project.removeMapLayer(layer.id())
             self._canvas.refresh()

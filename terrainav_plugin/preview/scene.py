@@ -1,4 +1,4 @@
-"""What of a plan is drawn for a view of the map. Runs in the background."""
+"""Features of a plan for a view of the map. Runs in the background."""
 
 from __future__ import annotations
 
@@ -249,7 +249,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
 
 
 def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
-    """The same in a CRS that the imagery has of its own, which camera frames without a horizon alone are planned in."""
+    """The same in the imagery's CRS, where camera frames see no horizon."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
     # Corners that the projection does not reach count for nothing; the rectangle inside of each picture is there.
     west, east = np.fmin.reduce(x, axis=1, initial=np.inf), np.fmax.reduce(x, axis=1, initial=-np.inf)

@@ -1,4 +1,4 @@
-"""What the map shows now: the part of a plan's world in view, and how large things are on the screen."""
+"""The current view of the map: the part of a plan's world in view, and its scale on the screen."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class Rect(NamedTuple):
         return max(self.east - self.west, self.north - self.south)
 
     def grown(self, share: float) -> Rect:
-        """Rectangle with a margin on each side, as a share of its own."""
+        """Rectangle with a margin on each side, as a share of its width and height."""
         x, y = share * (self.east - self.west), share * (self.north - self.south)
         return Rect.fitted(self.west - x, self.south - y, self.east + x, self.north + y, self.world)
 
@@ -198,7 +198,7 @@ class MapView:
 
 
 def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
-    """What of a world a map canvas shows; None of a canvas that shows nothing yet. On the main thread."""
+    """View of a world on a map canvas; None where the canvas shows nothing yet. On the main thread."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
     size = settings.outputSize()
@@ -245,7 +245,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
 
 
 def _visible_own_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
-    """What of a world that does not wrap is in view; all of it where the view holds places that it has not."""
+    """Part of a world without wrapping in view; all of it where parts of the view lie outside its CRS's domain."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
         return Rect.fitted(*edges, world)

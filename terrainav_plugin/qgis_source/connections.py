@@ -23,7 +23,7 @@ XYZ = "qgis:xyz/"
 #: What stands in the chooser for a service whose layer is still to be chosen; no mission names it.
 SERVICE_PREFIX = "qgis:service/"
 _SERVICE_KIND = "WMS"
-#: Headers that QGIS keeps with a connection, in its own ways over the versions.
+#: Headers of a connection, which versions of QGIS write in several ways.
 _HEADER = "http-header:"
 #: Zooms of a connection that states none, as QGIS takes them.
 _USUAL_ZOOM = 18
@@ -178,7 +178,7 @@ def without_key(url: str) -> tuple[str, str]:
 def _listed() -> list[tuple[str, str]]:
     """Name and data source of each connection."""
     for provider in QgsApplication.dataItemProviderRegistry().providers():
-        # Each provider of the browser has a folder of its own; this one holds the connections to XYZ tiles.
+        # The folder of QGIS's browser with the connections to XYZ tiles.
         if provider.name() == "XYZ Tiles":
             root = provider.createDataItem("", None)
             if root is not None:

@@ -1,6 +1,6 @@
 """A raster file's layer at its own pixels, or on another pixel grid without QGIS's approximate reprojection.
 
-QGIS first resamples a raster to a grid of its own, and takes its nearest pixels from that: up to more than a pixel
+QGIS first resamples a raster to another grid, and takes the nearest pixels from that: up to more than a pixel
 off. Here every pixel of a picture on another grid takes the pixel of the raster that its centre lies in, styled by
 QGIS.
 """
@@ -118,7 +118,7 @@ def averaged(
     pipes : Pipes
         Of a file's layer.
     left_px, top_px : int
-        Of the picture, in its own pixels from the raster's corner.
+        Of the picture, in its pixels from the raster's corner.
     size : width, height
         Of the picture, px.
     factor : int

@@ -48,7 +48,7 @@ _LAYER = f"{PREFIX}layer/"
 #: QGIS's provider of raster files, which are read as they are; others ask a service.
 FILE_PROVIDER = "gdal"
 _MERCATOR = "EPSG:3857"
-#: Zooms of what has no resolution of its own.
+#: Zooms of layers without a resolution.
 _MAX_ZOOM = 22
 #: Where layers have their tiles from, by the layers' ids; None for those without.
 Addresses = dict[str, Optional[TileAddress]]
@@ -63,7 +63,7 @@ class LayerChoice(NamedTuple):
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What is to be drawn, apart from the project and its layers; let go of on the main thread, too.
+    """Copies of the layers to draw, apart from the project; created and released on the main thread.
 
     Parameters
     ----------

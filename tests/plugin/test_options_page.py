@@ -189,7 +189,7 @@ def test_cache_is_opened_from_the_page_and_its_settings_hold(page, tmp_path, mon
         if dialog is None or dialog.objectName() != "terrainav_cache":
             QTimer.singleShot(20, look)
             return
-        seen.append(dialog.told.text())
+        seen.append(dialog.notice.text())
         dialog.reject()
 
     QTimer.singleShot(0, look)

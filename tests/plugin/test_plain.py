@@ -157,12 +157,12 @@ def test_names_and_titles_of_a_service_and_its_refusal(desk, secret, qtbot):
         for path in ("/wms", "/closed"):
             dialog = ServiceDialog(ServiceConnection("Survey", server.url + path), desk.iface.mainWindow())
             dialog.show()
-            desk.wait(lambda shown=dialog: not shown.told.text().startswith("Asking"))
+            desk.wait(lambda shown=dialog: not shown.notice.text().startswith("Asking"))
             for row in range(dialog.list.count()):
                 dialog.list.setToolTip(dialog.list.item(row).toolTip())
                 assert secret.mark in dialog.list.item(row).data(Qt.ItemDataRole.UserRole)
             assert dialog.list.count() == (path == "/wms")
-            assert (secret.mark in dialog.told.text()) == (path == "/closed")
+            assert (secret.mark in dialog.notice.text()) == (path == "/closed")
             dialog.repaint()
             assert list(rich_texts(dialog)) == []
             dialog.done(0)

@@ -196,7 +196,7 @@ def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, q
         document = wms_document("1.3.0", f"{server.url}/wms?", all_layers)
         server.answer = lambda *_: (200, "text/xml", document)
         find(dialog, qtbot, f"{server.url}/wms")
-        assert dialog.told.text() == "2 layers"
+        assert dialog.notice.text() == "2 layers"
         listed = [dialog.layers.item(row).text() for row in range(dialog.layers.count())]
         assert listed == ["Ortho · EPSG:3857, EPSG:25832", "Plan · EPSG:3857, EPSG:25832"]
         assert not dialog.buttons.button(OK).isEnabled()
@@ -215,15 +215,15 @@ def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, q
 def test_what_a_server_answers_amiss_is_one_line(dialog, qtbot):
     with ServiceServer(lambda *_: (200, "text/html", b"<title>Shop</title>")) as server:
         find(dialog, qtbot, f"{server.url}/shop")
-        assert "no service known here" in dialog.told.text()
-        assert "\n" not in dialog.told.text()
+        assert "no service known here" in dialog.notice.text()
+        assert "\n" not in dialog.notice.text()
         assert not dialog.buttons.button(OK).isEnabled()
         template = f"{server.url}/{{z}}/{{x}}/{{y}}.png"
         dialog.url.setText(template)
-        assert dialog.told.text() == ""
+        assert dialog.notice.text() == ""
         dialog.test.click()
         qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
-        assert "tile" in dialog.told.text()
+        assert "tile" in dialog.notice.text()
         assert not dialog.tile.isVisible()
     # A source is kept whether or not its server answers today.
     assert dialog.buttons.button(OK).isEnabled()
@@ -297,7 +297,7 @@ def test_cache_is_listed_and_cleared(source_list, tmp_path, screenshot):
         dialog.table.selectRow(0)
         desk.click(dialog.clear_some)
         seen.append(dialog.table.rowCount())
-        seen.append(dialog.told.text())
+        seen.append(dialog.notice.text())
         dialog.reject()
 
     errors = in_dialog(desk, CacheDialog, clear)

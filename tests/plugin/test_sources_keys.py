@@ -331,8 +331,8 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
         assert QgsOwsConnection.connectionList("WMS") == ["Survey"]
         dialog = ServiceDialog(service("Survey"), desk.iface.mainWindow())
         dialog.show()
-        desk.wait(lambda: not dialog.told.text().startswith("Asking"))
-        assert dialog.told.text() == "2 layers"
+        desk.wait(lambda: not dialog.notice.text().startswith("Asking"))
+        assert dialog.notice.text() == "2 layers"
         screenshot("service-layers", dialog)
         ok = dialog.buttons.button(QDialogButtonBox.StandardButton.Ok)
         assert not ok.isEnabled()

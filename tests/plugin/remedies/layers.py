@@ -198,8 +198,8 @@ def _service_of_layers(case: Case) -> None:
         desk.session.source_list.refresh()
 
         def choose(dialog):
-            desk.wait(lambda: not dialog.told.text().startswith("Asking"))
-            assert dialog.list.count() == 1, dialog.told.text()
+            desk.wait(lambda: not dialog.notice.text().startswith("Asking"))
+            assert dialog.list.count() == 1, dialog.notice.text()
             dialog.list.setCurrentRow(0)
             desk.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok))
 
