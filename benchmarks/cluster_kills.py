@@ -80,8 +80,9 @@ class Killer:
 
 def captured(images: int, address: str, engine: str, kills: int, seed: int, resume: bool) -> dict[str, Any]:
     """Capture in this process; the images done are printed, as a line a second at most."""
-    from terrainav.core.capture.blocks.engines import here, open_engine
+    from terrainav.core.capture.blocks.engines import local_engine, open_engine
     from terrainav.core.capture.blocks.running import Blocks
+    from terrainav.core.capture.progress import Listener
     from terrainav.core.capture.runner import capture
 
     worked_out, named = mission_of(images)
@@ -98,7 +99,7 @@ def captured(images: int, address: str, engine: str, kills: int, seed: int, resu
                 flush=True,
             )
 
-    with here() if engine == "here" else open_engine(engine) as opened:
+    with local_engine() if engine == "here" else open_engine(engine) as opened:
         result = capture(
             worked_out,
             named,
@@ -106,8 +107,7 @@ def captured(images: int, address: str, engine: str, kills: int, seed: int, resu
             executor=opened,
             blocks=Blocks(BLOCK_IMAGES, "webdataset"),
             resume=resume,
-            progress=progress,
-            notice=lambda text: notices.append(str(text)),
+            listener=Listener(progress=progress, notice=lambda text: notices.append(str(text))),
         )
     return {
         "written": result.written,

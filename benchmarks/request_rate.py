@@ -74,6 +74,7 @@ def measure(server: LoopbackServer, limit: float, seconds: float, seed: int, fol
     import distributed
     from terrainav.core.capture.blocks.engines import open_engine
     from terrainav.core.capture.blocks.running import Blocks
+    from terrainav.core.capture.progress import Listener
     from terrainav.core.capture.runner import capture
     from terrainav.core.imagery.catalogue import add, described
     from terrainav.core.imagery.opening import SourceOptions, named_source
@@ -106,8 +107,7 @@ def measure(server: LoopbackServer, limit: float, seconds: float, seed: int, fol
                 folder / name,
                 executor=engine,
                 blocks=Blocks(BLOCK_IMAGES),
-                progress=changes,
-                cancelled=lambda: time.monotonic() > until_s,
+                listener=Listener(progress=changes, cancelled=lambda: time.monotonic() > until_s),
             )
     times_s = server.times_s()
     lasted_s = max(times_s) - min(times_s)

@@ -98,13 +98,13 @@ def do(job: dict[str, Any]) -> dict[str, Any]:
             source = named.open()
             opened.callback(source.close)
         else:
-            from terrainav.core.capture.blocks.engines import here, open_engine
+            from terrainav.core.capture.blocks.engines import local_engine, open_engine
             from terrainav.core.capture.blocks.running import Blocks
 
             source = named
             how["blocks"] = Blocks(job["block"], job["layout"])
             if job["engine"] == HERE:
-                how["executor"] = opened.enter_context(here())
+                how["executor"] = opened.enter_context(local_engine())
             else:
                 how["executor"] = engine = opened.enter_context(open_engine(job["engine"]))
                 pids = workers_of(engine)
@@ -209,6 +209,7 @@ def coordinate(images: int, block: int, workers: int) -> dict[str, Any]:
     """What the run itself takes, in processor seconds and memory, where blocks take none."""
     from terrainav.core.capture.blocks.engines import Engine
     from terrainav.core.capture.blocks.running import Blocks
+    from terrainav.core.capture.progress import Listener
     from terrainav.core.capture.runner import capture
 
     began = time.process_time()
@@ -223,7 +224,7 @@ def coordinate(images: int, block: int, workers: int) -> dict[str, Any]:
             folder,
             executor=Engine(instant, lambda: workers),
             blocks=Blocks(block, "webdataset"),
-            progress=lambda _: None,
+            listener=Listener(progress=lambda _: None),
         )
         run_s = time.process_time() - began - instant.apart_s
     return {

@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
@@ -129,8 +130,7 @@ def run(images: int, template: str, folder: Path, cancel_after: int) -> None:
             folder / "out",
             connections=CONNECTIONS,
             resume=True,
-            progress=note,
-            cancelled=lambda: 0 < cancel_after <= done,
+            listener=Listener(progress=note, cancelled=lambda: 0 < cancel_after <= done),
         )
     except SourceError as refused:
         stopped = str(refused)

@@ -6,16 +6,16 @@ import contextlib
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..capture.begun import hold_to
-from ..capture.holding import kept
+from ..capture.begun import check_settings
+from ..capture.holding import locked
 from ..capture.making import DEFAULT_CONNECTIONS
-from ..capture.progress import CaptureResult, Progress
+from ..capture.progress import SILENT, CaptureResult, Listener
 from ..capture.several import capture_each, combined
 from ..dataset.folder import PARTS
 from ..dataset.ground import GroundBoxes, ground_boxes
@@ -27,7 +27,7 @@ from ..imagery.source import Source
 from ..limits import MAX_SETTINGS_BYTES
 from ..poses.priors import PRIORS_FILE, write_priors
 from ..poses.settings import Sensors
-from ..storage.files import json_bytes, make_folder, open_locked, read_limited, write_whole
+from ..storage.files import json_bytes, make_folder, read_limited, write_whole
 from ..text.safe_json import parse_json
 from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
@@ -83,8 +83,7 @@ def make_benchmark(
     connections: int = DEFAULT_CONNECTIONS,
     workers: int | None = None,
     resume: bool = False,
-    progress: Callable[[Progress], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    listener: Listener = SILENT,
 ) -> BenchmarkResult:
     """Make a benchmark in a folder.
 
@@ -99,8 +98,8 @@ def make_benchmark(
         By the imageries' texts, with the pixel grids that the plan was made for.
     resume : bool
         Go on with a folder that holds this benchmark.
-    connections, workers, progress, cancelled
-        As for `capture`; progress names the folder as its map type.
+    connections, workers, listener
+        As for `capture`; progress has the folder's name in place of the map type.
 
     Raises
     ------
@@ -117,20 +116,14 @@ def make_benchmark(
     about = json.loads(json_bytes(worked_out.settings.to_dict()))
     _claim(path, about, resume=resume)
     lock = path / _LOCK_FILE
-    with open_locked(lock) as file, kept(lock, file) as check:
-
-        def ends() -> bool:
-            check()
-            return cancelled is not None and cancelled()
-
-        hold_to(path, BENCHMARK_FILE, about)
+    with locked(lock) as check:
+        check_settings(path, BENCHMARK_FILE, about)
         results = capture_each(
             {name: (plan, sources[str(one)]) for name, (one, plan) in worked_out.captures.items()},
             path,
             connections=connections,
             workers=workers,
-            progress=progress,
-            cancelled=ends,
+            listener=listener.guarded(check),
         )
         if any(one.cancelled for one in results.values()):
             return BenchmarkResult(path, results, None)

@@ -1,22 +1,23 @@
-"""The run: a plan becomes a folder of pictures with their poses.
+"""A capture: a plan becomes a folder of images with their poses.
 
 In reading order:
 
-- `runner`: the run
-- `progress`: what it tells
-- `several`: runs beside each other in one folder
-- `begun`: what a capture was begun with, to which later runs are held
-- `folder`: the dataset's folder, and what it must not hold before
-- `journal`: what is done, for the next run
+- `runner`: `capture`, and the run of a journal and a maker
+- `progress`: progress and results, and the caller that listens
+- `several`: several captures in one folder
+- `folder`: the folder of a capture, which a mission claims and a run holds
+- `holding`: locks and leases against other runs
+- `begun`: the settings that a capture was begun with
+- `images`: the journal of a capture image by image
+- `journal`: the file of that journal
+- `making`: making images by threads
 - `pipeline`: fetching, assembling and writing at the same time
-- `making`: pictures of a plan and a source, one after the other
-- `records`: each picture's job, and its row of the table
-- `writers`: pictures in files
-- `georeference`: where a picture lies
-- `metadata`: what a picture's file says of it
-- `tiff`: tags as bytes
-- `holding`: a place held by one run against others
-- `choices`: what is chosen of blocks
-- `blocks`: a capture in blocks, which other processes and machines make
+- `records`: the job of an image, and tables of images
+- `writers`: image files
+- `georeference`: the place of an image
+- `metadata`: metadata of image files
+- `tiff`: directories of TIFF tags
 - `odm`: files for OpenDroneMap
+- `choices`: options of a capture in blocks
+- `blocks`: a capture in blocks, which other processes and machines make
 """

@@ -1,4 +1,4 @@
-"""The settings that a capture was begun with, kept beside them: what a run that goes on is held to."""
+"""The settings that a capture was begun with, which later runs must have too."""
 
 from __future__ import annotations
 
@@ -20,30 +20,24 @@ from ..storage.stores import is_file
 from ..text.plain import shortened
 from ..text.safe_json import parse_json
 
-#: Beside ``mission.json``, or what stands for it: the settings again, by their paths.
+#: The settings by their paths, beside ``mission.json`` or a file like it.
 BEGUN_FILE = "begun.json"
 _SCHEMA = 1
-#: Longer lists are kept as their number of values and a digest: places may be millions.
-_LONGEST_CHARACTERS = 200
-#: Characters of a value, and changes, that a message shows.
-_SHOWN_CHARACTERS, _SHOWN_CHANGES = 60, 3
-#: Parts whose fields have defaults.
-_DECLARED: dict[str, Any] = {**FLAT_PARTS, "camera": Camera}
 
 
-def hold_to_mission(root: Path, mission: Mission) -> None:
-    """Hold a run to the mission that a capture was begun with, or note it; for the run that holds the place.
+def check_mission(root: Path, mission: Mission) -> None:
+    """Check a mission against that of the run that began the capture, or note it; for the run that holds the place.
 
     Raises
     ------
     OutputError
         ``mission.json`` was edited since; the message names each field with its old and new value.
     """
-    hold_to(root, MISSION_FILE, _parts_of(mission))
+    check_settings(root, MISSION_FILE, _mission_settings(mission))
 
 
-def hold_to(root: Path, name: str, settings: Mapping[str, Any]) -> None:
-    """Hold a run to the settings in a file of this name, or note them where no run has; raises OutputError."""
+def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
+    """Check settings against those of the run that began, or note them; the file's name is for the OutputError."""
     wanted, found = _settled(settings), _kept(root)
     if found is None:
         write_whole(root / BEGUN_FILE, json_bytes({"schema": _SCHEMA, "settings": wanted}), durable=True)
@@ -54,20 +48,20 @@ def hold_to(root: Path, name: str, settings: Mapping[str, Any]) -> None:
 
 
 def edited_since(root: Path, mark: bytes, mission: Mission) -> OutputError | None:
-    """Error for a ``mission.json`` that is of another mission than a capture was begun with, which is this one."""
+    """Error for a ``mission.json`` that no longer holds the mission that the capture was begun with."""
     found = _kept(root)
-    if found is None or _changes(found, _settled(_parts_of(mission))):
+    if found is None or _changes(found, _settled(_mission_settings(mission))):
         return None
     try:
         now = Mission.from_json(mark.decode("utf-8"))
     except (InvalidInput, UnicodeDecodeError):
         return _edited(root, MISSION_FILE, [Message("it holds no mission")])
-    return _edited(root, MISSION_FILE, _changes(found, _settled(_parts_of(now))))
+    return _edited(root, MISSION_FILE, _changes(found, _settled(_mission_settings(now))))
 
 
 def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
-    more = len(changed) - _SHOWN_CHANGES
-    listed = Message.joined(", ", changed[:_SHOWN_CHANGES])
+    more = len(changed) - 3
+    listed = Message.joined(", ", changed[:3])
     return OutputError(
         "{0}: its {1} was edited since the capture began: {2}",
         root,
@@ -77,8 +71,8 @@ def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
     )
 
 
-def _parts_of(mission: Mission) -> dict[str, Any]:
-    """Settings of a mission part by part, with all defaults, as its own file leaves some of them out."""
+def _mission_settings(mission: Mission) -> dict[str, Any]:
+    """Settings of a mission by part, with defaults, which mission files leave out."""
     parts = {one.name: getattr(mission, one.name) for one in fields(mission)}
     plain = {
         name: asdict(part)
@@ -90,16 +84,17 @@ def _parts_of(mission: Mission) -> dict[str, Any]:
 
 
 def _settled(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings by their paths, such as ``flight.agl_m``, as they are read again."""
-    found: dict[str, Any] = json.loads(json_bytes(dict(_by_path(settings))))
+    """Settings by their paths, such as ``flight.agl_m``, as JSON gives them back."""
+    found: dict[str, Any] = json.loads(json_bytes(dict(_flattened(settings))))
     return found
 
 
-def _by_path(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+def _flattened(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            yield from _by_path(value, f"{before}{name}.")
-        elif isinstance(value, (list, tuple)) and len(text := json.dumps(value)) > _LONGEST_CHARACTERS:
+            yield from _flattened(value, f"{before}{name}.")
+        elif isinstance(value, (list, tuple)) and len(text := json.dumps(value)) > 200:
+            # There may be millions of places.
             digest = hashlib.sha256(text.encode("ascii")).hexdigest()
             yield f"{before}{name}", {"values": len(value), "sha256": digest}
         else:
@@ -107,7 +102,7 @@ def _by_path(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple[st
 
 
 def _kept(root: Path) -> dict[str, Any] | None:
-    """Settings by their paths, as the run that began has kept them; None where it has not."""
+    """Settings noted by the run that began, by their paths; None where there are none."""
     path = root / BEGUN_FILE
     if not is_file(path):
         return None
@@ -134,11 +129,12 @@ def _unreadable(path: Path, reason: object) -> OutputError:
 
 
 def _changes(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[Message]:
-    """One message for each setting that differs; one that is not noted had its default."""
+    """Messages for the settings that differ; a setting that was not noted had its default."""
+    parts: dict[str, Any] = {**FLAT_PARTS, "camera": Camera}
     default = _settled(
         {
             name: {one.name: one.default for one in fields(part) if one.default is not MISSING}
-            for name, part in _DECLARED.items()
+            for name, part in parts.items()
         }
     )
     return [
@@ -159,11 +155,11 @@ def _shown(value: Any) -> Message | str:
     if value is None:
         return Message("none")
     if isinstance(value, str):
-        return shortened(value, _SHOWN_CHARACTERS)
+        return shortened(value, 60)
     if isinstance(value, dict):
         return (
             Message("{0:,} values", value["values"])
             if isinstance(value.get("values"), int)
             else Message("others")
         )
-    return shortened(json.dumps(value, ensure_ascii=False), _SHOWN_CHARACTERS)
+    return shortened(json.dumps(value, ensure_ascii=False), 60)

@@ -1,10 +1,10 @@
-"""What is chosen of a capture in blocks, for forms and the command; what needs no numerics."""
+"""Options of a capture in blocks, importable without numerics."""
 
 from __future__ import annotations
 
-#: How files are laid out: each image in a file of its own, or the images of a block in one.
+#: Layouts of files: one file for each image, or one for the images of each block.
 LAYOUTS = FOLDERS, WEBDATASET = ("folders", "webdataset")
-#: Images of a block where nothing else is said: seconds to a minute of one processor, and about 100 MB of GeoTIFF.
+#: Images of a block by default: seconds to a minute of one processor, and about 100 MB of GeoTIFF.
 IMAGES = 256
-#: Folder of the blocks' records, which are the journal, and what in it says how a destination is divided.
+#: Folder of the blocks' records, which are the journal, and the file in it that describes the division.
 BLOCKS_FOLDER, DIVISION_FILE = "blocks", "blocks.json"

@@ -1,4 +1,4 @@
-"""Where a picture lies: the edges of a map frame, and the ground control points of a camera frame."""
+"""Georeferences of images: the edges of a map frame, and the ground control points of a camera frame."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ from ..mission.plan import Plan
 from .metadata import degrees, metres, xml_text
 from .tiff import Tag, TagType
 
-#: What GeoTIFF says of a CRS that has no code.
-_USER_DEFINED = 32767
-#: WGS 84 and Web Mercator as WKT 1, which every GDAL reads; texts that do not depend on PROJ's version or database.
+#: WGS 84 and Web Mercator as WKT 1, which every GDAL reads, independent of PROJ's version and database.
 WGS84_WKT = (
     'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],'
     'AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],'
@@ -33,30 +31,23 @@ WEB_MERCATOR_WKT = (
     'EXTENSION["PROJ4","+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +lon_0=0 +x_0=0 +y_0=0 +k=1 +units=m '
     '+nadgrids=@null +wktext +no_defs"],AUTHORITY["EPSG","3857"]]'
 )
-_GEOGRAPHIC_EPSG = 4326
-#: Names that say no more of bands than their order does.
-_PLAIN_NAMES = (RGB.names, ("grey",), ("grey",) * len(RGB))
-#: Points along the longer and the shorter side, and how often both are doubled where the horizon leaves too few.
-_LONG_SIDE, _SHORT_SIDE, _DOUBLINGS = 9, 7, 4
-#: What the least surface through control points, a plane's perspective, needs.
-_FEWEST = 4
 
 
 @dataclass(frozen=True)
 class Georeference:
-    """The edges of a map frame, its size, and where its top points.
+    """Edges, size and orientation of a map frame.
 
     Parameters
     ----------
     west_m, south_m, east_m, north_m : float
-        Outer edges of the outermost pixels in the CRS's unit; on EPSG:3857 east may lie beyond the world's half width,
-        where a picture crosses the antimeridian.
+        Outer edges of the outermost pixels in the CRS's unit; on EPSG:3857 east may exceed the world's half width
+        where an image crosses the antimeridian.
     width_px, height_px : int
-        Size of the picture as written; the pixels need not be square.
+        Size of the image as written; the pixels need not be square.
     crs : str
         ``EPSG:code`` of a projected CRS, or its WKT.
     quarter_turns : int
-        Clockwise, from the CRS's north to where the picture's top points.
+        Clockwise, from the CRS's north to the direction of the image's top.
     """
 
     west_m: float
@@ -89,9 +80,9 @@ class Georeference:
 
     @property
     def geotransform(self) -> tuple[float, float, float, float, float, float]:
-        """GDAL's six numbers: easting of the upper left corner, its steps along a row and down a column, and northing.
+        """GDAL's six numbers: easting of the upper left corner, its steps along a row and a column, and the northing's.
 
-        North-up these are west, pixel width, 0, north, 0, minus pixel height.
+        For a north-up image: west, pixel width, 0, north, 0, minus pixel height.
         """
         width_m, height_m = self.pixel_size_m
         if self.quarter_turns % 4 == 1:
@@ -118,18 +109,14 @@ class Georeference:
         )
 
     def tags(self) -> list[Tag]:
-        """GeoTIFF's tags (OGC 19-008): the size of a pixel, where the upper left corner lies, and the CRS.
+        """GeoTIFF's tags (OGC 19-008): pixel size, position of the upper left corner, and the CRS.
 
-        Of a turned picture it is the whole matrix from columns and rows to positions.
+        A turned image has the matrix from columns and rows to positions instead.
         """
         width_m, height_m = self.pixel_size_m
         citation = "" if self.crs.startswith("EPSG:") else _citation(self.crs)
-        # Kind of CRS, areas, and the code: a CRS without one is of a kind of its own, which its citation defines.
-        keys = (
-            [(1024, _USER_DEFINED), (1025, 1)]
-            if citation
-            else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
-        )
+        # Kind of CRS, areas, and the code; a CRS without code is user-defined (32767) by its citation.
+        keys = [(1024, 32767), (1025, 1)] if citation else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
         place = [
             Tag(33550, TagType.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
             Tag(33922, TagType.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
@@ -147,7 +134,7 @@ class Georeference:
 
 @dataclass(frozen=True, eq=False)
 class ControlPoints:
-    """Points of a picture and the ground that the exact camera sees there.
+    """Points of an image and the ground that the exact camera sees there.
 
     Parameters
     ----------
@@ -159,17 +146,19 @@ class ControlPoints:
     points: Floats
 
     @classmethod
-    def of(cls, plan: Plan, index: int, width_px: int, height_px: int) -> ControlPoints:
-        """Points of one capture, evenly spread over the part of its picture that sees the ground.
+    def from_plan(cls, plan: Plan, index: int, width_px: int, height_px: int) -> ControlPoints:
+        """Control points of a capture, evenly spread over the part of its image that sees the ground.
 
         Parameters
         ----------
         width_px, height_px : int
-            Of the picture as written.
+            Size of the image as written.
         """
-        across, down = (_LONG_SIDE, _SHORT_SIDE) if width_px >= height_px else (_SHORT_SIDE, _LONG_SIDE)
+        across, down = (9, 7) if width_px >= height_px else (7, 9)
         found = np.empty((0, 5))
-        for doubling in range(_DOUBLINGS + 1):
+        # The grid is refined where the horizon leaves fewer points than a plane's perspective needs.
+        fewest, doublings = 4, 4
+        for doubling in range(doublings + 1):
             x, y = (
                 values.ravel()
                 for values in np.meshgrid(
@@ -188,7 +177,7 @@ class ControlPoints:
                 np.array([metres(height) for height in heights[0]]),
             )
             found = np.stack(columns, axis=1)[hit]
-            if len(found) >= _FEWEST:
+            if len(found) >= fewest:
                 break
         return cls(found)
 
@@ -207,12 +196,12 @@ class ControlPoints:
         ties = np.insert(self.points, 2, 0.0, axis=1).ravel().tolist()
         return [
             Tag(33922, TagType.DOUBLE, ties),  # ModelTiepoint
-            Tag(34735, TagType.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, _GEOGRAPHIC_EPSG)])),
+            Tag(34735, TagType.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, 4326)])),
         ]
 
 
 def _citation(crs: str) -> str:
-    """WKT of a CRS as Esri and GDAL write and read it in a GeoTIFF where there is no code."""
+    """WKT of a CRS in the form that Esri and GDAL use in a GeoTIFF without code."""
     return f"ESRI PE String = {read_reference(crs).to_wkt('WKT1_ESRI')}|"
 
 
@@ -223,14 +212,14 @@ def wkt_1(crs: str) -> str:
 
 
 def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:
-    """GeoKey directory of keys that each have one number, and of the CRS's citation, which is a text of its own."""
+    """GeoKey directory of keys with one number each, and of the CRS's citation in a separate tag."""
     cited = [3073, 34737, len(citation), 0] if citation else []
     count = len(keys) + bool(cited)
     return [1, 1, 0, count, *(number for key, value in keys for number in (key, 0, 1, value)), *cited]
 
 
 def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> str:
-    """GDAL's auxiliary file around the elements that say where the picture lies."""
+    """GDAL's auxiliary file, with given elements for the place of the image."""
     items = "".join(
         f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
     )
@@ -239,9 +228,11 @@ def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> s
 
 
 def _pam_bands(bands: Bands) -> str:
-    """Elements of bands of which more is known than their colours: names, and what values mean."""
+    """Elements for bands with names, units or scales."""
     lines = []
-    names = [""] * len(bands) if bands.names in _PLAIN_NAMES else bands.names
+    # These names only repeat the order of the bands.
+    plain = (RGB.names, ("grey",), ("grey",) * len(RGB))
+    names = [""] * len(bands) if bands.names in plain else bands.names
     for number, (name, about) in enumerate(zip(names, bands.each_metadata), 1):
         known = {"Description": name} if name not in ("", unnamed(number - 1)) else {}
         if about.unit:

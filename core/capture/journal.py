@@ -1,9 +1,9 @@
-"""The journal of a capture: one line of JSON for each picture that is finished or has failed.
+"""The journal file of a capture: a line of JSON for each image that is finished or has failed.
 
-A killed process loses nothing that it has noted: a picture is renamed into its place before its line is handed to the
-operating system. A power failure may take more, as neither is forced to the disk one by one: that costs 0.3 to 3 ms a
-picture on a solid-state disk and a turn of the platter on others. What it takes is found instead: a line says how
-many bytes its picture has, and a picture that has others when the capture is resumed is made again.
+A killed process loses nothing that it has noted: an image is renamed into place before its line is handed to the
+operating system. Neither is forced to the disk one by one, which would take 0.3 to 3 ms an image on a solid-state disk
+and more on others. So a power failure may lose images; they are found when the capture is resumed, as each line has the
+size of its image.
 """
 
 from __future__ import annotations
@@ -25,34 +25,30 @@ from ..text.safe_json import parse_json
 
 DONE = "done"
 FAILED = "failed"
-#: Bytes of the journal read in one go; see `Table`'s.
-_READ_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one picture.
+    """Outcome of an image: done or failed.
 
     Parameters
     ----------
     map_type, name : str
-        The picture; its name is without ending.
+        Name without ending.
     entropy : float or None
-        Bits, of a picture that is done.
+        In bits; None for an image that failed.
     reason : str
-        Why it failed; empty for one that is done.
-    sky_share, unmapped_share : float
-        Shares of its pixels that see no ground, and ground that no Web-Mercator source has.
+        Why it failed; empty for an image that is done.
+    sky_share, unmapped_share, facade_share : float
+        Shares of its pixels that see no ground, ground that no Web-Mercator source has, and faces that no map shows.
     size_bytes : int
-        Of all its files together; 0 where it is not known.
-    facade_share : float
-        Share of its pixels that see faces which no map shows.
+        Bytes of all its files; 0 where unknown.
     repeated : tuple of str
-        Digests of files it was made of that came for other places far away, too; see `Repeats`.
+        Digests of files shown that the provider also sent for places far away; see `Repeats`.
     shard : str
-        File of many pictures that it is in; empty for one that has a file of its own.
+        File that it shares with other images; empty where it has a separate file.
     offset_bytes, length_bytes : int
-        Where it begins in that, and how long it is.
+        Position in the shard, and length.
     """
 
     map_type: str
@@ -104,7 +100,7 @@ class Outcome:
             )
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
             sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
-            # Comparisons with what is no number are false.
+            # Comparisons with NaN are false.
             is_sound = all(0.0 <= share <= 1.0 for share in (sky, unmapped, facades))
             if not (is_sound and 0.0 <= (entropy or 0.0) < math.inf and min(sizes) >= 0):
                 return None
@@ -128,10 +124,10 @@ class Outcome:
 class Journal:
     """The journal file of a folder, read once and then appended to by one run at a time.
 
-    Lines are handed to the operating system one by one, so that they outlive the process. A line that is
-    torn counts as not written: its picture is made again. Of several lines about a picture the last holds.
+    Lines are handed to the operating system one by one, so that they outlive the process. A torn line is ignored: its
+    image is made again. Of several lines about an image the last one holds.
 
-    While it is open it is locked: it stands for the folder, in which two runs must not write at once.
+    The file is locked while open, which keeps other runs out of the folder.
 
     Raises
     ------
@@ -149,7 +145,7 @@ class Journal:
         self._adding = threading.Lock()
         self.outcomes: dict[tuple[str, str], Outcome] = {}
         try:
-            with open_own(self._path, "rb", buffering=_READ_BYTES) as file:
+            with open_own(self._path, "rb", buffering=1 << 20) as file:
                 if os.fstat(file.fileno()).st_size > MAX_TABLE_BYTES:
                     raise OutputError(
                         "journal {0}: cannot be read ({1})", self._path, larger_than(MAX_TABLE_BYTES)
@@ -162,7 +158,7 @@ class Journal:
             raise OutputError("journal {0}: cannot be read ({1})", self._path, wrong.strerror) from wrong
 
     def _take(self, line: bytes) -> None:
-        """Take what a line says; of one that is longer than any of ours each piece is torn."""
+        """Take a line; of one that is too long each piece counts as torn."""
         self._bytes += len(line)
         if line.endswith(b"\n"):
             self._whole_bytes = self._bytes
@@ -174,7 +170,7 @@ class Journal:
         self._file = open_locked(self._path)
         try:
             if os.fstat(self._file.fileno()).st_size != self._bytes:
-                # Another run has gone on with it since it was read.
+                # Another run has appended since it was read.
                 self._read()
             self._file.truncate(self._whole_bytes)
         except OSError as wrong:
@@ -197,13 +193,13 @@ class Journal:
 
     @property
     def file(self) -> IO[bytes]:
-        """Its file, while it is open; raises OutputError."""
+        """The open file; raises OutputError where it is not open."""
         if self._file is None:
             raise OutputError("journal {0}: is not open", self._path)
         return self._file
 
     def check(self) -> None:
-        """Raise OutputError where another run has written to it, as its lock was lost; from any thread."""
+        """Raise OutputError where another run has written to it because the lock was lost; from any thread."""
         with self._adding:
             self._check()
 
@@ -225,7 +221,7 @@ class Journal:
             try:
                 written = self.file.write(line)
                 if written != len(line):
-                    # A full disk may take a part of the line only; it is taken back so that no later line joins it.
+                    # A full disk may take only part of the line, which the next line must not join.
                     self.file.truncate(self._whole_bytes)
                     raise OSError(None, "the disk took only a part of a line")
             except OSError as wrong:

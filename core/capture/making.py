@@ -1,12 +1,14 @@
-"""Pictures of a plan and a source, one after the other: what a whole run and a block of one have in common."""
+"""Making the images of a plan from a source, by threads of this process."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from ..arrays import Numbers
 from ..bands import RGB, bands_of
 from ..errors import InvalidInput, PartError
 from ..imagery.opening import NamedSource
-from ..imagery.placeholder import Provided, Received, corner
+from ..imagery.placeholder import Provided, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
@@ -26,18 +28,15 @@ from ..picture.shot import parts_of, tiles_of
 from ..storage.files import write_whole
 from .journal import FAILED, Outcome
 from .pipeline import Pipeline, sweep
-from .progress import Repeat
-from .records import Made, PictureJob, job_of, make_picture
+from .records import PictureJob, image_job, make_picture
 from .writers import Write
 
-#: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
+#: Browsers open 6 connections to a server; tile servers bear a few more.
 DEFAULT_CONNECTIONS = 8
-#: Pictures that are traced ahead of each other before it is asked whether to go on.
-_TRACED_AT_ONCE = 64
 
 
 def check_source(plan: Plan, source: Source | NamedSource) -> None:
-    """Raise InvalidInput where a source has not what a plan needs: its grid, map types, bands that can be written."""
+    """Raise InvalidInput for a source without the plan's grid or map types, or with bands that cannot be written."""
     if source.grid != plan.grid:
         raise InvalidInput(
             "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
@@ -69,181 +68,233 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
 
 
 def _largest_px(plan: Plan) -> int:
-    """Pixels of the largest picture, as it is planned or as it is resized to."""
+    """Pixels of the largest image, as planned or resized."""
     width, height, _ = plan.mission.output.img_size or (1, 1, 1)
     return max(int((plan.frames.width_px * plan.frames.height_px).max()), width * height)
 
 
-def chosen_of(plan: Plan, only: Iterable[int] | None) -> Numbers:
-    """Indices of the captures to make, each once; raises InvalidInput for one that there is not."""
-    if only is None:
-        return np.arange(len(plan), dtype=np.int64)
-    chosen = np.unique(np.array(list(only), np.int64))
-    outside = chosen[(chosen < 0) | (chosen >= len(plan))]
-    if len(outside):
-        raise InvalidInput("capture {0} of the plan: it has 0 to {1}", outside[0], len(plan) - 1)
-    return chosen
+class Piece(NamedTuple):
+    """Images to be made: indices (k,) of captures of one map type, and the number of their block."""
+
+    map_type: str
+    indices: Numbers
+    number: int = 0
 
 
-class Making:
-    """The making of pictures, of one map type after the other.
+class Orders(Protocol):
+    """Run that images are made for."""
+
+    def wants_more(self) -> bool:
+        """Whether to make more images."""
+
+    def is_paused(self) -> bool:
+        """Whether to wait before more images are made."""
+
+    def note(self, outcome: Outcome) -> None:
+        """Take the outcome of an image, in the thread that called `make`."""
+
+    def repeats(self, map_type: str) -> Repeats:
+        """Files that a provider has sent for a map type."""
+
+
+class Maker(Protocol):
+    """Maker of the images of a run.
+
+    Attributes
+    ----------
+    requests, unique_parts : int
+        Parts requested from the source so far, and distinct parts needed.
+    parts : ImageParts
+    """
+
+    parts: ImageParts
+    requests: int
+    unique_parts: int
+
+    @property
+    def under_way(self) -> int:
+        """Images made that the run has not been given yet."""
+
+    @property
+    def map_type(self) -> str:
+        """Map type being made."""
+
+    def rounds(self, map_types: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
+        """Map types that are made together, round by round."""
+
+    def prepare(self) -> None:
+        """Write what the making needs, once, before the first image."""
+
+    def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
+        """Make images; returns False where the run stopped it."""
+
+
+class ImageParts:
+    """Parts of a source that the images of a plan are made of. Over relief each image is traced once.
 
     Parameters
     ----------
     plan : Plan
     source : Source
-    folder : Path
-        In which each map type and product has one of its own.
-    connections, workers : int
-        Parts fetched at once, and pictures made at once.
-    finished : callable
-        Called in the calling thread with each job and what is known of its picture, or why there is none.
-    exposures : Exposures or None
-        What the pictures' tags say of the camera.
-    write : callable
-        What takes files.
-
-    Attributes
-    ----------
-    requests, unique_parts : int
-        Parts asked of the source, and different ones that were needed, so far.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        source: Source,
-        folder: Path,
-        connections: int,
-        workers: int,
-        finished: Callable[[PictureJob, Made | PartError], None],
-        *,
-        exposures: Exposures | None,
-        write: Write = write_whole,
-    ) -> None:
-        self._plan, self._source, self._folder = plan, source, folder
-        self._connections, self._workers = connections, workers
-        self._finished, self._exposures, self._write = finished, exposures, write
-        self.requests = self.unique_parts = 0
-        #: Zooms, columns and rows of the tiles that captures over relief see, which take long to tell.
+    def __init__(self, plan: Plan, source: Source) -> None:
+        self.plan, self.source = plan, source
+        # Zooms, columns and rows of the tiles that images over relief show.
         self._tiles: dict[int, NDArray[np.int32]] = {}
 
-    def make(
-        self,
-        map_type: str,
-        indices: Numbers,
-        go_on: Callable[[], bool],
-        held: Callable[[], bool],
-        received: Received,
-    ) -> bool:
-        """Make pictures of a map type, by their indices (k,); False where ``go_on`` stopped it.
+    def find(self, index: int) -> list[Part]:
+        """Return the parts of an image."""
+        if self.plan.relief.is_level:
+            return parts_of(self.plan, self.source, index)
+        if index not in self._tiles:
+            self._tiles[index] = np.array(tiles_of(self.plan, index), np.int32).reshape(-1, 3)
+        return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
+
+    def find_images(
+        self, repeated: Mapping[str, frozenset[Window]], outcomes: Mapping[str, Outcome]
+    ) -> dict[str, tuple[str, ...]]:
+        """Find the images made that show repeated files.
 
         Parameters
         ----------
-        received : callable
-            Told of each file that a provider sends.
+        repeated : mapping of str to frozenset of Window
+            Of `Repeats.found`.
+        outcomes : mapping of str to Outcome
+            By the image's name.
+
+        Returns
+        -------
+        dict of str to tuple of str
+            Digests of the files, by the image's name.
         """
-        order = sweep(self._plan.windows, indices).tolist()
-        users = self._users(order, go_on)
-        if users is None:
-            return False
-        self.unique_parts += len(users)
-        pipeline: Pipeline[PictureJob, Made] = Pipeline(
-            users,
-            lambda window: self._source.fetch(map_type, window),
-            make_picture,
-            self._finished,
-            connections=self._connections,
-            workers=self._workers,
-            at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // self._largest_bytes(), 1),
-        )
-        earlier = self.requests
-
-        def counted() -> bool:
-            self.requests = earlier + pipeline.requests
-            return go_on()
-
-        try:
-            with _received_by(received, self._source):
-                return pipeline.run(self._jobs(map_type, order), counted, held)
-        finally:
-            self.requests = earlier + pipeline.requests
-
-    def parts(self, index: int) -> list[Part]:
-        """Parts that the picture of a capture is made of."""
-        if self._plan.relief.is_level:
-            return parts_of(self._plan, self._source, index)
-        if index not in self._tiles:
-            self._tiles[index] = np.array(tiles_of(self._plan, index), np.int32).reshape(-1, 3)
-        return parts_of_tiles(self._plan.grid, self._tiles[index].tolist())
-
-    def shown(
-        self, found: Mapping[str, frozenset[Window]], outcomes: Mapping[str, Outcome]
-    ) -> dict[str, tuple[str, ...]]:
-        """Pictures that are there and show files that `Repeats.found`: by name, the digests of these."""
-        digests = {place: digest for digest, places in found.items() for place in places}
+        digests = {place: digest for digest, places in repeated.items() for place in places}
         by_name: dict[str, tuple[str, ...]] = {}
-        for index, name in enumerate(self._plan.names if found else ()):
+        for index, name in enumerate(self.plan.names if repeated else ()):
             outcome = outcomes.get(name)
             if outcome is None or outcome.status == FAILED:
                 continue
-            corners = (corner(*part.window[:3]) for part in self.parts(index))
+            corners = (corner(*part.window[:3]) for part in self.find(index))
             shown = tuple(sorted({digests[place] for place in corners if place in digests}))
             if shown:
                 by_name[name] = shown
         return by_name
 
-    def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, list[Part]]]:
-        # Products are those of all map types, and made with the first one's pictures.
-        is_first = map_type == self._plan.mission.imagery.map_types[0]
-        products_in = self._folder if is_first and self._plan.mission.output.products else None
-        for index in order:
-            job = job_of(
-                self._plan,
-                index,
-                self._source,
-                map_type,
-                self._folder / map_type,
-                exposures=self._exposures,
-                products_in=products_in,
-                write=self._write,
-            )
-            yield job, self.parts(index)
 
-    def _users(self, order: list[int], go_on: Callable[[], bool]) -> Counter[Window] | None:
-        """How many of the pictures to be made need each part; None where stopped meanwhile."""
+@dataclass
+class ImageMaker:
+    """Maker with threads of this process, one map type after the other.
+
+    Parameters
+    ----------
+    parts : ImageParts
+    folder : Path
+        Folder with one folder for each map type and product.
+    connections, workers : int
+        Parts fetched at once, and images made at once.
+    exposures : Exposures or None
+        Exposures to write into the images' tags.
+    write : callable
+        Writes a file.
+    """
+
+    parts: ImageParts
+    folder: Path
+    connections: int
+    workers: int
+    exposures: Exposures | None = None
+    write: Write = write_whole
+    map_type: str = ""
+    requests: int = 0
+    unique_parts: int = 0
+    under_way: int = 0
+
+    def rounds(self, map_types: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
+        """One map type at a time."""
+        return [(map_type,) for map_type in map_types]
+
+    def prepare(self) -> None:
+        """Nothing is needed beforehand."""
+
+    def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
+        """Make images; returns False where the run stopped it."""
+        return all(self._make_piece(piece, orders) for piece in pieces)
+
+    def _make_piece(self, piece: Piece, orders: Orders) -> bool:
+        self.map_type = piece.map_type
+        source = self.parts.source
+        order = sweep(self.parts.plan.windows, piece.indices).tolist()
+        users = self._count_users(order, orders)
+        if users is None:
+            return False
+        self.unique_parts += len(users)
+        # Memory is planned for images of three bytes a pixel.
+        largest_bytes = _largest_px(self.parts.plan) * max(bands_of(source).bytes_per_px, RGB.bytes_per_px)
+
+        def finished(job: PictureJob, result: Outcome | PartError) -> None:
+            orders.note(job.failed(result) if isinstance(result, PartError) else result)
+
+        pipeline: Pipeline[PictureJob, Outcome] = Pipeline(
+            users,
+            lambda window: source.fetch(piece.map_type, window),
+            make_picture,
+            finished,
+            connections=self.connections,
+            workers=self.workers,
+            at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // largest_bytes, 1),
+        )
+        earlier = self.requests
+
+        def wants_more() -> bool:
+            self.requests = earlier + pipeline.requests
+            return orders.wants_more()
+
+        try:
+            with _noting(orders.repeats(piece.map_type), source):
+                return pipeline.run(self._jobs(piece.map_type, order), wants_more, orders.is_paused)
+        finally:
+            self.requests = earlier + pipeline.requests
+
+    def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, list[Part]]]:
+        plan = self.parts.plan
+        # Products are the same for all map types and made with the first.
+        is_first = map_type == plan.mission.imagery.map_types[0]
+        products_in = self.folder if is_first and plan.mission.output.products else None
+        for index in order:
+            job = image_job(
+                plan,
+                index,
+                self.parts.source,
+                map_type,
+                self.folder / map_type,
+                exposures=self.exposures,
+                products_in=products_in,
+                write=self.write,
+            )
+            yield job, self.parts.find(index)
+
+    def _count_users(self, order: list[int], orders: Orders) -> Counter[Window] | None:
+        """Count the images that need each part; None where the run stopped meanwhile."""
         users: Counter[Window] = Counter()
-        with ThreadPoolExecutor(self._workers, "terrainav-trace") as threads:
-            # Over relief every picture is traced to tell, so all processors do.
-            ahead = threads.map if not self._plan.relief.is_level else map
-            for start in range(0, len(order), _TRACED_AT_ONCE):
-                for parts in ahead(self.parts, order[start : start + _TRACED_AT_ONCE]):
+        at_once = 64
+        with ThreadPoolExecutor(self.workers, "terrainav-trace") as threads:
+            # Over relief each image is traced, by all processors.
+            ahead = map if self.parts.plan.relief.is_level else threads.map
+            for start in range(0, len(order), at_once):
+                for parts in ahead(self.parts.find, order[start : start + at_once]):
                     users.update({part.window for part in parts})
-                    if not go_on():
+                    if not orders.wants_more():
                         return None
         return users
 
-    def _largest_bytes(self) -> int:
-        return _largest_px(self._plan) * max(bands_of(self._source).bytes_per_px, RGB.bytes_per_px)
-
-
-def repeats_of(
-    map_type: str, found: Mapping[str, frozenset[Window]], shown: Mapping[str, tuple[str, ...]]
-) -> list[Repeat]:
-    """What `Repeats.found`, with the pictures that show it, as `Making.shown` gives them."""
-    return [
-        Repeat(map_type, digest, len(places), tuple(name for name, one in shown.items() if digest in one))
-        for digest, places in found.items()
-    ]
-
 
 @contextmanager
-def _received_by(note: Received, source: Source) -> Iterator[None]:
-    """Have a source tell which files a provider sends it, if one does."""
+def _noting(repeats: Repeats, source: Source) -> Iterator[None]:
+    """Note the files that a provider sends, if the source has one."""
     if not isinstance(source, Provided):
         yield
         return
-    source.received = note
+    source.received = repeats.note
     try:
         yield
     finally:

@@ -1,13 +1,12 @@
-"""What a picture's file says of it: description, EXIF and XMP.
+"""Metadata of image files: description, EXIF and XMP.
 
-EXIF says who, what, when, and the camera's place, heading and optics (EXIF 3.0, CIPA DC-008-2023); XMP the attitude
-and the optics in the namespace that mapping software reads. Yaw, pitch and roll turn an aircraft that carries the
-camera looking down, one after the other about its own axes (z-y'-x'' with x ahead, y to the right, z down): all 0 is
-a picture of the ground below with north at its top, pitch 90 looks ahead. They are the yaw, tilt and roll of
-`Camera.rays_enu` as they are, and the angles that OpenSfM and OpenDroneMap take them for (Bäumker and Heimes 2001).
+EXIF holds maker, title, time, and the camera's position, heading and optics (EXIF 3.0, CIPA DC-008-2023); XMP holds the
+attitude and the optics in the namespace that mapping software reads. Yaw, pitch and roll turn an aircraft whose camera
+looks down, in turn about body axes (z-y'-x'' with x ahead, y to the right, z down): with all 0 north is at the top of
+the image, and pitch 90 looks ahead. They equal the yaw, tilt and roll of `Camera.rays_enu`, and are read so by OpenSfM
+and OpenDroneMap (Bäumker and Heimes 2001).
 
-Numbers have the digits that mean something: sines of other processors differ in the last places, and numbers with all
-of theirs would make every file another one.
+Numbers are rounded to significant digits: processors differ in the last places of sines, which would change every file.
 """
 
 from __future__ import annotations
@@ -24,47 +23,33 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..picture.optics import Exposure
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
 
-SOFTWARE = "TerrAInav"
-#: The camera is a simulated one, and its maker this program. Readers turn the angles of some makers' cameras.
-MAKE = SOFTWARE
-#: Denominator of the seconds of arc in positions: 3 micrometres of ground, and the numerator fits 32 bits.
-_ARC_SECOND_SHARE = 10_000_000
-#: Denominator of a heading.
-_HEADING_SHARE = 1_000_000
-_MICROSECONDS = 1_000_000
-_CENTIMETRE = 3
-_MM_PER_CM = 10.0
+#: Program, and maker of the simulated camera. Readers turn the angles of some makers' cameras.
+SOFTWARE = MAKE = "TerrAInav"
 NAMESPACE = "http://pix4d.com/camera/1.0/"
-#: Decimals of degrees, 0.1 mm of ground, and digits of other figures.
-DECIMALS_OF_DEGREES, _DIGITS = 9, 6
-_DECIMALS_OF_METRES = 4
-#: Decimals of an accuracy in metres, of which 0.01 is the finest that is stated.
-_DECIMALS_OF_ACCURACY = 4
-#: What XML 1.0 excludes, however it is written.
-_NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: Decimals of degrees: 0.1 mm of ground.
+DEGREE_DECIMALS = 9
 
 
 @dataclass(frozen=True)
 class Description:
-    """What a picture's own metadata says about it.
+    """Metadata of an image.
 
     Parameters
     ----------
     name : str
-        Of the picture, without ending.
+        Name of the image, without ending.
     source, attribution : str
-        Title of the source as people see it, and the credit it asks for; without characters that files have no
-        form for.
+        Title of the source and the credit it requires; characters that files cannot hold are replaced.
     lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
         Pose of the camera; the longitude may be continuous beyond ±180.
     imagery_date : str
-        Empty where the source does not say.
+        Empty where unknown.
     effective_gsd_m_per_px : float or None
-        Metres of ground that the picture tells apart, which enlarged pixels do not make smaller.
+        Ground resolution, which enlarging pixels does not improve.
     more : tuple of (str, str)
-        Names and values that are added to the metadata.
+        Names and values added to the metadata.
     exposure : Exposure or None
-        What a JPEG says as a drone's does; None where the format has no room for it.
+        Exposure of a JPEG; None for other formats.
     """
 
     name: str
@@ -98,7 +83,7 @@ class Description:
         return degrees(float(wrap_lon_deg(np.asarray(degrees(self.lon_deg)))))
 
     def metadata(self) -> dict[str, str]:
-        """Names and values as GDAL shows them, the same in every format."""
+        """Names and values as GDAL shows them, equal in every format."""
         numbers = {
             "LAT_DEG": degrees(self.lat_deg),
             "LON_DEG": self.wrapped_lon_deg,
@@ -122,31 +107,31 @@ class Description:
 
 
 class FocalTags(NamedTuple):
-    """Focal length in mm and px of the picture per cm of the sensor, each as numerator and denominator."""
+    """Focal length in mm, and pixels per cm of the sensor, each as numerator and denominator."""
 
     length_mm: list[int]
     x_px_per_cm: list[int]
     y_px_per_cm: list[int]
 
     @classmethod
-    def of(cls, focal_length_mm: float, focal_x_px: float, focal_y_px: float) -> FocalTags:
-        """Tags whose product is the focal length in px, to the digits of a figure, however that in mm is rounded."""
+    def from_lengths(cls, focal_length_mm: float, focal_x_px: float, focal_y_px: float) -> FocalTags:
+        """Tags whose product is the focal length in px, to the digits of a figure, despite the rounding in mm."""
         length = rational(figure(focal_length_mm))
-        per_px = length[0] / length[1] / _MM_PER_CM
+        per_px = length[0] / length[1] / 10.0  # cm
         return cls(length, rational(figure(focal_x_px) / per_px), rational(figure(focal_y_px) / per_px))
 
     def ratio(self, width_px: int) -> float:
-        """Focal length in widths of the picture, in the steps in which OpenSfM and OpenDroneMap work it out.
+        """Focal length in image widths, computed in the steps of OpenSfM and OpenDroneMap.
 
         They name cameras by its first digits.
         """
         units_per_pixel = 1.0 / (self.x_px_per_cm[0] / self.x_px_per_cm[1])
-        sensor_width = width_px * units_per_pixel * int(_MM_PER_CM)
+        sensor_width = width_px * units_per_pixel * 10
         return self.length_mm[0] / self.length_mm[1] / sensor_width
 
 
 def exif(description: Description) -> bytes:
-    """TIFF structure with the directories of the picture, its exposure and its position."""
+    """TIFF structure with directories of the image, its exposure and its position."""
     exposure = description.exposure
     own = [
         Tag(270, TagType.ASCII, description.title),
@@ -172,10 +157,10 @@ def exif(description: Description) -> bytes:
 
 
 def xmp(description: Description, exposure: Exposure) -> bytes:
-    """XMP packet (ISO 16684-1) with the names of the ``Camera`` namespace as attributes, in one line.
+    """XMP packet (ISO 16684-1) with names of the ``Camera`` namespace as attributes, in one line.
 
-    OpenSfM searches for the element ``x:xmpmeta`` in the text that Python makes of the file's bytes, where a line's end
-    is no white space.
+    OpenSfM searches for the element ``x:xmpmeta`` in Python's text form of the file's bytes, in which line ends are not
+    white space.
     """
     length = exposure.body.focal_length_mm
     x_mm, y_mm = (at * length / focal for at, focal in zip(exposure.centre_px, exposure.focal_px))
@@ -201,37 +186,38 @@ def xmp(description: Description, exposure: Exposure) -> bytes:
 
 
 def degrees(angle_deg: float) -> float:
-    """Angle in degrees as files state it; never -0."""
-    return round(float(angle_deg), DECIMALS_OF_DEGREES) + 0.0
+    """Round an angle in degrees for files; never -0."""
+    return round(float(angle_deg), DEGREE_DECIMALS) + 0.0
 
 
 def metres(length_m: float) -> float:
-    """Height or depth in metres as files state it, to 0.1 mm as `degrees`; never -0."""
-    return round(float(length_m), _DECIMALS_OF_METRES) + 0.0
+    """Round a height or depth for files to 0.1 mm, like `degrees`; never -0."""
+    return round(float(length_m), 4) + 0.0
 
 
 def accuracy(metres: float) -> float:
-    """Accuracy of a position as files state it, to a hundredth of the finest."""
-    return round(float(metres), _DECIMALS_OF_ACCURACY)
+    """Round the accuracy of a position for files, to a hundredth of the finest accuracy, 0.01 m."""
+    return round(float(metres), 4)
 
 
 def figure(value: float) -> float:
-    """Any other number as files state it; never -0."""
-    return float(f"{value:.{_DIGITS}g}") + 0.0
+    """Round any other number for files to six digits; never -0."""
+    return float(f"{value:.6g}") + 0.0
 
 
 def plain_text(text: str) -> str:
-    """Text without the characters that files have no form for (control characters, halves of pairs)."""
-    return _NOT_TEXT.sub("\N{REPLACEMENT CHARACTER}", text)
+    """Replace characters that XML 1.0 excludes: control characters and unpaired surrogates."""
+    excluded = "[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+    return re.sub(excluded, "\N{REPLACEMENT CHARACTER}", text)
 
 
 def xml_text(text: str) -> str:
-    """Text as it may stand in XML 1.0."""
+    """Escape text for XML 1.0."""
     return escape(plain_text(text), quote=True)
 
 
 def _exposure(exposure: Exposure) -> list[Tag]:
-    focal = FocalTags.of(exposure.body.focal_length_mm, *exposure.focal_px)
+    focal = FocalTags.from_lengths(exposure.body.focal_length_mm, *exposure.focal_px)
     tags = [
         Tag(36864, TagType.UNDEFINED, b"0300"),  # ExifVersion
         Tag(37386, TagType.RATIONAL, focal.length_mm),
@@ -240,7 +226,7 @@ def _exposure(exposure: Exposure) -> list[Tag]:
         Tag(40963, TagType.LONG, [exposure.size_px[1]]),
         Tag(41486, TagType.RATIONAL, focal.x_px_per_cm),
         Tag(41487, TagType.RATIONAL, focal.y_px_per_cm),
-        Tag(41488, TagType.SHORT, [_CENTIMETRE]),
+        Tag(41488, TagType.SHORT, [3]),  # resolution unit: cm
     ]
     if exposure.taken is not None:
         tags += [
@@ -252,13 +238,11 @@ def _exposure(exposure: Exposure) -> list[Tag]:
 
 
 def _position(description: Description) -> list[Tag]:
-    """Tags of the camera's place; the altitude counts from the ellipsoid.
-
-    That is what references 0 and 1 mean since version 2.4 of these tags; before, they counted from the sea.
-    """
+    """Tags of the camera's position; the altitude is above the ellipsoid, as since version 2.4 of these tags."""
     lat, lon, exposure = degrees(description.lat_deg), description.wrapped_lon_deg, description.exposure
     altitude_m = figure(description.agl_m if exposure is None else exposure.altitude_m)
-    heading = round(description.yaw_deg % 360.0 * _HEADING_SHARE) % (360 * _HEADING_SHARE)
+    million = 1_000_000
+    heading = round(description.yaw_deg % 360.0 * million) % (360 * million)
     tags = [
         Tag(0, TagType.BYTE, [2, 4, 0, 0]),  # GPSVersionID
         Tag(1, TagType.ASCII, "S" if lat < 0.0 else "N"),
@@ -268,25 +252,25 @@ def _position(description: Description) -> list[Tag]:
         Tag(5, TagType.BYTE, [int(altitude_m < 0.0)]),
         Tag(6, TagType.RATIONAL, rational(abs(altitude_m))),
         Tag(16, TagType.ASCII, "T"),  # heading from true north
-        Tag(17, TagType.RATIONAL, [heading, _HEADING_SHARE]),
+        Tag(17, TagType.RATIONAL, [heading, million]),
         Tag(18, TagType.ASCII, "WGS-84"),
     ]
     if exposure is not None and exposure.taken is not None:
         taken = exposure.taken
-        seconds = taken.second * _MICROSECONDS + taken.microsecond
-        time = [taken.hour, 1, taken.minute, 1, seconds, _MICROSECONDS]
+        time = [taken.hour, 1, taken.minute, 1, taken.second * million + taken.microsecond, million]
         tags += [Tag(7, TagType.RATIONAL, time), Tag(29, TagType.ASCII, _date(taken))]
     return tags
 
 
 def _date(day: datetime) -> str:
-    # `strftime` fills up years before 1000 on some systems only.
+    # Some systems' `strftime` does not pad years before 1000.
     return f"{day.year:04d}:{day.month:02d}:{day.day:02d}"
 
 
 def _degrees_minutes_seconds(angle_deg: float) -> list[int]:
     """Numerators and denominators of degrees, minutes and seconds."""
-    shares = round(abs(angle_deg) * 3600 * _ARC_SECOND_SHARE)
-    minutes, seconds = divmod(shares, 60 * _ARC_SECOND_SHARE)
+    # 3 micrometres of ground; the numerator of the seconds fits 32 bits.
+    denominator = 10_000_000
+    minutes, seconds = divmod(round(abs(angle_deg) * 3600 * denominator), 60 * denominator)
     degrees, minutes = divmod(minutes, 60)
-    return [degrees, 1, minutes, 1, seconds, _ARC_SECOND_SHARE]
+    return [degrees, 1, minutes, 1, seconds, denominator]

@@ -1,8 +1,8 @@
-"""What OpenDroneMap takes beside a map type's JPEG images: where each one was taken, and with which camera.
+"""Files that OpenDroneMap reads beside a map type's JPEG images: their poses and cameras.
 
 ``geo.txt`` is for its option ``--geo``: the CRS, then a line for each image with its longitude, latitude, height over
-the ellipsoid in metres, yaw, pitch and roll in degrees (see `xmp`), and accuracies across and in height in metres.
-OpenDroneMap looks its images up in it: lines of those that cleaning has moved away do no harm. ``cameras.json`` is for
+the ellipsoid in metres, yaw, pitch and roll in degrees (see `xmp`), and horizontal and vertical accuracies in metres.
+OpenDroneMap looks its images up by name, so lines of images that cleaning has moved do no harm. ``cameras.json`` is for
 ``--cameras``.
 """
 
@@ -20,24 +20,21 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, body_of, optics_of
 from ..storage.files import json_bytes, write_whole
-from .metadata import DECIMALS_OF_DEGREES, MAKE, FocalTags, accuracy, degrees, figure
+from .metadata import DEGREE_DECIMALS, MAKE, FocalTags, accuracy, degrees, figure
 
 GEO_FILE = "geo.txt"
 CAMERAS_FILE = "cameras.json"
 
-#: Rows that are text at a time.
-_ROWS_A_BLOCK = 2000
-
 
 def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
-    """Write both files for the images that are there.
+    """Write both files.
 
     Parameters
     ----------
     folder : Path
-        Of a map type.
+        Folder of a map type.
     plan : Plan
-        Of JPEG images.
+        Plan of JPEG images.
     at : array (k,) of int64
         Indices of the captures whose images are there, in the plan's order.
 
@@ -47,18 +44,19 @@ def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
     """
     optics = optics_of(plan, at)
     write_whole(folder / GEO_FILE, _geo_blocks(plan, at, optics))
-    write_whole(folder / CAMERAS_FILE, json_bytes(cameras_of(plan, optics)))
+    write_whole(folder / CAMERAS_FILE, json_bytes(odm_cameras(plan, optics)))
 
 
 def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
     yield b"EPSG:4326\n"
-    for start in range(0, len(at), _ROWS_A_BLOCK):
-        rows = slice(start, start + _ROWS_A_BLOCK)
+    rows_at_once = 2000
+    for start in range(0, len(at), rows_at_once):
+        rows = slice(start, start + rows_at_once)
         poses = plan.poses.take(at[rows])
         accuracies = Optics(*(values[rows] for values in optics)).accuracy_m(poses.agl_m)
         numbers = np.stack(
             [
-                wrap_lon_deg(np.round(poses.lon_deg, DECIMALS_OF_DEGREES)),
+                wrap_lon_deg(np.round(poses.lon_deg, DEGREE_DECIMALS)),
                 poses.lat_deg,
                 plan.height_m[at[rows]],
                 *poses.attitude,
@@ -74,18 +72,18 @@ def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
         yield "".join(lines).encode("utf-8")
 
 
-def cameras_of(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
-    """Cameras by the names that OpenSfM and OpenDroneMap give them from an image's tags.
+def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
+    """Return cameras by the names that OpenSfM and OpenDroneMap derive from an image's tags.
 
-    A name has an image's size and the focal length in its widths, cut to six characters, so that images of one camera
-    at other latitudes, or one pixel wider, may have others. The model is Brown's without distortion, as it has a focal
-    length along rows and one along columns. Both count in the longer side of the image, and stand in the middle of
-    those of the images that share a name.
+    A name has the image's size and the focal length in image widths, cut to six characters, so images of one camera may
+    have different names at other latitudes or a pixel wider. The model is Brown's without distortion, which has focal
+    lengths along rows and columns. Both are relative to the longer side, and midway between the extremes of the images
+    that share a name.
     """
     body = body_of(plan.mission.camera)
     found: dict[str, list[tuple[float, ...]]] = {}
     for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
-        ratio = FocalTags.of(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
+        ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
         size = f"{int(width)} {int(height)}"
         name = f"v2 {MAKE} {body.model} {size} perspective {str(ratio)[:6]}".lower()
         found.setdefault(name, []).append((width, height, focal_x, focal_y))

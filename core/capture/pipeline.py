@@ -1,4 +1,4 @@
-"""Fetching, assembling and writing at the same time, with a bounded number of pictures on the way."""
+"""Fetching, assembling and writing at the same time, with a bounded number of images under way."""
 
 from __future__ import annotations
 
@@ -28,30 +28,30 @@ Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
 #: Longest wait until the caller is asked again whether to go on, seconds.
 _POLL_S = 0.05
-#: Requests handed to the connections ahead of need, for each: one under way and one that is ready to follow.
+#: Requests handed out for each connection: one under way and one ready to follow.
 _FETCHES_PER_CONNECTION = 2
-#: Pictures whose parts are there, for each worker: one being made and seven that are ready to follow, so that workers
-#: that are just quick enough never wait while fetching pauses.
+#: Images with all parts for each worker: one being made and seven ready to follow, so that workers do not wait while
+#: fetching pauses.
 _READY_PER_WORKER = 8
-#: Pictures on the way in all: they may wait for a part that is slow to come while others go on.
-_MOST_ON_THE_WAY = 256
-#: Pixels in memory, bytes: a hundred tiles of 256 px, which is what missions of fifty pictures across share from one
-#: strip to the next.
+#: Most images under way at once: some wait for a slow part while others go on.
+_MOST_UNDER_WAY = 256
+#: Bytes of pixels kept in memory: a hundred tiles of 256 px, which missions fifty images wide share from one strip to
+#: the next.
 MEMORY_BYTES = 20 << 20
 
 
 def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Order in which parts wait for their last picture as briefly as possible.
+    """Order captures so that parts wait for their last image as briefly as possible.
 
-    Strips across the shorter extent of the chosen pictures, one after the other along the longer: what has to be
-    kept is what one strip shares with the next, however long the mission.
+    Strips across the shorter extent of the chosen captures follow each other along the longer, so that only the parts
+    that one strip shares with the next have to be kept, however long the mission.
 
     Parameters
     ----------
     windows : Windows
-        Of all captures.
+        Windows of all captures.
     chosen : array (k,) of int64
-        Indices of those to be made.
+        Indices of the captures to be made.
 
     Returns
     -------
@@ -63,14 +63,14 @@ def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
     along, across, size = left, top, width
     if np.ptp(top) > np.ptp(left):
         along, across, size = top, left, height
-    # Camera frames that look to the horizon may stand for no rectangle of the map at all.
+    # Camera frames that look to the horizon may have no rectangle on the map.
     strip = np.floor((along - along.min()) / max(float(size.max()), 1.0))
     return np.asarray(chosen[np.lexsort((along, across, strip))], np.int64)
 
 
 @dataclass
 class _Picture(Generic[Job]):
-    """A picture on the way, and how many of its parts are not there yet."""
+    """An image under way, and how many of its parts are still missing."""
 
     job: Job
     parts: Sequence[Part]
@@ -78,11 +78,17 @@ class _Picture(Generic[Job]):
 
 
 @dataclass
-class _PartOnTheWay(Generic[Job]):
-    """A part that was asked for.
+class _RequestedPart(Generic[Job]):
+    """A part that was requested.
 
-    The pictures that wait for it; then its pixels, the place they are put aside in, or why there are none; and how many
-    pictures on the way need it.
+    Attributes
+    ----------
+    waiting : list of _Picture
+        Images that wait for it.
+    content : array, _Slot, PartError or None
+        Pixels, their slot in the spool, or the error; None until it arrives.
+    needed : int
+        Images under way that need it.
     """
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
@@ -91,26 +97,26 @@ class _PartOnTheWay(Generic[Job]):
 
 
 class _Gate:
-    """What work that was handed to threads waits at: it begins while the gate is open, and never after its end."""
+    """Gate for work handed to threads: it begins while the gate is open, and never once it has ended."""
 
     def __init__(self) -> None:
         self._open = threading.Event()
         self._over = False
 
     def hold(self, held: bool) -> None:
-        """Let work begin, or keep it back."""
+        """Keep work from beginning, or let it begin."""
         if held:
             self._open.clear()
         else:
             self._open.set()
 
     def end(self) -> None:
-        """Send away what waits, and what still comes."""
+        """Cancel work that waits, and all that follows."""
         self._over = True
         self._open.set()
 
     def pass_through(self, work: Callable[..., Outcome], *arguments: object) -> Outcome:
-        """Do the work when it may begin; raises Cancelled where it may not any more."""
+        """Do the work once it may begin; raises Cancelled after the end."""
         self._open.wait()
         if self._over:
             raise Cancelled("not begun: the run was stopped")
@@ -118,30 +124,29 @@ class _Gate:
 
 
 class Pipeline(Generic[Job, Result]):
-    """Makes pictures out of parts, each of which is fetched once and dropped after its last picture.
+    """Makes images from parts, each of which is fetched once and dropped after its last image.
 
-    The calling thread coordinates; parts are fetched on ``connections`` threads, pictures made on ``workers``
-    threads. How many parts are in memory depends on those, not on the number of pictures or on how far apart the users
-    of a part are: what later pictures need (see `sweep`) is put aside in a `Spool`.
+    The calling thread coordinates; parts are fetched on ``connections`` threads, images made on ``workers`` threads.
+    The number of parts in memory depends on those alone: parts for later images (see `sweep`) are kept in a `Spool`.
 
     Parameters
     ----------
     users : Counter of Window
-        How many of the pictures need each part; counted down as they are made.
+        Number of images that need each part; counted down as they are made.
     fetch : callable
-        Window to pixels; a PartError fails the pictures that need the part, and so does an error that nobody foresaw
-        (see `UnexpectedErrors`); any other `TerrAInavError` stops the run.
+        Returns the pixels of a window. A PartError or an unexpected error (see `UnexpectedErrors`) fails the images
+        that need the part; any other `TerrAInavError` stops the run.
     work : callable
-        Job, its parts, and their pixels by window, to a result; a PartError is the picture's failure, anything else
+        Returns the result of a job, its parts, and their pixels by window. A PartError fails the image; any other error
         stops the run.
     finished : callable
         Called in the calling thread with each job and its result or PartError, in the order they come.
     connections, workers : int
         At least 1 each.
     at_once : int
-        Pictures on the way in all, at least 1: where they are large, few are.
+        Most images under way, at least 1; few where images are large.
     spool : Spool or None
-        Closed with the run; None for one of the usual size.
+        Closed with the run; None for one of the default size.
 
     Attributes
     ----------
@@ -158,7 +163,7 @@ class Pipeline(Generic[Job, Result]):
         *,
         connections: int,
         workers: int,
-        at_once: int = _MOST_ON_THE_WAY,
+        at_once: int = _MOST_UNDER_WAY,
         spool: Spool | None = None,
     ) -> None:
         self.requests = 0
@@ -167,10 +172,10 @@ class Pipeline(Generic[Job, Result]):
         self._fetch, self._work, self._finished = fetch, work, finished
         self._fetching_limit = connections * _FETCHES_PER_CONNECTION
         self._ready_limit = workers * _READY_PER_WORKER
-        self._at_once = min(at_once, _MOST_ON_THE_WAY)
-        self._fetching = self._on_the_way = 0
+        self._at_once = min(at_once, _MOST_UNDER_WAY)
+        self._fetching = self._under_way = 0
         self._making: dict[Future[Result], Job] = {}
-        self._parts: dict[Window, _PartOnTheWay[Job]] = {}
+        self._parts: dict[Window, _RequestedPart[Job]] = {}
         self._spool = spool or Spool()
         self._events: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._gate = _Gate()
@@ -183,16 +188,16 @@ class Pipeline(Generic[Job, Result]):
         go_on: Callable[[], bool],
         paused: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Make the pictures of ``jobs``; once.
+        """Make the images of ``jobs``; once.
 
-        ``go_on`` is asked many times a second. When it says no, or an error stops the run, what waits is dropped,
-        what is being made is finished and reported, and requests under way are left to end by themselves. While
-        ``paused``, which is asked as often, says yes, no part is asked for and no picture begun.
+        ``go_on`` is called many times a second. Once it returns False, or an error stops the run, waiting images are
+        dropped, images being made are finished and reported, and requests under way are left to end. While ``paused``,
+        which is called as often, returns True, no part is requested and no image begun.
 
         Returns
         -------
         bool
-            Whether all were made or failed; False where ``go_on`` stopped it.
+            Whether all images were made or failed; False where ``go_on`` stopped the run.
         """
         waiting = iter(jobs)
         complete = False
@@ -203,7 +208,7 @@ class Pipeline(Generic[Job, Result]):
                 held = paused()
                 self._gate.hold(held)
                 more = held or self._admit(waiting)
-                complete = not more and self._on_the_way == 0
+                complete = not more and self._under_way == 0
                 if not complete:
                     self._handle_event()
             return True
@@ -215,41 +220,41 @@ class Pipeline(Generic[Job, Result]):
             self._report_made()
 
     def _fetched(self, window: Window) -> Bytes:
-        """Pixels of a part; an error that nobody foresaw is its failure, and ends no run."""
+        """Fetch the pixels of a part; an unexpected error fails the part and does not end the run."""
         try:
             return self._fetch(window)
         except TerrAInavError:
             raise
         except BaseException as wrong:
-            # What ends a program, such as sys.exit(), ends no thread of ours either.
+            # Nor does sys.exit() in a thread.
             raise self._unexpected.failure(wrong) from wrong
 
     def _report_made(self) -> None:
-        """Report pictures that were finished while the run was being stopped."""
+        """Report images that were finished while the run was being stopped."""
         for making, job in self._making.items():
             if not making.cancelled() and making.exception() is None:
                 self._finished(job, making.result())
 
     def _admit(self, waiting: Iterator[tuple[Job, Sequence[Part]]]) -> bool:
-        """Take pictures on as long as there is room; whether there may be more."""
+        """Begin images as long as there is room; returns whether there may be more."""
         while (
             self._fetching < self._fetching_limit
             and len(self._making) < self._ready_limit
-            and self._on_the_way < self._at_once
+            and self._under_way < self._at_once
         ):
             following = next(waiting, None)
             if following is None:
                 return False
-            self._take_on(_Picture(*following))
+            self._begin(_Picture(*following))
         return True
 
-    def _take_on(self, picture: _Picture[Job]) -> None:
-        self._on_the_way += 1
+    def _begin(self, picture: _Picture[Job]) -> None:
+        self._under_way += 1
         for window in dict.fromkeys(part.window for part in picture.parts):
             part = self._parts.get(window)
             if part is None:
-                part = self._parts[window] = _PartOnTheWay()
-                self._ask_for(window)
+                part = self._parts[window] = _RequestedPart()
+                self._request(window)
             self._bring_back(window, part)
             part.needed += 1
             if part.content is None:
@@ -258,14 +263,14 @@ class Pipeline(Generic[Job, Result]):
         if picture.missing == 0:
             self._make(picture)
 
-    def _ask_for(self, window: Window) -> None:
+    def _request(self, window: Window) -> None:
         self.requests += 1
         self._fetching += 1
         request = self._connections.submit(self._gate.pass_through, self._fetched, window)
         request.add_done_callback(lambda done: self._events.put(partial(self._part_arrived, window, done)))
 
     def _handle_event(self) -> None:
-        """Wait shortly for something to happen, and act on it."""
+        """Wait briefly for an event, and handle it."""
         try:
             event = self._events.get(timeout=_POLL_S)
         except Empty:
@@ -285,28 +290,28 @@ class Pipeline(Generic[Job, Result]):
                 self._make(picture)
         part.waiting.clear()
 
-    def _put_aside(self, part: _PartOnTheWay[Job]) -> None:
-        """Keep a part that only pictures that are not on the way yet will need.
+    def _put_aside(self, part: _RequestedPart[Job]) -> None:
+        """Keep a part for images that are not under way yet.
 
-        In the order of a sweep those put aside first are needed first. So they stay in memory, and what comes when
-        that is full, and goes to the spool's file, is what is needed last.
+        In the order of a sweep, parts that are put aside first are needed first. So these stay in memory, and the
+        spool's file takes those that are needed last.
         """
         if isinstance(part.content, np.ndarray):
-            # A disk that is full costs memory, not pictures.
+            # On a full disk the part stays in memory.
             with suppress(OSError):
                 part.content = self._spool.put(part.content)
 
-    def _bring_back(self, window: Window, part: _PartOnTheWay[Job]) -> None:
-        """Have a part at hand that a picture needs again."""
+    def _bring_back(self, window: Window, part: _RequestedPart[Job]) -> None:
+        """Take a part out of the spool, as an image needs it again."""
         if isinstance(part.content, _Slot):
             try:
                 part.content = self._spool.take(part.content)
             except OSError:
                 part.content = None
-                self._ask_for(window)
+                self._request(window)
 
     def _make(self, picture: _Picture[Job]) -> None:
-        """Hand a picture whose parts are there to the workers, and drop the parts that it was the last to need."""
+        """Hand an image whose parts are there to the workers, and drop the parts that no other image needs."""
         pixels: dict[Window, Bytes] = {}
         failure: PartError | None = None
         for window in dict.fromkeys(part.window for part in picture.parts):
@@ -322,7 +327,7 @@ class Pipeline(Generic[Job, Result]):
             elif part.needed == 0:
                 self._put_aside(part)
         if failure is not None:
-            self._on_the_way -= 1
+            self._under_way -= 1
             self._finished(picture.job, failure)
             return
         making = self._workers.submit(self._gate.pass_through, self._work, picture.job, picture.parts, pixels)
@@ -331,7 +336,7 @@ class Pipeline(Generic[Job, Result]):
 
     def _picture_made(self, making: Future[Result]) -> None:
         job = self._making.pop(making)
-        self._on_the_way -= 1
+        self._under_way -= 1
         try:
             result: Result | PartError = making.result()
         except PartError as wrong:
@@ -340,7 +345,7 @@ class Pipeline(Generic[Job, Result]):
 
 
 class _Slot(NamedTuple):
-    """Where a spool has an array: the array itself, or its place in the file and what it was."""
+    """Slot of a spool: an array, or its offset in the file, shape and type."""
 
     held: Bytes | None
     at: int
@@ -349,11 +354,11 @@ class _Slot(NamedTuple):
 
 
 class Spool:
-    """Arrays that wait: the first in memory, those for which there is no room in an anonymous file.
+    """Arrays kept for later: in memory while there is room, then in an anonymous file.
 
-    The file is in the folder for temporary files (TMPDIR, TEMP), made when it is needed, and goes with the process,
-    however that ends. The room of an array that was taken is used again for one of the same size, so that the file is
-    as large as what it held at most. For one thread at a time.
+    The file is made when needed, in the folder for temporary files (TMPDIR, TEMP), and disappears with the process. The
+    space of an array that was taken is used again for one of the same size, so the file never exceeds the most that it
+    held. For one thread at a time.
     """
 
     def __init__(self, memory_bytes: int = MEMORY_BYTES) -> None:
@@ -368,7 +373,7 @@ class Spool:
         Raises
         ------
         OSError
-            Where the disk does not take it; nothing is kept then.
+            The disk does not take it; nothing is kept then.
         """
         size = pixels.nbytes
         if size <= self._room_bytes:
@@ -384,12 +389,12 @@ class Spool:
         return _Slot(None, at, pixels.shape, pixels.dtype.str)
 
     def take(self, slot: _Slot) -> Bytes:
-        """Return an array and free its room.
+        """Return an array and free its space.
 
         Raises
         ------
         OSError
-            Where the disk does not give it back.
+            The disk does not give it back.
         """
         if slot.held is not None:
             self._room_bytes += slot.held.nbytes
@@ -400,13 +405,13 @@ class Spool:
         return pixels
 
     def close(self) -> None:
-        """Give the file up, and what it holds."""
+        """Close the file."""
         if self._file is not None:
             self._file.close()
 
     def _write(self, at: int, content: Bytes) -> None:
         if self._file is None:
-            # Unbuffered: arrays are large, and what a full disk does not take is known at once.
+            # Unbuffered: arrays are large, and a full disk is noticed at once.
             file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-", buffering=0)  # noqa: SIM115 (see close)
             self._file = cast(io.FileIO, file)
         self._file.seek(at)

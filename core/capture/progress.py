@@ -1,12 +1,14 @@
-"""What a capture tells: how far it is, what failed, what came of it; and the caller's say while it runs."""
+"""Progress and results of a capture, and the caller that listens to it and may pause or stop it."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+from ..errors import Message
 
 #: Shortest time between two reports of progress, seconds.
 _REPORT_S = 0.1
@@ -14,22 +16,21 @@ _REPORT_S = 0.1
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a capture is, over all its map types.
+    """Progress of a capture, over all its map types.
 
     Parameters
     ----------
     total : int
-        Pictures asked for.
+        Number of images requested.
     done, failed, skipped : int
-        Written by this run; failed in it; there already.
+        Images written by this run, failed in this run, and already there.
     requests : int
-        Parts asked of the source so far.
+        Parts requested from the source so far.
     map_type : str
-        The one being captured.
+        Map type being captured.
     active_s : float
-        Seconds that the run has worked: pauses are left out, so that rates can be had from it.
+        Seconds of work, without pauses.
     paused : bool
-        Whether it is held.
     """
 
     total: int
@@ -44,7 +45,7 @@ class Progress:
 
 @dataclass(frozen=True)
 class Failure:
-    """A picture that could not be made, and why."""
+    """An image that could not be made, and the reason."""
 
     map_type: str
     name: str
@@ -60,9 +61,9 @@ class Repeat:
     sha256 : str
         First digits of its SHA-256, as `open_source` takes them for a placeholder.
     places : int
-        Tiles it came for; with Static Maps, pictures.
+        Number of tiles (with Static Maps, of images) it was sent for.
     images : tuple of str
-        Names of the pictures that show it, in the plan's order.
+        Names of the images that show it, in the plan's order.
     """
 
     map_type: str
@@ -73,23 +74,22 @@ class Repeat:
 
 @dataclass(frozen=True)
 class CaptureResult:
-    """What a capture did.
+    """Result of a capture.
 
     Parameters
     ----------
     total, written, skipped : int
-        Pictures asked for; written by this run; there already.
+        Images requested, written by this run, and already there.
     failed : tuple of Failure
         By map type, in the plan's order.
     requests, unique_parts : int
-        Parts asked of the source, and different parts that the pictures to be made needed; equal, but for a run
-        that was stopped.
+        Parts requested from the source, and distinct parts needed; equal unless the run was stopped.
     seconds : float
         Wall time, without pauses.
     cancelled : bool
-        Whether it was stopped; it can be resumed.
+        Whether the run was stopped; it can be resumed.
     repeated : tuple of Repeat
-        What came for several places far apart in this run, by map type, that of the most places first.
+        Files that came for several places far apart in this run, by map type, those of the most places first.
     """
 
     folder: Path
@@ -104,52 +104,96 @@ class CaptureResult:
     repeated: tuple[Repeat, ...] = ()
 
 
+def _ignore(_: object) -> None:
+    """Take no notice."""
+
+
+def _never() -> bool:
+    return False
+
+
+@dataclass(frozen=True)
 class Listener:
-    """The caller's callbacks: told of progress now and then, asked whether to go on or wait, which takes the time.
+    """Caller of a capture, which hears of its progress and may pause or stop it.
+
+    Parameters
+    ----------
+    progress : callable
+        Called in the capturing thread with a `Progress`, at most about ten times a second, and at the end.
+    cancelled : callable
+        Asked many times a second. Once it returns True the run ends within the time that one image takes. Requests
+        under way are not waited for: they end when the source is closed.
+    paused : callable
+        Asked as often. While it returns True no part is requested and no image begun; progress is still reported.
+        Blocks that other processes are making run to their end.
+    notice : callable
+        Called with a message of one line for each block that is made again because its worker died.
+    """
+
+    progress: Callable[[Progress], object] = _ignore
+    cancelled: Callable[[], bool] = _never
+    paused: Callable[[], bool] = _never
+    notice: Callable[[Message], object] = _ignore
+
+    def named(self, name: str) -> Listener:
+        """Listener to one of several captures, whose progress has a name in place of the map type."""
+        return replace(self, progress=lambda report: self.progress(replace(report, map_type=name)))
+
+    def guarded(self, check: Callable[[], None]) -> Listener:
+        """Listener that also calls ``check``, which may raise, whenever it is asked whether to stop."""
+
+        def cancelled() -> bool:
+            check()
+            return self.cancelled()
+
+        return replace(self, cancelled=cancelled)
+
+
+#: Listener that hears nothing and never stops a run.
+SILENT = Listener()
+
+
+class Reporter:
+    """Reports to a listener now and then, and measures the time without pauses.
 
     Attributes
     ----------
     is_paused : bool
-        What the caller has last said.
+        The listener's last answer.
     """
 
-    def __init__(
-        self,
-        progress: Callable[[Progress], object] | None,
-        cancelled: Callable[[], bool] | None,
-        paused: Callable[[], bool] | None,
-    ) -> None:
-        self._progress, self._cancelled, self._paused = progress, cancelled, paused
-        self._told_s = -math.inf
+    def __init__(self, listener: Listener) -> None:
+        self._listener = listener
+        self._reported_s = -math.inf
         self._started_s = time.monotonic()
         self._pause_began_s = self._pauses_s = 0.0
         self.is_paused = False
 
     def active_s(self) -> float:
-        """Seconds so far in which the run was not held."""
+        """Seconds so far, without pauses."""
         until_s = self._pause_began_s if self.is_paused else time.monotonic()
         return until_s - self._started_s - self._pauses_s
 
-    def wait(self) -> bool:
-        """Whether the caller holds the run."""
-        held = self._paused is not None and self._paused()
-        if held and not self.is_paused:
+    def ask_paused(self) -> bool:
+        """Ask whether the run is to pause."""
+        paused = self._listener.paused()
+        if paused and not self.is_paused:
             self._pause_began_s = time.monotonic()
-        elif self.is_paused and not held:
+        elif self.is_paused and not paused:
             self._pauses_s += time.monotonic() - self._pause_began_s
-        if held != self.is_paused:
-            self.is_paused = held
-            # The next report says so, however short a time ago the last one was.
-            self._told_s = -math.inf
-        return held
+        if paused != self.is_paused:
+            self.is_paused = paused
+            # The change is reported at once.
+            self._reported_s = -math.inf
+        return paused
 
-    def tell(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
+    def report(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
         """Report progress, unless the last report was a moment ago."""
         now_s = time.monotonic()
-        if self._progress is not None and (at_once or now_s - self._told_s >= _REPORT_S):
-            self._told_s = now_s
-            self._progress(progress())
+        if at_once or now_s - self._reported_s >= _REPORT_S:
+            self._reported_s = now_s
+            self._listener.progress(progress())
 
-    def go_on(self) -> bool:
-        """Whether the caller has not cancelled."""
-        return self._cancelled is None or not self._cancelled()
+    def ask_cancelled(self) -> bool:
+        """Ask whether the run is to stop."""
+        return self._listener.cancelled()

@@ -1,11 +1,11 @@
-"""What the plan says about each picture: the job of making it, and its row of the table."""
+"""Jobs of making images from a plan, and tables of the images made."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,35 +33,32 @@ from .metadata import Description, degrees, figure
 from .odm import write_odm_files
 from .writers import Place, Write, write_picture
 
-#: Decimals of focal lengths and principal points in the table.
-_PX_DIGITS = 6
-
 
 @dataclass(frozen=True)
 class PictureJob:
-    """Everything about a picture but its pixels: a plain value that any worker can take.
+    """Job of making an image from pixels: a plain value that any worker can take.
 
     Parameters
     ----------
     index : int
-        Of the capture in the plan.
+        Index of the capture in the plan.
     image_format : str
         tif, jpg or png.
     img_size : tuple (width, height, channels) or None
     shot : MapShot or Shot
-        A map frame's window, or what a camera frame is made from.
+        Geometry of a map frame or a camera frame.
     masked : bool
-        Whether the picture has a channel for what it does not show.
+        Whether the image has a mask channel.
     bands : Bands
-        Of the source.
+        Bands of the source.
     ranges : tuple of (low, high)
         Values of each band that are shown darkest and brightest.
     products : (Plan, Path) or None
-        What they are worked out from, and the folder in which each has one of its own.
+        Plan to compute products from, and the folder with a folder for each of them.
     walls : callable or None
         Colours of walls, as `draw` takes them.
     write : callable
-        What takes files.
+        Writes a file.
     """
 
     index: int
@@ -78,30 +75,20 @@ class PictureJob:
     walls: Walls | None = None
     write: Write = write_whole
 
-
-class Made(NamedTuple):
-    """What is known of a picture once it is made.
-
-    Bits of entropy, the shares without ground, without a map and of faces that no map shows, and the bytes of its files
-    together.
-    """
-
-    entropy: float
-    sky_share: float = 0.0
-    unmapped_share: float = 0.0
-    facade_share: float = 0.0
-    size_bytes: int = 0
+    def failed(self, error: PartError) -> Outcome:
+        """Outcome of an image that could not be made."""
+        return Outcome(self.description.map_type, self.description.name, reason=Message(error))
 
 
-def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Made:
-    """Make a picture, write it, and say what is known of it (its entropy before a JPEG's losses).
+def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Outcome:
+    """Make an image and write it; its entropy is that before a JPEG's losses.
 
     Raises
     ------
     PartError
-        Where the parts do not make a whole picture; nothing is written.
+        The parts do not make a whole image; nothing is written.
     OutputError
-        Where it cannot be written.
+        The image cannot be written.
     """
     picture, sky, unmapped, facades = draw(
         job.shot, parts, pixels, masked=job.masked, bands=job.bands, walls=job.walls
@@ -113,7 +100,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     if job.products is not None:
         plan, folder = job.products
         for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
-            limits = [_range_of(values[..., band]) for band in range(len(BANDS[name]))]
+            limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]
             write_picture(
                 folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write
             )
@@ -122,47 +109,47 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
             job.folder, job.image_format, picture, job.place, description, write=job.write
         )
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
-        return Made(bits, sky, unmapped, facades, size_bytes)
-    bands, ranges = _written(job)
-    picture = picture.reshape(*picture.shape[:2], -1)
-    size_bytes = write_picture(
-        job.folder, job.image_format, picture, job.place, description, bands, ranges, job.write
+    else:
+        bands, ranges = _written(job)
+        picture = picture.reshape(*picture.shape[:2], -1)
+        size_bytes = write_picture(
+            job.folder, job.image_format, picture, job.place, description, bands, ranges, job.write
+        )
+        bits = entropy(shown_in_8_bits(picture, bands, ranges))
+    return Outcome(
+        description.map_type,
+        description.name,
+        bits,
+        sky_share=sky,
+        unmapped_share=unmapped,
+        facade_share=facades,
+        size_bytes=size_bytes,
     )
-    bits = entropy(shown_in_8_bits(picture, bands, ranges))
-    return Made(bits, sky, unmapped, facades, size_bytes)
 
 
-def outcome_of(job: PictureJob, result: Made | PartError) -> Outcome:
-    """What became of a picture."""
-    map_type, name = job.description.map_type, job.description.name
-    if isinstance(result, PartError):
-        return Outcome(map_type, name, reason=Message(result))
-    return Outcome(map_type, name, result.entropy, "", *result[1:])
-
-
-def _range_of(values: NDArray[Any]) -> Range:
-    """Least and greatest of values; 0 to 1 where there are none."""
+def _value_range(values: NDArray[Any]) -> Range:
+    """Minimum and maximum of finite values; 0 to 1 without any."""
     known = values[np.isfinite(values)]
     return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
 
 
 def _written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
-    """Bands of a picture's file, and their ranges."""
+    """Bands and ranges of an image file."""
     if job.img_size is None:
         return job.bands, job.ranges
     bands = job.bands.of_channels(job.img_size[2])
     shown = [job.ranges[at] for at in job.bands.shown]
-    # Grey is a mean of colours, and so is its range.
+    # Grey is the mean of the colours, and so is its range.
     low, high = (float(np.mean(ends)) for ends in zip(*shown))
     return bands, tuple(shown) if len(bands) == len(shown) else ((low, high),)
 
 
-def exposures_of(plan: Plan) -> Exposures | None:
-    """What the pictures' tags say of the camera, where their format has room for it."""
+def plan_exposures(plan: Plan) -> Exposures | None:
+    """Exposures for the images' tags; None for formats without them."""
     return Exposures(plan) if plan.mission.output.image_format == "jpg" else None
 
 
-def job_of(
+def image_job(
     plan: Plan,
     index: int,
     source: Source,
@@ -172,7 +159,7 @@ def job_of(
     products_in: Path | None = None,
     write: Write = write_whole,
 ) -> PictureJob:
-    """Job of one capture; with ``exposures`` its picture is tagged as a drone's. Products go to folders of a folder."""
+    """Return the job of a capture; with ``exposures`` its image has the tags of a drone's."""
     mission = plan.mission
     width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
@@ -184,7 +171,7 @@ def job_of(
         turns = int(plan.frames.quarter_turns[index])
         place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs, turns)
     else:
-        place = ControlPoints.of(plan, index, width, height)
+        place = ControlPoints.from_plan(plan, index, width, height)
     pose: dict[str, Any] = {n: float(values[index]) for n, values in zip(plan.poses._fields, plan.poses)}
     return PictureJob(
         index,
@@ -192,7 +179,7 @@ def job_of(
         mission.output.image_format,
         mission.output.img_size,
         shot,
-        # The channels that were asked for are the channels that are written, and a JPEG has no room for a mask.
+        # Requested channels are written as they are, and a JPEG has no mask.
         plan.masked and mission.output.img_size is None and mission.output.image_format != "jpg",
         place,
         Description(
@@ -215,7 +202,7 @@ def job_of(
 
 
 def _effective_gsd_m(plan: Plan, index: int) -> float:
-    """Metres of ground that a picture tells apart in its middle: a pixel of its own, or of the source where larger."""
+    """Ground resolution in metres in the middle of an image: its pixel, or the source's where that is larger."""
     mission, grid = plan.mission, plan.grid
     if plan.frames.on_map:
         lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
@@ -230,7 +217,7 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
 
 
 def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
-    """What a camera frame's metadata says beyond a map frame's."""
+    """Metadata of a camera frame that a map frame does not have."""
     plan, camera = shot.plan, shot.plan.mission.camera
     return (
         ("FRAME", "camera"),
@@ -250,13 +237,13 @@ def _interpolates(plan: Plan) -> bool:
     return not plan.relief.is_level and plan.mission.terrain.holes == INTERPOLATE
 
 
-def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:
-    """Table of the pictures that are done or have failed, in the plan's order.
+def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:
+    """Return the table of the images that are done or have failed, in the plan's order.
 
     Parameters
     ----------
     outcomes : mapping of str to Outcome
-        By the picture's name.
+        By the image's name.
     """
     names = plan.names
     at = np.array([index for index, name in enumerate(names) if name in outcomes], np.int64)
@@ -308,7 +295,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "source": (source.title,) * len(at),
         "attribution": (source.attribution,) * len(at),
         "imagery_date": (source.date,) * len(at),
-        **_shards_of(rows),
+        **_shard_columns(rows),
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
@@ -324,18 +311,18 @@ def write_tables(
     *,
     in_shards: bool = False,
 ) -> None:
-    """Write what tells of all pictures of a map type that are done or have failed.
+    """Write the table of a map type, and the files for OpenDroneMap where JPEG images have separate files.
 
     Parameters
     ----------
     folder : Path
-        Of the map type.
+        Folder of the map type.
     others : mapping
-        Columns that others have added to its table, as `other_columns` reads them.
+        Columns that others have added to the table, as `other_columns` reads them.
     in_shards : bool
-        Whether pictures have no files of their own, of which OpenDroneMap would be told.
+        Whether images share files.
     """
-    table_of(plan, source, outcomes).join_other(others).save(folder / TABLE_FILE)
+    image_table(plan, source, outcomes).join_other(others).save(folder / TABLE_FILE)
     if plan.mission.output.image_format == "jpg" and not in_shards:
         made = {name for name, one in outcomes.items() if one.status != FAILED}
         at = [index for index, name in enumerate(plan.names) if name in made]
@@ -344,12 +331,12 @@ def write_tables(
 
 def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
     """Columns of focal lengths and principal points, to the decimals in which all processors agree."""
-    columns = (np.round(values, _PX_DIGITS) for values in optics_of(plan, at)[2:])
+    columns = (np.round(values, 6) for values in optics_of(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
 
-def _shards_of(rows: Sequence[Outcome]) -> dict[str, Any]:
-    """Columns of where images are in files of many."""
+def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:
+    """Columns of the images' positions in shards."""
     if not any(row.shard for row in rows):
         return {}
     return {

@@ -1,11 +1,10 @@
-"""Captures beside each other in one folder, each a dataset of its own: of several imageries, views or references."""
+"""Several captures in one folder, each a dataset: of several imageries, views or references."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,9 @@ from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..storage.stores import is_address, is_file, store_path
-from .begun import hold_to_mission
-from .folder import check_captured, open_place
-from .holding import held
+from .folder import capture_folder, check_captured
 from .making import check_source
-from .progress import CaptureResult, Progress
+from .progress import SILENT, CaptureResult, Listener
 from .runner import capture
 
 __all__ = ["capture_each", "capture_imageries", "combined"]
@@ -34,55 +31,47 @@ def capture_imageries(
     *,
     resume: bool = False,
     only_failed: bool = False,
-    progress: Callable[[Progress], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    listener: Listener = SILENT,
     **how: Any,
 ) -> CaptureResult:
-    """Capture a mission of several imageries: a dataset of each in a folder of its name, ``mission.json`` above them.
+    """Capture a mission of several imageries, each into a folder of its name, with ``mission.json`` above them.
 
-    Images of one place have the same column and row in all of them. What commands on datasets do, such as splitting,
-    they do to the folder as a whole.
+    Images of one place have the same column and row in all datasets. Commands on datasets, such as splitting, take the
+    folder as a whole.
 
     Parameters
     ----------
     mission : Mission
         With ``imageries``.
     plans, sources : mapping of str to Plan, and to Source
-        By the imageries' names: of `Mission.by_imagery`, each with its source's own pixel grid.
-    resume, only_failed, progress, cancelled, **how
-        As for `capture`; progress, failures and repeats say the imagery's name in the place of a map type, and the
-        total is that of all.
+        By the names of `Mission.by_imagery`, each planned with the pixel grid of its source.
+    resume, only_failed, listener, **how
+        As for `capture`; progress, failures and repeats have the imagery's name in place of the map type, and the
+        total counts all imageries.
 
     Raises
     ------
     InvalidInput, OutputError, SourceError
-        As for `capture`; of what a source does not have, before anything is written.
+        As for `capture`.
     """
     names = [one.name for one in mission.imagery.named]
     if list(plans) != names or set(sources) != set(names):
         raise InvalidInput("imageries {0}: need a plan and a source each", " ".join(names))
     for name in names:
         check_source(plans[name], sources[name])
-    if only_failed and not is_address(folder):
-        check_captured(folder)
-    path = open_place(store_path(folder), mission, resume=resume or only_failed)
-    with held(path) as check:
-        hold_to_mission(path, mission)
-
-        def ends() -> bool:
-            check()
-            return cancelled is not None and cancelled()
-
+    path = store_path(folder)
+    if only_failed and not is_address(path):
+        check_captured(path)
+    with capture_folder(path).opened(mission, resume=resume or only_failed) as check:
         results = capture_each(
             {name: (plans[name], sources[name]) for name in names},
             path,
             only_failed=only_failed,
-            progress=progress,
-            cancelled=ends,
+            listener=listener.guarded(check),
             **how,
         )
     result = combined(path, results)
-    # What was asked for, also where the run was stopped before it came to the last imagery.
+    # All that was requested, even where the run was stopped before the last imagery.
     return result if only_failed else replace(result, total=sum(map(len, plans.values())))
 
 
@@ -91,29 +80,28 @@ def capture_each(
     folder: Path,
     *,
     only_failed: bool = False,
-    progress: Callable[[Progress], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    listener: Listener = SILENT,
     **how: Any,
 ) -> dict[str, CaptureResult]:
-    """Capture one after the other, each into its folder inside one that is the run's own; go on with what is there.
+    """Capture one after the other, each into its folder inside one that the run holds; go on with what is there.
 
     Parameters
     ----------
     captures : mapping of str to (Plan, Source or NamedSource)
-        By the folders' names, with ``/`` where they lie deeper.
-    only_failed, progress, cancelled, **how
-        As for `capture`; progress says the folder in the place of the map type.
+        By the folders' names, with ``/`` for deeper ones.
+    only_failed, listener, **how
+        As for `capture`; progress has the folder in place of the map type.
 
     Returns
     -------
     dict of str to CaptureResult
-        By the folders' names; where one was stopped it is the last.
+        By the folders' names; one that was stopped is the last.
     """
     results: dict[str, CaptureResult] = {}
     for name, (plan, source) in captures.items():
         begun = any(is_file(folder / name / file) for file in (JOURNAL_FILE, MISSION_FILE))
         if only_failed and not begun:
-            # Nothing of it can have failed: an earlier run was stopped before it.
+            # An earlier run was stopped before it, so nothing of it has failed.
             continue
         results[name] = capture(
             plan,
@@ -121,8 +109,7 @@ def capture_each(
             folder / name,
             resume=True,
             only_failed=only_failed,
-            progress=None if progress is None else partial(_tell, progress, name),
-            cancelled=cancelled,
+            listener=listener.named(name),
             **how,
         )
         if results[name].cancelled:
@@ -130,12 +117,8 @@ def capture_each(
     return results
 
 
-def _tell(progress: Callable[[Progress], object], name: str, report: Progress) -> None:
-    progress(replace(report, map_type=name))
-
-
 def combined(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResult:
-    """Return the results of captures as one; what failed or repeats has its folder in the place of the map type."""
+    """Combine results; failures and repeats have the folder in place of the map type."""
     done = results.values()
     return CaptureResult(
         folder=folder,

@@ -1,4 +1,4 @@
-"""Directories of TIFF tags as bytes: what GeoTIFFs and a JPEG's EXIF are made of (TIFF 6.0, BigTIFF, little-endian)."""
+"""Directories of TIFF tags as bytes, for GeoTIFF and EXIF (TIFF 6.0, BigTIFF, little-endian)."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from enum import IntEnum
 from typing import NamedTuple
 
 HEADER_BYTES = 8
-_LARGEST_LONG = (1 << 32) - 1
-#: Denominators, finest first.
-_SHARES = tuple(10**digits for digits in range(9, -1, -1))
 
 
 class TagType(IntEnum):
@@ -25,16 +22,6 @@ class TagType(IntEnum):
     DOUBLE = 12
     #: Of BigTIFF alone.
     LONG8 = 16
-
-
-_FORMATS = {
-    TagType.BYTE: "B",
-    TagType.SHORT: "H",
-    TagType.LONG: "I",
-    TagType.RATIONAL: "I",
-    TagType.DOUBLE: "d",
-    TagType.LONG8: "Q",
-}
 
 
 class Tag(NamedTuple):
@@ -55,48 +42,50 @@ class Tag(NamedTuple):
             return len(data), data
         if isinstance(self.values, bytes):
             return len(self.values), self.values
-        data = struct.pack(f"<{len(self.values)}{_FORMATS[self.kind]}", *self.values)
+        codes = {"BYTE": "B", "SHORT": "H", "LONG": "I", "RATIONAL": "I", "DOUBLE": "d", "LONG8": "Q"}
+        data = struct.pack(f"<{len(self.values)}{codes[self.kind.name]}", *self.values)
         return (len(self.values) // 2 if self.kind is TagType.RATIONAL else len(self.values)), data
 
 
 def rational(value: float) -> list[int]:
-    """Numerator and denominator, of 32 bits each, next to a number of 0 or more; the denominator is a power of ten.
+    """Approximate a number of 0 or more by a numerator and a denominator of 32 bits, which is a power of ten.
 
-    From 1 to 2^32 nine digits are kept, below as many decimals; what lies above becomes the largest number, and
-    what is not 0 stays so.
+    Numbers from 1 to 2^32 keep nine digits, smaller ones nine decimals, and positive ones stay positive; larger numbers
+    become the largest.
     """
-    if value >= _LARGEST_LONG:
-        return [_LARGEST_LONG, 1]
-    share = next(share for share in _SHARES if value * share < _LARGEST_LONG)
-    return [max(round(value * share), int(value > 0.0)), share]
+    largest = (1 << 32) - 1
+    if value >= largest:
+        return [largest, 1]
+    denominator = next(10**digits for digits in range(9, -1, -1) if value * 10**digits < largest)
+    return [max(round(value * denominator), int(value > 0.0)), denominator]
 
 
 def header(directory_at: int = HEADER_BYTES) -> bytes:
-    """First bytes of a file, whose directory follows at once unless it stands elsewhere."""
+    """First bytes of a file whose directory is at an offset, by default right behind them."""
     return struct.pack("<2sHI", b"II", 42, directory_at)
 
 
 def big_header(directory_at: int) -> bytes:
-    """First 16 bytes of a BigTIFF, whose offsets have 64 bits, by where its directory stands."""
+    """First 16 bytes of a BigTIFF, whose offsets have 64 bits."""
     return struct.pack("<2sHHHQ", b"II", 43, 8, 0, directory_at)
 
 
 def directory(tags: Sequence[Tag], at: int, *, big: bool = False) -> bytes:
-    """A directory and the values that its entries point to.
+    """Return a directory and the values that its entries point to.
 
     Parameters
     ----------
     tags : sequence of Tag
         In any order; each number once.
     at : int
-        Even offset in the file at which it will stand.
+        Even offset in the file.
     big : bool
-        Of a BigTIFF.
+        Whether for a BigTIFF.
 
     Returns
     -------
     bytes
-        Of even length, which does not depend on the values of tags that are numbers.
+        Of even length, which does not depend on the values of numeric tags.
     """
     counted, offset = ("Q", "Q") if big else ("H", "I")
     inside = struct.calcsize(f"<{offset}")

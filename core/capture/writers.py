@@ -1,4 +1,4 @@
-"""Pictures in files: GeoTIFF, JPEG, and PNG with world file and .aux.xml, whole or not at all."""
+"""Image files: GeoTIFF, JPEG, and PNG with world file and .aux.xml, whole or not at all."""
 
 from __future__ import annotations
 
@@ -22,41 +22,27 @@ from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header
 
-#: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
-#: as the predictor has left little else to find; drawn maps are small either way.
-_ZLIB_STRATEGY = zlib.Z_RLE
-_ZLIB_LEVEL = 6
-#: Bytes of pixels in a TIFF strip, so that readers of a large picture need not unpack all of it.
-_STRIP_BYTES = 1 << 18
-_COLOURS, _WITH_ALPHA = 3, 4
-#: Types of values (SampleFormat) by numpy's kinds; what is packed (Predictor): differences, and those of floats' bytes.
-_SAMPLE_FORMATS, _DIFFERENCES, _OF_FLOATS = {"u": 1, "i": 2, "f": 3}, 2, 3
-#: Types whose mask is a value that they hardly ever have: GDAL knows alpha of whole numbers without sign alone.
+#: Searches for runs only: on photographs four times as fast as zlib's default, and smaller too, as the predictor leaves
+#: little else to find; drawn maps are small either way.
+_ZLIB_STRATEGY, _ZLIB_LEVEL = zlib.Z_RLE, 6
+#: Types whose mask is a value that they hardly ever have: GDAL supports alpha for unsigned integers only.
 _NO_DATA: dict[str, float] = {"int16": -32768, **dict.fromkeys(("float32", "float64"), float("nan"))}
-#: Where a GeoTIFF says which values of a band are shown darkest and brightest.
+#: Item of a GeoTIFF's metadata with the values of a band that are shown darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
-#: Where a picture lies: a map frame by its edges, a camera frame by points.
+#: Georeference of a map frame, or control points of a camera frame.
 Place = Union[Georeference, ControlPoints]
-#: What takes a file, whole or not at all.
+#: Writes a file, whole or not at all.
 Write = Callable[[Path, bytes], object]
-_WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
-#: JPEG at this quality, without halving the colours' resolution, is within about a grey level of the source.
+#: With full colour resolution, a JPEG of this quality is within about a grey level of the source.
 JPEG_QUALITY = 95
-#: What every JPEG ends with (ITU-T T.81, B.1.1.3).
-_END = b"\xff\xd9"
-#: Where Pillow's first segment, JFIF's, begins: its marker, and a length that counts itself.
-_JFIF, _MARKER_BYTES, _LENGTH_BYTES = b"\xff\xd8\xff\xe0", 2, 2
-_APP1 = b"\xff\xe1"
-_EXIF, _XMP = b"Exif\0\0", b"http://ns.adobe.com/xap/1.0/\0"
-_LONGEST_SEGMENT = (1 << 16) - 1
 
 
 def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
-    """Endings of all the files of one picture, of a map frame or of a camera frame; the last is the picture's own."""
+    """Endings of all files of an image, of a map frame or a camera frame; the image itself is last."""
     own = f".{image_format}"
     if image_format == "tif":
         return (own,)
-    world_file = (_WORLD_FILES[image_format],) if on_map else ()
+    world_file = ({"jpg": ".jgw", "png": ".pgw"}[image_format],) if on_map else ()
     return (*world_file, f"{own}.aux.xml", own)
 
 
@@ -70,7 +56,7 @@ def write_picture(
     ranges: Sequence[Range] = (),
     write: Write = write_whole,
 ) -> int:
-    """Write a picture and what belongs beside it, itself last: a picture that is there is complete.
+    """Write an image and the files beside it, the image last: an image that is there is complete.
 
     Parameters
     ----------
@@ -79,20 +65,20 @@ def write_picture(
     image_format : str
         tif, jpg or png.
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
-        A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
-        bytes written depend on the arguments alone. With ``bands``, array (h, w, n) or (h, w, n + 1) of their type, the
-        last channel the mask.
+        A fourth channel is 0 where the image shows nothing and 255 elsewhere; a JPEG omits it. The bytes written depend
+        on the arguments alone. With ``bands``, array (h, w, n) or (h, w, n + 1) of their type, the last channel the
+        mask.
     bands : Bands or None
-        None for grey, or red, green and blue.
+        None for grey or RGB.
     ranges : sequence of (low, high)
         Values of each band that are shown darkest and brightest.
     write : callable
-        What takes each file.
+        Writes a file.
 
     Returns
     -------
     int
-        Bytes of all its files together.
+        Bytes of all files together.
 
     Raises
     ------
@@ -117,7 +103,7 @@ def encoded(
     bands: Bands | None = None,
     ranges: Sequence[Range] = (),
 ) -> bytes:
-    """Return the bytes of a picture's own file; parameters as of `write_picture`."""
+    """Return the bytes of the image file; parameters as of `write_picture`."""
     if image_format == "tif":
         return geotiff(pixels, place, description, bands, ranges)
     if pixels.shape[2:] == (1,):
@@ -132,10 +118,9 @@ def geotiff(
     bands: Bands | None = None,
     ranges: Sequence[Range] = (),
 ) -> bytes:
-    """A lossless GeoTIFF (OGC 19-008) with deflate and horizontal differences.
+    """Return a lossless GeoTIFF (OGC 19-008) with deflate and horizontal differences.
 
-    Written here and not by Pillow, whose TIFF encoder holds Python's lock: zlib lets go of it, so that the
-    pictures of one run are packed on all cores.
+    Pillow's TIFF encoder holds Python's lock; zlib releases it, so that images are compressed on all cores.
     """
     if bands is not None:
         return _geotiff_of_bands(pixels, place, description, bands, ranges)
@@ -144,11 +129,11 @@ def geotiff(
         Tag(262, TagType.SHORT, [1 if channels == 1 else 2]),  # black is zero; RGB
         Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description))),
     ]
-    if channels == _WITH_ALPHA:
+    if channels == 4:
         tags.append(
             Tag(338, TagType.SHORT, [2])
         )  # the fourth channel is alpha, and the others are not multiplied by it
-    return _with_pixels(pixels, place, description, tags)
+    return _pixel_file(pixels, place, description, tags)
 
 
 def _geotiff_of_bands(
@@ -157,7 +142,7 @@ def _geotiff_of_bands(
     count = len(bands)
     is_masked = pixels.shape[2] > count
     are_shown_first = bands.shown == (0, 1, 2)
-    extra = [0] * (count - (_COLOURS if are_shown_first else 1))
+    extra = [0] * (count - (3 if are_shown_first else 1))
     items = band_items(bands, ranges, has_alpha=is_masked and bands.data_type not in _NO_DATA)
     tags = [
         Tag(262, TagType.SHORT, [2 if are_shown_first else 1]),  # RGB; black is zero
@@ -181,14 +166,15 @@ def _geotiff_of_bands(
     if extra:
         tags.append(Tag(338, TagType.SHORT, extra))
     if bands.dtype.kind != "u":
-        tags.append(Tag(339, TagType.SHORT, [_SAMPLE_FORMATS[bands.dtype.kind]] * pixels.shape[2]))
-    return _with_pixels(pixels, place, description, tags)
+        sample_format = {"i": 2, "f": 3}[bands.dtype.kind]
+        tags.append(Tag(339, TagType.SHORT, [sample_format] * pixels.shape[2]))
+    return _pixel_file(pixels, place, description, tags)
 
 
 def _without(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
-    """Pixels of which none has the value for no data in all of so many bands, as a mean of others may.
+    """Change pixels that have the no-data value in all bands, which resampling may yield.
 
-    The first band's value becomes the next one to it, as gdalwarp does.
+    The first band gets the adjacent value, as gdalwarp does.
     """
     alike = (pixels[..., :count] == nodata).all(axis=-1)
     if not alike.any():
@@ -203,11 +189,12 @@ def _without(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
     return pixels
 
 
-def _with_pixels(pixels: PixelValues, place: Place, description: Description, more: list[Tag]) -> bytes:
-    """File of pixels, with the tags that every picture has and some more."""
+def _pixel_file(pixels: PixelValues, place: Place, description: Description, more: list[Tag]) -> bytes:
+    """Return the file of pixels with the tags of every image and some more."""
     height, width = pixels.shape[:2]
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-    rows = max(_STRIP_BYTES // (width * channels * pixels.itemsize), 1)
+    # Strips of 256 kB, so that readers need not decompress all of a large image.
+    rows = max((1 << 18) // (width * channels * pixels.itemsize), 1)
     is_float = pixels.dtype.kind == "f"
     strips = _packed_strips(_as_bytes(pixels) if is_float else pixels, rows)
     tags = [
@@ -221,16 +208,16 @@ def _with_pixels(pixels: PixelValues, place: Place, description: Description, mo
         Tag(279, TagType.LONG, [len(strip) for strip in strips]),
         Tag(284, TagType.SHORT, [1]),  # channels pixel by pixel
         Tag(305, TagType.ASCII, SOFTWARE),
-        Tag(317, TagType.SHORT, [_OF_FLOATS if is_float else _DIFFERENCES]),
+        Tag(317, TagType.SHORT, [3 if is_float else 2]),  # predictor: of floating point, horizontal
         Tag(33432, TagType.ASCII, description.attribution),
         *place.tags(),
         *more,
     ]
-    return _with_strips(tags, strips)
+    return _strip_file(tags, strips)
 
 
 def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
-    """Floats (h, w, n) as bytes (h, 4 w, n), of 8 bytes (h, 8 w, n): of each row the highest first (Predictor 3)."""
+    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), each row's most significant first (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
         np.ascontiguousarray(pixels, f">f{pixels.itemsize}")
@@ -241,7 +228,7 @@ def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
 
 
 def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = False) -> str:
-    """What GDAL's tag says of bands: names, what values mean and are shown by, and colours that do not come first."""
+    """Items of GDAL's tag about bands: names, units, scales, ranges shown, and colours."""
     lines = []
 
     def say(band: int, name: str, text: str, role: str = "", domain: str = "") -> None:
@@ -268,13 +255,13 @@ def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = 
 
 
 def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
-    """Colour interpretations of channels that TIFF's own tags do not tell, by the channel."""
+    """Colour interpretations that TIFF's tags cannot hold, by channel."""
     found = {
         band: about.colour
         for band, about in enumerate(bands.each_metadata)
         if about.colour and band not in bands.shown
     }
-    if len(bands.shown) == _COLOURS and bands.shown != (0, 1, 2):
+    if len(bands.shown) == 3 and bands.shown != (0, 1, 2):
         found = {**dict.fromkeys(range(len(bands)), "Undefined"), **found}
         found.update(zip(bands.shown, ("Red", "Green", "Blue")))
         if has_alpha:
@@ -283,7 +270,7 @@ def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
 
 
 def png(pixels: PixelValues, description: Description) -> bytes:
-    """A PNG with its title, software, copyright and the metadata as text chunks."""
+    """Return a PNG with title, software, copyright and metadata as text chunks."""
     info = PngImagePlugin.PngInfo()
     texts = {"Title": description.title, "Software": SOFTWARE, "Copyright": description.attribution}
     for key, value in {**texts, **description.metadata()}.items():
@@ -296,30 +283,30 @@ def png(pixels: PixelValues, description: Description) -> bytes:
 
 
 def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
-    """A JPEG with EXIF, and with XMP where the exposure is known.
+    """Return a JPEG with EXIF, and with XMP where the exposure is known.
 
     Raises
     ------
     InvalidInput
-        Texts that EXIF has no room for.
+        Texts that are too long for EXIF.
     """
     image = Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels)
-    segments = [_segment(_EXIF, exif(description))]
+    segments = [_segment(b"Exif\0\0", exif(description))]
     if description.exposure is not None:
-        segments.append(_segment(_XMP, xmp(description, description.exposure)))
+        segments.append(_segment(b"http://ns.adobe.com/xap/1.0/\0", xmp(description, description.exposure)))
     data = _encoded(image)
-    # Pillow writes XMP since its version 11; the order here is the one it gives to EXIF.
-    start = len(_JFIF) - _MARKER_BYTES
-    if data.startswith(_JFIF):
-        start = len(_JFIF) + int.from_bytes(data[len(_JFIF) : len(_JFIF) + _LENGTH_BYTES], "big")
+    # Pillow writes XMP since version 11. It puts EXIF after JFIF, a marker of 2 bytes and a length that counts itself.
+    start = 2
+    if data.startswith(b"\xff\xd8\xff\xe0"):
+        start = 4 + int.from_bytes(data[4:6], "big")
     view = memoryview(data)
     return b"".join([view[:start], *segments, view[start:]])
 
 
 def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
-    """Strips one after the other, in one piece of memory that fits the processor's cache."""
+    """Compress strips one after the other, in a buffer that fits the processor's cache."""
     strips = []
-    # As little-endian whole numbers without sign, whose differences wrap around.
+    # Little-endian unsigned integers, whose differences wrap around.
     pixels = pixels.astype(f"<{pixels.dtype.kind}{pixels.itemsize}", copy=False).view(f"<u{pixels.itemsize}")
     differences = np.empty((min(rows, len(pixels)), *pixels.shape[1:]), pixels.dtype)
     for top in range(0, len(pixels), rows):
@@ -334,18 +321,18 @@ def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
     return strips
 
 
-def _with_strips(tags: list[Tag], strips: list[bytes]) -> bytes:
-    """File of a directory followed by its strips, whose offsets depend on the directory's own length."""
+def _strip_file(tags: list[Tag], strips: list[bytes]) -> bytes:
+    """Return the file of a directory and its strips, whose offsets depend on the directory's length."""
 
-    def offsets_from(start: int) -> Tag:
+    def strip_offsets(start: int) -> Tag:
         offsets = [start]
         for strip in strips[:-1]:
             offsets.append(offsets[-1] + len(strip))
         return Tag(273, TagType.LONG, offsets)
 
-    length = len(directory([*tags, offsets_from(0)], HEADER_BYTES))
+    length = len(directory([*tags, strip_offsets(0)], HEADER_BYTES))
     return b"".join(
-        [header(), directory([*tags, offsets_from(HEADER_BYTES + length)], HEADER_BYTES), *strips]
+        [header(), directory([*tags, strip_offsets(HEADER_BYTES + length)], HEADER_BYTES), *strips]
     )
 
 
@@ -357,27 +344,27 @@ def _description_items(description: Description) -> str:
 
 
 def gdal_metadata(items: str) -> str:
-    """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
+    """XML of GDAL's tag, whose values are escaped twice, as GDAL writes and reads them."""
     return f"<GDALMetadata>\n{items}</GDALMetadata>\n"
 
 
 def _segment(mark: bytes, data: bytes) -> bytes:
-    length = _LENGTH_BYTES + len(mark) + len(data)
-    if length > _LONGEST_SEGMENT:
+    length, longest = 2 + len(mark) + len(data), (1 << 16) - 1
+    if length > longest:
         raise InvalidInput(
             "description of an image in {0} bytes: a JPEG has room for {1}",
             len(data),
-            _LONGEST_SEGMENT - len(mark),
+            longest - len(mark),
             remedy="choose tif or png, or shorten the source's attribution",
         )
-    return b"".join([_APP1, length.to_bytes(_LENGTH_BYTES, "big"), mark, data])
+    return b"".join([b"\xff\xe1", length.to_bytes(2, "big"), mark, data])  # APP1
 
 
 def _encoded(image: Image.Image) -> bytes:
     with suppress(OSError):
         data = _saved(image, _encoders_file())
-        # Pillow does not look whether all that it writes is taken: a file that may not grow is cut short.
-        if data.endswith(_END):
+        # Pillow does not check that all bytes are written. A whole JPEG has an end marker (ITU-T T.81, B.1.1.3).
+        if data.endswith(b"\xff\xd9"):
             return data
     return _saved(image, io.BytesIO())
 
@@ -390,10 +377,7 @@ def _saved(image: Image.Image, file: BinaryIO) -> bytes:
 
 
 def _encoders_file() -> BinaryIO:
-    """A file in memory, one of the operating system's where it has such.
-
-    Pillow lets go of Python's lock only while it encodes into a file that the operating system knows.
-    """
+    """File in memory, by the operating system where possible: only with such Pillow releases Python's lock."""
     if hasattr(os, "memfd_create"):
         return os.fdopen(os.memfd_create("terrainav"), "w+b")
     return io.BytesIO()

@@ -129,6 +129,7 @@ def _made(
     signals: list[int],
 ) -> BenchmarkResult:
     from ..benchmark.making import make_benchmark
+    from ..capture.progress import Listener
     from ..imagery.catalogue import check_policy, shared_requests
 
     captures = [(imagery, sources[str(imagery)], plan) for imagery, plan in worked_out.captures.values()]
@@ -149,8 +150,7 @@ def _made(
             values["data_dir"],
             connections=values["connections"],
             resume=arguments.resume,
-            progress=bar,
-            cancelled=lambda: bool(signals),
+            listener=Listener(progress=bar, cancelled=lambda: bool(signals)),
         )
     finally:
         bar.close()

@@ -23,6 +23,7 @@ from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:
+    from ..capture.blocks.engines import Engine
     from ..capture.blocks.running import Blocks
     from ..capture.progress import CaptureResult, Failure, Progress, Repeat
     from ..geodesy.mercator import PixelGrid
@@ -346,8 +347,10 @@ def run_capture(arguments: argparse.Namespace) -> int:
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.by_imagery or {"": mission}
         with ended_where(lambda: bool(signals)):
-            how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
-        result = _run(mission, each, sources, values, arguments, lambda: bool(signals), how)
+            engine = _engine(arguments, opened)
+        result = _run(
+            mission, each, sources, values, arguments, lambda: bool(signals), engine, in_blocks=in_blocks
+        )
     if in_blocks and not result.cancelled and result.written + result.skipped:
         _describe(values["data_dir"])
     _print_result(result, arguments.json)
@@ -357,16 +360,16 @@ def run_capture(arguments: argparse.Namespace) -> int:
     return INCOMPLETE if result.failed else DONE
 
 
-def _engine(arguments: argparse.Namespace, opened: ExitStack) -> dict[str, Any]:
-    """Options of a capture in blocks but their size; says where a cluster shows what it does."""
-    how: dict[str, Any] = {"notice": lambda text: print(printable(str(text)), file=sys.stderr)}
-    if arguments.cluster is not None:
-        from ..capture.blocks.engines import open_engine
+def _engine(arguments: argparse.Namespace, opened: ExitStack) -> Engine | None:
+    """Open the cluster, if one is named, and print the address of its dashboard."""
+    if arguments.cluster is None:
+        return None
+    from ..capture.blocks.engines import open_engine
 
-        how["executor"] = engine = opened.enter_context(open_engine(arguments.cluster))
-        shown = f"; dashboard at {engine.dashboard}" if engine.dashboard else ""
-        print(f"cluster of {engine.slots()} workers{shown}", file=sys.stderr)
-    return how
+    engine = opened.enter_context(open_engine(arguments.cluster))
+    shown = f"; dashboard at {engine.dashboard}" if engine.dashboard else ""
+    print(f"cluster of {engine.slots()} workers{shown}", file=sys.stderr)
+    return engine
 
 
 def _describe(place: str) -> None:
@@ -383,14 +386,14 @@ def _describe(place: str) -> None:
 
 def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource, values: Any) -> Blocks:
     """How a plan is divided."""
-    from ..capture.blocks.division import images_of
+    from ..capture.blocks.division import parse_block_size
     from ..capture.blocks.running import Blocks
 
     def image_bytes() -> float:
         summary = _summary(worked_out, source, values)
         return summary.output_bytes / max(summary.images, 1)
 
-    images = IMAGES if arguments.block is None else images_of(arguments.block, image_bytes)
+    images = IMAGES if arguments.block is None else parse_block_size(arguments.block, image_bytes)
     return Blocks(images, arguments.layout_of_files)
 
 
@@ -401,8 +404,11 @@ def _run(
     values: dict[str, Any],
     arguments: argparse.Namespace,
     cancelled: Callable[[], bool],
-    in_blocks: dict[str, Any],
+    engine: Engine | None,
+    *,
+    in_blocks: bool,
 ) -> CaptureResult:
+    from ..capture.progress import Listener
     from ..capture.runner import capture
     from ..capture.several import capture_imageries
     from ..imagery.catalogue import shared_requests
@@ -416,9 +422,12 @@ def _run(
         "connections": values["connections"],
         "resume": arguments.resume,
         "only_failed": arguments.only_failed,
-        "progress": bar,
-        "cancelled": cancelled,
-        **in_blocks,
+        "listener": Listener(
+            progress=bar,
+            cancelled=cancelled,
+            notice=lambda text: print(printable(str(text)), file=sys.stderr),
+        ),
+        "executor": engine,
     }
     if in_blocks:
         name = next(iter(plans))

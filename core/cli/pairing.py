@@ -193,6 +193,7 @@ def _capture(
     values: dict[str, Any],
     signals: list[int],
 ) -> PairResult:
+    from ..capture.progress import Listener
     from ..imagery.catalogue import check_policy, shared_requests
     from ..pairs.capturing import capture_pairs
     from ..pairs.planning import DRONE, SATELLITE
@@ -220,8 +221,7 @@ def _capture(
             drone_source=sources.get(DRONE),
             connections=values["connections"],
             resume=arguments.resume,
-            progress=bar,
-            cancelled=lambda: bool(signals),
+            listener=Listener(progress=bar, cancelled=lambda: bool(signals)),
         )
     finally:
         bar.close()

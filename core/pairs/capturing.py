@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import filecmp
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..capture.begun import hold_to
-from ..capture.holding import LEASE_FILE, kept
+from ..capture.begun import check_settings
+from ..capture.holding import LEASE_FILE, locked
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.making import DEFAULT_CONNECTIONS, check_source
-from ..capture.progress import CaptureResult, Progress
+from ..capture.progress import SILENT, CaptureResult, Listener
 from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
@@ -24,7 +24,6 @@ from ..storage.files import (
     json_bytes,
     link_or_copy,
     make_folder,
-    open_locked,
     read_limited,
     write_whole,
 )
@@ -85,8 +84,7 @@ def capture_pairs(
     connections: int = DEFAULT_CONNECTIONS,
     workers: int | None = None,
     resume: bool = False,
-    progress: Callable[[Progress], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    listener: Listener = SILENT,
 ) -> PairResult:
     """Capture the views of all places, and lay them out as University-1652 has them.
 
@@ -103,8 +101,8 @@ def capture_pairs(
         made for.
     resume : bool
         Go on with a folder that holds these settings: what is missing or has failed is made.
-    connections, workers, progress, cancelled
-        As for `capture`; progress names the capture as its map type.
+    connections, workers, listener
+        As for `capture`; progress has the capture's name in place of the map type.
 
     Raises
     ------
@@ -126,23 +124,17 @@ def capture_pairs(
     _refuse(path, wanted, resume=resume)
     make_folder(path / CAPTURES_FOLDER)
     lock = path / CAPTURES_FOLDER / _LOCK_FILE
-    with open_locked(lock) as file, kept(lock, file) as check:
-
-        def ends() -> bool:
-            check()
-            return cancelled is not None and cancelled()
-
+    with locked(lock) as check:
         # Another run may have made the folder its own meanwhile.
         _refuse(path, wanted, resume=resume, ours=True)
-        hold_to(path, SETTINGS_FILE, worked_out.to_dict())
+        check_settings(path, SETTINGS_FILE, worked_out.to_dict())
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
         results = capture_each(
             captures,
             path / CAPTURES_FOLDER,
             connections=connections,
             workers=workers,
-            progress=progress,
-            cancelled=ends,
+            listener=listener.guarded(check),
         )
         check()
         total = replace(combined(path, results), total=worked_out.images)

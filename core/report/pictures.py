@@ -15,7 +15,7 @@ from PIL import Image
 
 from ..arrays import Bytes, Floats
 from ..capture.metadata import Description
-from ..capture.records import job_of
+from ..capture.records import image_job
 from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
@@ -371,7 +371,7 @@ def encodings(
 
 
 def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:
-    job = job_of(plan, index, source, map_type, Path())
+    job = image_job(plan, index, source, map_type, Path())
     return job.place, job.description
 
 

@@ -18,7 +18,7 @@ from typing import IO, Any
 from ..errors import InvalidInput, OutputError
 from ..limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
 from .store_requests import larger_than
-from .stores import get, get_each, is_address, open_object, put, store_path
+from .stores import get, get_each, is_address, open_object, put, put_new, remove, store_path
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
@@ -285,6 +285,41 @@ def write_whole(
         raise OutputError(
             "folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror
         ) from wrong
+
+
+def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
+    """Write a file or object unless it is there; of several writers at once, one does.
+
+    Returns
+    -------
+    bool
+        Whether it was written.
+
+    Raises
+    ------
+    OutputError
+    """
+    if is_address(path):
+        return put_new(store_path(path), data)
+    target = Path(path)
+    try:
+        with open_own(target, "xb") as file:
+            file.write(data)
+    except FileExistsError:
+        return False
+    except OSError as wrong:
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror
+        ) from wrong
+    return True
+
+
+def remove_file(path: str | os.PathLike[str]) -> None:
+    """Remove a file or object, if it is there."""
+    if is_address(path):
+        remove(store_path(path))
+    else:
+        Path(path).unlink(missing_ok=True)
 
 
 def json_bytes(value: Any) -> bytes:

@@ -72,6 +72,11 @@ def is_address(place: Address) -> bool:
     return not isinstance(place, Path) and hasattr(place, "storage_options")
 
 
+def place_kind(place: Address) -> Message:
+    """Word for a place in messages."""
+    return Message("address") if is_address(place) else Message("folder")
+
+
 def check_no_credentials(place: object, what: str, instead: str, field: str = "") -> None:
     """Refuse an address of a store or a cluster that holds a user's name, a password, a key or a signature.
 

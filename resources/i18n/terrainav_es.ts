@@ -15194,5 +15194,25 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>{0}: the server sent another part than asked for</source>
         <translation>{0}: el servidor envió una parte distinta de la solicitada</translation>
     </message>
-</context>
+<message>
+        <location filename="../../core/mission/layout/rows.py" />
+        <source>several polygons have rows each by themselves</source>
+        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py" />
+        <source>{0} {1}: already holds this mission</source>
+        <translation>{0} {1}: ya contiene esta misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py" />
+        <source>{0} {1}: holds another mission</source>
+        <translation>{0} {1}: contiene otra misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py" />
+        <source>{0} {1}: holds {2} but no {3}, so it is not this mission's</source>
+        <translation>{0} {1}: contiene {2} pero no {3}, así que no es de esta misión</translation>
+    </message>
+    </context>
 </TS>

@@ -74,10 +74,10 @@ class Questions:
 
     def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
         """Whether the folder holds another mission; takes one beside it where that may be, or offers one."""
-        from ...core.capture.folder import holds_mission_of
+        from ...core.capture.folder import holds_mission
 
         # What cannot be read the run itself says.
-        if holds_mission_of(plan, folder) is not False:
+        if holds_mission(plan, folder) is not False:
             return False
         text = tr("{folder} holds another mission; nothing was changed there.")
         self._offer_other(folder, text, may_count_on=may_count_on)

@@ -135,6 +135,7 @@ class CaptureTask(Task):
         super().finished(result)
 
     def _capture(self) -> None:
+        from ...core.capture.progress import Listener
         from ...core.capture.runner import capture
         from ..dataset.layers import FailedImages
 
@@ -154,9 +155,9 @@ class CaptureTask(Task):
                     connections=self._connections,
                     resume=True,
                     only_failed=self._only_failed,
-                    progress=self._report,
-                    cancelled=lambda: self.stopped,
-                    paused=lambda: self.paused,
+                    listener=Listener(
+                        progress=self._report, cancelled=lambda: self.stopped, paused=lambda: self.paused
+                    ),
                 )
         if self._with_mosaic and self._shows_results:
             self._make_mosaics()

@@ -245,6 +245,7 @@ class MakeBenchmark(WithImagery):
         self, worked_out: BenchmarkPlan, folder: Path, watch: WorkFeedback, *, accepted: bool
     ) -> BenchmarkResult:
         from ...core.benchmark.making import make_benchmark
+        from ...core.capture.progress import Listener
         from ...core.imagery.catalogue import shared_requests
 
         with ExitStack() as open_now:
@@ -262,8 +263,7 @@ class MakeBenchmark(WithImagery):
                 folder,
                 connections=self._taken[0].connections,
                 resume=True,
-                progress=_progress(worked_out, watch),
-                cancelled=watch.cancelled,
+                listener=Listener(progress=_progress(worked_out, watch), cancelled=watch.cancelled),
             )
         tell_result(made.total, watch)
         warning = None if made.benchmark is None else made.benchmark.warning

@@ -80,6 +80,7 @@ class _Capturing(WithImagery):
 
     def _captured(self, run: AlgorithmRun, folder: Path, **options: bool) -> dict[str, Any]:
         """Capture, make the mosaics, return the outputs."""
+        from ...core.capture.progress import Listener
         from ...core.capture.runner import capture
 
         def work(watch: WorkFeedback) -> tuple[CaptureResult, list[MosaicRaster]]:
@@ -96,8 +97,7 @@ class _Capturing(WithImagery):
                     source,
                     folder,
                     connections=self._imagery.connections,
-                    progress=report,
-                    cancelled=watch.cancelled,
+                    listener=Listener(progress=report, cancelled=watch.cancelled),
                     **options,
                 )
             tell_result(result, watch)

@@ -383,13 +383,13 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path):
     # The other user may not be able to read the checkout, so the change comes when the folder is about to be made.
     script = f"""
 import os, sys
-from terrainav.core.capture import runner
+from terrainav.core.capture import folder
 from terrainav.core.cli import main
-as_root = runner.open_folder
+as_root = folder.make_folder
 def as_nobody(*arguments, **options):
     os.setegid(65534), os.seteuid(65534)
     return as_root(*arguments, **options)
-runner.open_folder = as_nobody
+folder.make_folder = as_nobody
 sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / "out")!r}]))
 """
     process = subprocess.run(

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from terrainav.core import limits
-from terrainav.core.capture.blocks.block import _array_of
+from terrainav.core.capture.blocks.block import _read_heights
 from terrainav.core.dataset.dataset import image_size, open_image, open_masked
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.storage.files import read_if_there, read_limited, text_lines
@@ -24,7 +24,7 @@ MOST_BYTES = 3 << 30
 #: What reads a file, by its name, and the limit of its length.
 READERS = {
     "mission.json": ("Mission.load(path)", "MAX_MISSION_BYTES"),
-    "mission.json of a run": ("holding.check_captured(path.parent)", "MAX_MISSION_BYTES"),
+    "mission.json of a run": ("holding.LocalFolder(path.parent)._read_mark()", "MAX_MISSION_BYTES"),
     "meta_data.csv": ("table.Table.load(path)", "MAX_TABLE_BYTES"),
     "meta_data.csv of others": ("table.other_columns(path)", "MAX_TABLE_BYTES"),
     "meta_data.csv described": ("croissant._headers_and_sum(path)", "MAX_TABLE_BYTES"),
@@ -168,14 +168,14 @@ def test_pictures_are_asked_for_their_size_before_they_are_decoded(tmp_path, mon
 def test_heights_are_as_many_as_there_are_bytes(header, said):
     head = header.encode()
     with pytest.raises(ValueError, match=said):
-        _array_of(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + bytes(16))
+        _read_heights(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + bytes(16))
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_heights_are_read_as_numpy_writes_them(tmp_path, order):
     heights_m = np.asarray(np.arange(6.0).reshape(2, 3), order=order)
     np.save(tmp_path / "a.npy", heights_m)
-    assert np.array_equal(_array_of((tmp_path / "a.npy").read_bytes()), heights_m)
+    assert np.array_equal(_read_heights((tmp_path / "a.npy").read_bytes()), heights_m)
 
 
 def test_files_are_read_up_to_their_limit(tmp_path):

@@ -339,17 +339,21 @@ def test_options_are_called_what_the_panel_calls_them(spanish):
 def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
     resume = OptionName("resume")
     refused = OutputError(
-        "folder {0}: holds another mission", "x", remedy=Message("use {0} {1}", resume, "cover")
+        "{0} {1}: holds another mission",
+        Message("folder"),
+        "x",
+        remedy=Message("use {0} {1}", resume, "cover"),
     )
     assert translate(refused) == "carpeta x: contiene otra misión"
     # Of one that holds without it, the name alone.
     refused = OutputError(
-        "folder {0}: holds another mission",
+        "{0} {1}: holds another mission",
+        Message("folder"),
         "x",
-        remedy=Message("resume it{0} or choose another folder", resume.in_brackets),
+        remedy=Message("resume it{0} or choose another one", resume.in_brackets),
     )
-    assert translate(refused) == "carpeta x: contiene otra misión; continúela o elija otra carpeta"
-    assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another folder"
+    assert translate(refused) == "carpeta x: contiene otra misión; continúela o elija otra"
+    assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another one"
 
 
 def test_processing_fails_in_spanish(spanish):

@@ -2,10 +2,10 @@
 
 In reading order:
 
-- `division`: which captures make a block
+- `division`: dividing captures into blocks
 - `block`: a block as a plain value, and how it is made
 - `shards`: many images in one file
-- `destination`: where results go, and what of them is there
-- `engines`: who runs blocks
-- `running`: the run, from the first block to the tables
+- `journal`: the journal of a capture block by block
+- `engines`: executors that run blocks
+- `running`: handing blocks to an engine
 """

@@ -1,4 +1,4 @@
-"""A block: captures of a plan as a plain value, which any process makes without sharing anything with others."""
+"""A block: captures of a plan as a plain value, which any process can make."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Numbers
-from ...errors import OutputError, PartError
+from ...errors import OutputError
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, noted_digests
 from ...imagery.source import Source
@@ -35,42 +35,40 @@ from ...storage.stores import store_path
 from ...text.safe_json import parse_json
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
-from ..making import Making
-from ..records import Made, PictureJob, outcome_of, table_of
+from ..making import ImageMaker, ImageParts, Piece
+from ..records import image_table
 from .shards import Gathered
 
-#: Heights of the relief that blocks of other processes see.
+#: Heights of the relief, for workers in other processes.
 RELIEF_FILE = "relief.npy"
-#: Digits of blocks' numbers in names of files, and of captures' indices in shards.
-_DIGITS, _KEY_DIGITS = 6, 9
 
 
 @dataclass(frozen=True)
 class Block:
-    """Captures of one map type, and all that their images are made from.
+    """Captures of one map type, and all that is needed to make their images.
 
     Parameters
     ----------
     number : int
     map_type : str
     plan : Plan
-        Of these captures alone (`Plan.part`), with the mission and the grid.
+        Part of the plan with these captures (`Plan.part`).
     indices : array (n,) of int64
-        Of the captures in the whole plan.
+        Indices of the captures in the whole plan.
     source : NamedSource
-        The imagery, which the block's maker opens.
+        Imagery, which the block's maker opens.
     destination : str
-        Folder, from the root on, or address.
+        Absolute path of a folder, or address.
     terrain : Terrain
-        That of the plan's mission, as its maker finds the heights.
+        The mission's, with absolute paths.
     layout : str
         One of `choices.LAYOUTS`.
     exposures : Exposures or None
-        What images' tags say of the camera.
+        Exposures for the images' tags.
     connections, workers : int
-        As for `capture`, of this block alone.
+        As for `capture`, for this block alone.
     run : str
-        Name of the run, by which a block in the run's own process learns that it is to wait or to end.
+        Name of the run, which finds its `Control` where both are in one process.
     """
 
     number: int
@@ -88,29 +86,29 @@ class Block:
 
     @property
     def name(self) -> str:
-        """What its files are called, without ending."""
+        """Name of its files, without ending."""
         return block_name(self.map_type, self.number)
-
-    @property
-    def shard(self) -> str:
-        """File of its images; empty where each has one of its own."""
-        return f"{self.name}.tar" if self.layout == WEBDATASET else ""
 
 
 def block_name(map_type: str, number: int) -> str:
     """Name of a block's files, without ending."""
-    return f"{map_type}-{number:0{_DIGITS}d}"
+    return f"{map_type}-{number:06d}"
+
+
+def shard_name(map_type: str, number: int) -> str:
+    """Name of the file that holds the images of a block."""
+    return f"{block_name(map_type, number)}.tar"
 
 
 class Record(NamedTuple):
-    """What is known of a block that is done: its journal.
+    """Record of a block that is done.
 
     Attributes
     ----------
     outcomes : dict of str to Outcome
         By the image's name.
     shard_bytes : int
-        Of the file of its images; 0 where there is none.
+        Bytes of its shard; 0 for images in separate files.
     noted : bytes
         Files of a provider and their places, as `Repeats` keeps them.
     """
@@ -121,17 +119,17 @@ class Record(NamedTuple):
 
     @property
     def failed(self) -> bool:
-        """Whether any of its images has failed."""
+        """Whether any image has failed."""
         return any(one.status == FAILED for one in self.outcomes.values())
 
-    def is_of(self, map_type: str, names: Sequence[str]) -> bool:
-        """Whether it is of a block of these images: of each of them, and of no other."""
+    def matches(self, map_type: str, names: Sequence[str]) -> bool:
+        """Whether it has exactly the images of these names, of a map type."""
         return self.outcomes.keys() == {*names} and all(
             one.map_type == map_type for one in self.outcomes.values()
         )
 
     def fits(self, shard: str) -> bool:
-        """Whether its images that were made are where they may be: each by itself, or apart in a shard."""
+        """Whether its images are in a shard, without overlap, or in separate files where ``shard`` is empty."""
         made = [one for one in self.outcomes.values() if one.status != FAILED]
         if any(one.shard != shard for one in made):
             return False
@@ -150,7 +148,7 @@ class Record(NamedTuple):
         return b"".join(lines + [one.to_line() for one in self.outcomes.values()])
 
     def commit(self, destination: Path, name: str) -> None:
-        """Have the block of a name count as done; raises OutputError."""
+        """Write the record of the block of a name, which then counts as done; raises OutputError."""
         write_whole(destination / BLOCKS_FOLDER / f"{name}.jsonl", self.to_bytes())
 
     @classmethod
@@ -171,7 +169,7 @@ class Record(NamedTuple):
 
 
 class BlockResult(NamedTuple):
-    """What making a block has come to; its record is where the results are."""
+    """Result of making a block; its record was committed beside the images."""
 
     record: Record
     requests: int
@@ -180,25 +178,57 @@ class BlockResult(NamedTuple):
 
 @dataclass
 class Control:
-    """The say of a run over blocks that are made in its own process, and how many images each has made so far."""
+    """Control of a run over the blocks that its own process makes.
+
+    Attributes
+    ----------
+    stopped, paused : Event
+    made : dict of str to int
+        Images made so far of each block under way.
+    check : callable
+        Raises OutputError where another run has taken the place.
+    """
 
     stopped: threading.Event = field(default_factory=threading.Event)
-    held: threading.Event = field(default_factory=threading.Event)
+    paused: threading.Event = field(default_factory=threading.Event)
     made: dict[str, int] = field(default_factory=dict)
-    #: Raises OutputError where another run has taken the place.
     check: Callable[[], None] = lambda: None
 
 
-#: Of the runs of this process, by name. Blocks of other processes find none, and go on to their end.
+#: Controls of the runs of this process, by name. Blocks of other processes find none, and run to their end.
 controls: dict[str, Control] = {}
 
 
 class Stopped(Exception):
-    """A block was stopped with its run; nothing of it is committed."""
+    """A block was stopped with its run, and nothing of it committed."""
+
+
+class _BlockOrders:
+    """Orders for the images of a block: those of its run, as far as they reach this process."""
+
+    def __init__(self, block: Block, plan: Plan, control: Control) -> None:
+        self._control, self._name = control, block.name
+        self._is_wanted = _engine_question()
+        self._repeats = Repeats(plan.grid)
+        self.outcomes: dict[str, Outcome] = {}
+
+    def wants_more(self) -> bool:
+        return not self._control.stopped.is_set() and self._is_wanted()
+
+    def is_paused(self) -> bool:
+        return self._control.paused.is_set()
+
+    def note(self, outcome: Outcome) -> None:
+        self.outcomes[outcome.name] = outcome
+        if outcome.status != FAILED:
+            self._control.made[self._name] = self._control.made.get(self._name, 0) + 1
+
+    def repeats(self, _: str) -> Repeats:
+        return self._repeats
 
 
 class _Call:
-    """What a pickle is of whose reading makes a block."""
+    """Call whose pickle makes a block when it is read."""
 
     def __init__(self, data: bytes) -> None:
         self._arguments = data, version(), platform.python_version()
@@ -207,11 +237,10 @@ class _Call:
         return make_packed, self._arguments
 
 
-def call_of(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
-    """Function of Python's own, and what it is to be called with, for another process to make a block.
+def packed_call(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
+    """Return a function of Python's library, and the argument with which another process makes a block by it.
 
-    So a worker without TerrAInav says what is missing. A function of ours it could not even be told of: Dask's workers
-    end of that.
+    So a worker without TerrAInav can report what is missing; Dask's workers end if they cannot unpickle a function.
     """
     return ForkingPickler.loads, bytes(ForkingPickler.dumps(_Call(bytes(ForkingPickler.dumps(block)))))
 
@@ -241,7 +270,7 @@ def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
 
 
 class WrongWorker(OutputError):
-    """A worker that cannot make blocks of this run."""
+    """The worker has another version than the run."""
 
 
 def _minor(python: str) -> str:
@@ -249,9 +278,9 @@ def _minor(python: str) -> str:
 
 
 def make_block(block: Block) -> BlockResult:
-    """Make the images of a block and commit it: its record comes last, when all else is where it belongs.
+    """Make the images of a block and commit it: the record is written last.
 
-    The same block leaves the same bytes wherever it is made, and as often as it is made.
+    The same block leaves the same bytes, wherever and however often it is made.
 
     Raises
     ------
@@ -262,17 +291,6 @@ def make_block(block: Block) -> BlockResult:
     Stopped
     """
     control = controls.get(block.run) or Control()
-    is_wanted = _asking_engine()
-
-    def go_on() -> bool:
-        return not control.stopped.is_set() and is_wanted()
-
-    outcomes: dict[str, Outcome] = {}
-
-    def note(job: PictureJob, result: Made | PartError) -> None:
-        outcome = outcomes[job.description.name] = outcome_of(job, result)
-        if outcome.status != FAILED:
-            control.made[block.name] = control.made.get(block.name, 0) + 1
 
     def write_checked(path: Path, data: bytes) -> None:
         control.check()
@@ -281,36 +299,34 @@ def make_block(block: Block) -> BlockResult:
     destination = store_path(block.destination)
     gathered = Gathered() if block.layout == WEBDATASET else None
     with closing(block.source.open()) as source:
-        plan = _with_heights(block)
-        making = Making(
-            plan,
-            source,
+        plan = _restore_heights(block)
+        maker = ImageMaker(
+            ImageParts(plan, source),
             destination,
             block.connections,
             block.workers,
-            note,
-            exposures=block.exposures,
-            write=write_checked if gathered is None else gathered.write,
+            block.exposures,
+            write_checked if gathered is None else gathered.write,
         )
-        repeats = Repeats(plan.grid)
-        complete = making.make(block.map_type, np.arange(len(plan)), go_on, control.held.is_set, repeats.note)
-        # What another worker, or another run, may have committed meanwhile is left alone.
-        if not (complete and go_on()):
+        orders = _BlockOrders(block, plan, control)
+        complete = maker.make([Piece(block.map_type, np.arange(len(plan)))], orders)
+        # Another worker or run may have committed the block meanwhile, which is left alone.
+        if not (complete and orders.wants_more()):
             raise Stopped
         control.check()
         # In the order of the plan, whatever order they were made in.
-        done = {name: outcomes[name] for name in plan.names}
+        done = {name: orders.outcomes[name] for name in plan.names}
         shard_bytes = 0
         if gathered is not None:
             shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
-    record = Record(done, shard_bytes, repeats.noted())
+    record = Record(done, shard_bytes, orders.repeats(block.map_type).noted())
     control.check()
     record.commit(destination, block.name)
-    return BlockResult(record, making.requests, making.unique_parts)
+    return BlockResult(record, maker.requests, maker.unique_parts)
 
 
-def _asking_engine() -> Callable[[], bool]:
-    """What tells whether the engine still waits for this block: Dask tells its workers where a run has gone."""
+def _engine_question() -> Callable[[], bool]:
+    """Question whether the engine still waits for this block: Dask's workers learn when a run has gone."""
     distributed = sys.modules.get("distributed")
     try:
         worker = distributed and distributed.get_worker()
@@ -328,8 +344,8 @@ def _asking_engine() -> Callable[[], bool]:
     return is_wanted
 
 
-def _with_heights(block: Block) -> Plan:
-    """Plan of a block, whose relief has its heights again where it comes from another process."""
+def _restore_heights(block: Block) -> Plan:
+    """Return the plan of a block, with the heights of its relief, which other processes do not send along."""
     plan, options = block.plan, block.source.options
     if plan.relief.is_loaded:
         return plan
@@ -349,18 +365,18 @@ def _with_heights(block: Block) -> Plan:
 
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
-    """Heights that a run has left for its workers."""
+    """Read the heights that a run has written for its workers."""
     data = read_if_there(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
     try:
-        return _array_of(data)
+        return _read_heights(data)
     except ValueError as wrong:
         raise OutputError("{0}: {1} cannot be read ({2})", destination, RELIEF_FILE, wrong) from wrong
 
 
-def _array_of(data: bytes) -> NDArray[Any]:
-    """Heights of a file of numpy's, whose header may ask for more than there is; raises ValueError."""
+def _read_heights(data: bytes) -> NDArray[Any]:
+    """Read heights in numpy's format, whose header may ask for more than there is; raises ValueError."""
     file = io.BytesIO(data)
     numpy_format: Any = np.lib.format
     if numpy_format.read_magic(file) != (1, 0):
@@ -377,7 +393,7 @@ def _array_of(data: bytes) -> NDArray[Any]:
 
 
 def write_relief(plan: Plan, destination: Path) -> None:
-    """Leave the heights of a plan's relief for workers, which need them all for each block."""
+    """Write the heights of a plan's relief for workers, which need all of them for each block."""
     if not plan.relief.is_level:
         data = io.BytesIO()
         np.save(data, plan.relief.heights_m, allow_pickle=False)
@@ -392,16 +408,17 @@ def _write_shard(
     destination: Path,
     outcomes: dict[str, Outcome],
 ) -> int:
-    """Write the images of a block in one file, and enter where each is; returns the file's bytes."""
+    """Write the images of a block into one file, and note the position of each; returns the file's bytes."""
     made = {name: one for name, one in outcomes.items() if one.status != FAILED}
-    keys = {name: f"{index:0{_KEY_DIGITS}d}" for name, index in zip(plan.names, block.indices.tolist())}
-    table = table_of(plan, source, made)
+    keys = {name: f"{index:09d}" for name, index in zip(plan.names, block.indices.tolist())}
+    table = image_table(plan, source, made)
     data, members = gathered.packed(block.map_type, keys, table, plan.mission.output.products)
-    write_whole(destination / block.map_type / block.shard, data)
+    shard = shard_name(block.map_type, block.number)
+    write_whole(destination / block.map_type / shard, data)
     for name, member in members.items():
         outcomes[name] = replace(
             made[name],
-            shard=block.shard,
+            shard=shard,
             offset_bytes=member.offset_bytes,
             length_bytes=member.length_bytes,
         )

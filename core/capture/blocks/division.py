@@ -1,4 +1,4 @@
-"""Blocks of neighbouring captures whose tiles overlap least."""
+"""Division of captures into blocks that share few tiles."""
 
 from __future__ import annotations
 
@@ -11,29 +11,27 @@ from ...arrays import Numbers
 from ...errors import InvalidInput
 from ...geodesy.frames import Windows
 
-#: Images of one at most: all that its shard holds are in memory together.
+#: Most images of a block: those of a shard are in memory together.
 MOST_IMAGES = 100_000
-_SIZE = re.compile(r"([0-9]{1,15}(?:\.[0-9]{1,15})?)\s*(MB)?", re.IGNORECASE)
-_MB = 1e6
 
 
-def images_of(size: str, image_bytes: Callable[[], float]) -> int:
-    """Images of a block of a size that a text states: a number of images, or megabytes as ``200MB``.
+def parse_block_size(size: str, image_bytes: Callable[[], float]) -> int:
+    """Parse the size of a block, a number of images or megabytes such as ``200MB``, into a number of images.
 
     Parameters
     ----------
     image_bytes : callable
-        Bytes of one image's files, as far as these can be told beforehand; asked of megabytes alone.
+        Estimates the bytes of an image's files; called for megabytes only.
 
     Raises
     ------
     InvalidInput
-        Another text, or a size that is too large.
+        The text is no size, or the size is too large.
     """
-    found = _SIZE.fullmatch(size.strip())
+    found = re.fullmatch(r"([0-9]{1,15}(?:\.[0-9]{1,15})?)\s*(MB)?", size.strip(), re.IGNORECASE)
     images = 0
     if found is not None and (found[2] or "." not in found[1]):
-        images = round(float(found[1]) * _MB / image_bytes()) if found[2] else int(found[1])
+        images = round(float(found[1]) * 1e6 / image_bytes()) if found[2] else int(found[1])
         images = max(images, 1) if found[2] and float(found[1]) > 0.0 else images
     if not 1 <= images <= MOST_IMAGES:
         raise InvalidInput(
@@ -46,25 +44,24 @@ def images_of(size: str, image_bytes: Callable[[], float]) -> int:
 
 
 def divide(windows: Windows, images: int) -> list[Numbers]:
-    """Divide captures into blocks of as equal a size as can be, each as compact as its neighbours let it be.
+    """Divide captures into compact blocks of nearly equal size.
 
-    They are halved across their longer extent again and again: what tiles two blocks share lies along the cut, which is
-    as short as a cut can be.
+    They are halved across their longer extent repeatedly, so two blocks share only tiles along a short cut.
 
     Parameters
     ----------
     windows : Windows
-        Of all captures, (n,).
+        Windows of all captures, (n,).
     images : int
-        Of a block at most.
+        Most images of a block.
 
     Returns
     -------
     list of array (k,) of int64
-        Indices of each block's captures, ascending; the blocks themselves in the order of a walk from half to half.
+        Indices of each block's captures, ascending; blocks in the order of the halves.
     """
     left, top, width, height = (np.asarray(values, np.float64) for values in windows)
-    # Camera frames that look to the horizon may stand for no rectangle of the map at all.
+    # Camera frames that look to the horizon may have no rectangle on the map.
     across = np.nan_to_num(left + width / 2.0)
     down = np.nan_to_num(top + height / 2.0)
 

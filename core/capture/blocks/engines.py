@@ -1,4 +1,4 @@
-"""Who runs blocks: threads here, processes here, a cluster that is there; no scheduler of our own."""
+"""Executors that run blocks: threads or processes of this machine, or a cluster."""
 
 from __future__ import annotations
 
@@ -31,31 +31,27 @@ from ...waiting import wait_for
 
 _log = logging.getLogger(__name__)
 
-_DASK = re.compile(r"dask://([^\s/]+):([0-9]{1,5})/?")
-_LOCAL = re.compile(r"local:([0-9]{1,4})")
-_MOST_WORKERS, _MOST_PORT = 1024, 65535
-#: What makes blocks, with all that it needs.
+_MOST_WORKERS = 1024
+#: Module that makes blocks, with all that it needs.
 _MAKING = f"{__package__}.block"
-#: Of what Dask says, which may be pages.
-_SAID_CHARACTERS = 120
 
 
 @dataclass
 class Engine:
-    """What runs blocks.
+    """Executor of blocks.
 
     Parameters
     ----------
     executor : Executor
         Its workers need TerrAInav, and may be processes of other machines.
     slots : callable
-        How many blocks it runs at once, now.
+        Returns the number of blocks that it can run at once now.
     in_process : bool
         Whether its workers are threads of this process.
     workers : int
-        Images that are made at once in each block.
+        Images made at once in each block.
     dashboard : str
-        Address of a page that shows what it does; empty where there is none.
+        Address of the dashboard, or empty.
     """
 
     executor: Executor
@@ -65,8 +61,8 @@ class Engine:
     dashboard: str = ""
 
     @classmethod
-    def of(cls, executor: Executor | Engine, workers: int | None = None) -> Engine:
-        """Engine of any executor: one that says how many workers it has, or is asked for one block at a time."""
+    def from_executor(cls, executor: Executor | Engine, workers: int | None = None) -> Engine:
+        """Engine of any executor, which gets one block at a time unless an attribute has its number of workers."""
         if isinstance(executor, Engine):
             return executor
         count = next(
@@ -82,7 +78,7 @@ class Engine:
 
 
 @contextmanager
-def here(workers: int | None = None) -> Iterator[Engine]:
+def local_engine(workers: int | None = None) -> Iterator[Engine]:
     """Engine of this process, which makes one block after the other on all processors."""
     with ThreadPoolExecutor(1, "terrainav-block") as executor:
         yield Engine(executor, lambda: 1, True, workers or os.cpu_count() or 1)
@@ -95,30 +91,31 @@ def open_engine(text: str) -> Iterator[Engine]:
     Parameters
     ----------
     text : str
-        ``local:N``, a cluster of Dask's of N processes here; ``dask://HOST:PORT``, a scheduler of Dask's.
+        ``local:N`` for a Dask cluster of N local processes, or ``dask://HOST:PORT`` for a Dask scheduler.
 
     Raises
     ------
     InvalidInput
-        Another text, or one with credentials in it, which are not quoted.
+        Another text, or one with credentials, which are not quoted.
     OutputError
-        Dask is not installed, or no scheduler is there.
+        Dask is not installed, or no scheduler answers.
     """
     check_no_credentials(
         text, "cluster", Message("credentials are taken from Dask's own configuration"), field="cluster"
     )
-    local, remote = _LOCAL.fullmatch(text), _DASK.fullmatch(text)
+    local = re.fullmatch(r"local:([0-9]{1,4})", text)
+    remote = re.fullmatch(r"dask://([^\s/]+):([0-9]{1,5})/?", text)
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
             yield engine
-    elif remote is not None and 1 <= int(remote[2]) <= _MOST_PORT:
+    elif remote is not None and 1 <= int(remote[2]) <= 65535:
         address = f"tcp://{remote[1]}:{remote[2]}"
         _check_scheduler(address, text)
         with _client(address, text) as client:
-            yield replace(_engine_of(client), slots=_Workers(client).slots)
+            yield replace(_cluster_engine(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
-            # An address with a word for its port is printed with asterisks, as a password may be that word.
+            # An address with a word for its port is printed with asterisks, as the word may be a password.
             "cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786",
             text,
             _MOST_WORKERS,
@@ -143,15 +140,14 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
     import dask
 
     settings = {
-        # A block whose worker dies is ours to run again, in its turn and with its share of the provider's rate.
+        # Blocks whose worker dies are retried by the run, in turn and within the provider's limits.
         "distributed.scheduler.allowed-failures": 0,
-        # Dask's own has glibc give memory back after each array, which images then fault in again, page by page:
-        # half of a worker's processor time.
+        # Dask's default makes glibc return memory after each array, and page faults then take half of a worker's time.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     with dask.config.set(settings):
         try:
-            cluster = _deaf_to_ctrl_c(
+            cluster = _ignoring_ctrl_c(
                 lambda: distributed.LocalCluster(
                     n_workers=processes,
                     threads_per_worker=1,
@@ -164,45 +160,45 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         except (MemoryError, Cancelled):
             raise
         except Exception as wrong:
-            # Dask has no error of its own for processes, ports and threads that the system does not give it.
+            # Dask passes on whatever the system raises for lack of processes, ports and threads.
             raise OutputError(
                 "cluster local:{0}: its processes cannot be started ({1}: {2})",
                 processes,
                 type(wrong).__name__,
-                one_line(words_of(wrong), _SAID_CHARACTERS),
+                one_line(words_of(wrong), 120),
             ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:
-                engine = _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
+                engine = _cluster_engine(client, cluster.dashboard_link if find_spec("bokeh") else "")
 
                 def slots() -> int:
                     there: int = engine.slots()
                     if there < processes:
-                        # Dask begins a worker again that dies, but gives it up if it dies once more on its way.
+                        # Dask restarts a worker that dies, but not if it dies again while starting.
                         cluster.scale(processes)
                     return there
 
                 yield replace(engine, slots=slots)
         finally:
-            _end(lambda: cluster.sync(_begin_no_worker_again, cluster))
+            _end(lambda: cluster.sync(_stop_restarting, cluster))
             _end(cluster.close)
 
 
-def _deaf_to_ctrl_c(begin: Callable[[], Any]) -> Any:
-    """Result of what begins processes, which do not hear the Ctrl-C of their terminal: this process ends them.
+def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
+    """Start processes that ignore Ctrl-C of their terminal, as this process ends them; returns the result.
 
-    Threads and processes take over what the thread that begins them does not hear. Windows has no such thing.
+    Threads and processes inherit blocked signals, which Windows does not have.
     """
     begun = Future[Any]()
 
     def run() -> None:
         if hasattr(signal, "pthread_sigmask"):
-            # Begun later, it would have this thread hear Ctrl-C again.
+            # Started later, it would unblock Ctrl-C in this thread.
             resource_tracker.ensure_running()
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             begun.set_result(begin())
-        except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+        except BaseException as wrong:  # noqa: BLE001  (raised where the result is awaited)
             begun.set_exception(wrong)
 
     threading.Thread(target=run, daemon=True).start()
@@ -215,17 +211,17 @@ def _deaf_to_ctrl_c(begin: Callable[[], Any]) -> Any:
 
 
 def _end(close: Callable[[], object]) -> None:
-    """Close something of Dask's. What has been made is whole by then: a fault of its ending is none of the run."""
+    """Close an object of Dask's, ignoring errors: the blocks are complete by then."""
     try:
         close()
-    except Exception as wrong:  # noqa: BLE001  (Dask hands on whatever its processes end of)
+    except Exception as wrong:  # noqa: BLE001  (Dask passes on any error of its processes)
         _log.debug("the cluster did not end by itself: %s", words_of(wrong))
 
 
-async def _begin_no_worker_again(cluster: Any) -> None:
-    """Tell Dask to leave dead workers dead, and wait for those that it is beginning: it fails to close some of them.
+async def _stop_restarting(cluster: Any) -> None:
+    """Have Dask restart no workers, and wait for those that are starting, as it fails to close some of them.
 
-    One that dies just as it has begun is taken for the next, which has no process yet.
+    A worker that dies just after its start is mistaken for the next one, which has no process yet.
     """
     for nanny in list(cluster.workers.values()):
         nanny.close_gracefully()
@@ -238,12 +234,12 @@ async def _begin_no_worker_again(cluster: Any) -> None:
 
 
 def _check_scheduler(address: str, what: str) -> None:
-    """Greet a scheduler: Dask's client takes minutes to give up one that says nothing, and hears no Ctrl-C meanwhile.
+    """Check that a scheduler answers: Dask's client waits for minutes, and ignores Ctrl-C meanwhile.
 
     Raises
     ------
     OutputError
-        There is none.
+        No scheduler answers.
     """
     core, greeted = _distributed().core, Future[None]()
 
@@ -257,7 +253,7 @@ def _check_scheduler(address: str, what: str) -> None:
     def run() -> None:
         try:
             asyncio.run(greet())
-        except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+        except BaseException as wrong:  # noqa: BLE001  (raised where the result is awaited)
             greeted.set_exception(wrong)
         else:
             greeted.set_result(None)
@@ -285,7 +281,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
         client = distributed.Client(address, timeout=MAX_SCHEDULER_SILENCE_S, set_as_default=False)
     except Exception as wrong:
         raise _no_scheduler(what) from wrong
-    # What becomes of a connection is told in one line by who waits for blocks.
+    # The run reports lost connections in one line.
     log = logging.getLogger("distributed.client")
     level = log.level
     log.setLevel(logging.CRITICAL)
@@ -297,26 +293,25 @@ def _client(address: str, what: str) -> Iterator[Any]:
 
 
 class _Calls(Executor):
-    """Calls as tasks of Dask's.
+    """Executor of calls as tasks of Dask.
 
-    Dask's own executor forgets a call whose worker dies after it is done and before its result is fetched: nobody would
-    be told of its end.
+    Dask's executor never completes a call whose worker dies after the call and before its result is fetched.
     """
 
     def __init__(self, client: Any) -> None:
         self._client = client
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have a worker call a function."""
+        """Submit a call to a worker."""
         task, future = self._client.submit(fn, *args, pure=False, retries=0, **kwargs), Future[Any]()
 
         def end(_: Any) -> None:
             try:
-                tell = partial(future.set_result, task.result())
-            except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
-                tell = partial(future.set_exception, wrong)
+                complete = partial(future.set_result, task.result())
+            except BaseException as wrong:  # noqa: BLE001  (raised where the result is awaited)
+                complete = partial(future.set_exception, wrong)
             if future.set_running_or_notify_cancel():
-                tell()
+                complete()
 
         task.add_done_callback(end)
         future.add_done_callback(lambda it: it.cancelled() and task.cancel())
@@ -324,7 +319,7 @@ class _Calls(Executor):
 
 
 class _Later:
-    """Call whose pickle makes it where that is read: by names alone, so that a worker need not know this module."""
+    """Call whose pickle makes it when it is read, by names alone, so that a worker need not have this module."""
 
     def __init__(self, function: Callable[..., Any], *arguments: object) -> None:
         self._call = function, arguments
@@ -334,14 +329,14 @@ class _Later:
 
 
 class _Workers:
-    """Workers that others have begun, each of which is asked once whether it can make blocks."""
+    """Workers started by others, each of which is asked once whether it can make blocks."""
 
     def __init__(self, client: Any) -> None:
         self._client = client
         self._asked: set[str] = set()
 
     def slots(self) -> int:
-        """How many blocks they make at once, now; raises OutputError where one that has come cannot make any."""
+        """Number of blocks that they can make at once now; raises OutputError for a worker that cannot make any."""
         there: dict[str, int] = self._client.nthreads()
         new = sorted(there.keys() - self._asked)
         if new:
@@ -364,12 +359,12 @@ class _Workers:
                 problem,
                 remedy=Message("install it there: pip install 'terrainav[cluster]=={0}'", version()),
             )
-        # One that was not to be reached has gone, or is asked again.
+        # A worker that could not be reached has gone, or is asked again.
         self._asked.update(worker for worker, one in answers.items() if not isinstance(one, OSError))
 
 
 def _problem(answer: Any) -> Message | None:
-    """What a worker that has answered lacks, or has in another version; None where it can make blocks."""
+    """Problem with a worker that has answered; None where it can make blocks."""
     if isinstance(answer, OSError):
         return None
     if isinstance(answer, ImportError):
@@ -391,7 +386,7 @@ def _problem(answer: Any) -> Message | None:
     return None
 
 
-def _engine_of(client: Any, dashboard: str | None = None) -> Engine:
+def _cluster_engine(client: Any, dashboard: str | None = None) -> Engine:
     shown = client.dashboard_link if dashboard is None else dashboard
     return Engine(
         _Calls(client),

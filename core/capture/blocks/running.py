@@ -1,36 +1,26 @@
-"""A run in blocks: who makes which, what is told meanwhile, and the tables at the end."""
+"""Making a capture in blocks: handing them to an engine, and making those again whose worker died."""
 
 from __future__ import annotations
 
 import time
 import uuid
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from contextlib import ExitStack, closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from pathlib import Path
 
-from ...arrays import Numbers
-from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
-from ...dataset.table import other_columns
 from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
 from ...imagery.opening import NamedSource
-from ...imagery.placeholder import Provided, Repeats, noted_digests
-from ...imagery.source import Source
-from ...mission.export import write_plan
 from ...mission.plan import Plan
 from ...picture.heights import with_whole_paths
 from ...resources import version
-from ...storage.files import json_bytes, write_whole
 from ...storage.stores import is_address
-from ...waiting import ended_where
-from ..choices import FOLDERS, IMAGES, WEBDATASET
-from ..holding import held
-from ..journal import FAILED, Outcome
-from ..making import Making, check_source, repeats_of
-from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
-from ..records import exposures_of, write_tables
+from ..choices import FOLDERS, IMAGES
+from ..making import ImageParts, Orders, Piece, check_source
+from ..records import plan_exposures
 from .block import (
     Block,
     BlockResult,
@@ -38,35 +28,29 @@ from .block import (
     Record,
     WrongWorker,
     block_name,
-    call_of,
     controls,
     make_block,
+    packed_call,
     write_relief,
 )
-from .destination import Destination, check_in_blocks
-from .division import divide
 from .engines import Engine
-from .shards import INDEX_FILE, index_of
+from .journal import BlockJournal
 
-#: How often a block is begun before it is given up: workers that die take it with them.
+#: How often a block is tried before it is given up.
 TRIES = 4
 _POLL_S = 0.1
-#: Names of errors that a worker's end looks like from here, by Dask and by Ray.
-_DEATHS = ("KilledWorker", "CancelledError", "FutureCancelledError", "CommClosedError", "WorkerCrashedError")
-#: Blocks in a row that are given up, with none made in between, after which the workers are.
-_MOST_LOST = 5
-#: Seconds without any worker after which that is said: where one dies, another one is on its way.
-_NONE_S = 5.0
+#: Seconds without any worker before that is noticed: a worker that dies is soon replaced.
+_PATIENCE_S = 5.0
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """How a capture is divided, and how its files are laid out.
+    """Size of the blocks of a capture, and layout of its files.
 
     Parameters
     ----------
     images : int
-        Of a block at most.
+        Most images of a block.
     layout : str
         One of `choices.LAYOUTS`.
     """
@@ -75,135 +59,120 @@ class Blocks:
     layout: str = FOLDERS
 
 
-def capture_in_blocks(
+@contextmanager
+def opened_blocks(
     plan: Plan,
     source: NamedSource,
-    destination: str,
+    root: Path,
     engine: Engine,
-    blocks: Blocks = Blocks(),
-    *,
+    blocks: Blocks,
     connections: int,
+    notice: Callable[[Message], object],
+    *,
     resume: bool,
     only_failed: bool,
-    progress: Callable[[Progress], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
-    paused: Callable[[], bool] | None = None,
-    notice: Callable[[Message], object] | None = None,
-) -> CaptureResult:
-    """Capture a plan in blocks; see `capture`, which leads here.
+) -> Iterator[tuple[BlockJournal, BlockMaker]]:
+    """Open the journal and the maker of a capture in blocks; parameters as of `capture`.
 
     Parameters
     ----------
     connections : int
         Requests under way at once, of all blocks together.
     notice : callable
-        Told in one line of each block that was begun again, and why.
+        As of `Listener`.
     """
-    if destination.startswith("memory:") and not engine.in_process:
+    if str(root).startswith("memory:") and not engine.in_process:
         raise InvalidInput(
             "address {0}: is of this process alone, and workers are others: must be a folder, or begin with {1}",
-            destination,
+            root,
             "s3://, gs:// or az://",
         )
-    listener = Listener(progress, cancelled, paused)
-    with ExitStack() as opened:
-        own = opened.enter_context(closing(source.open()))
-        check_source(plan, own)
-        # Nothing is lost yet where a store that says nothing is given up at once.
-        with ended_where(cancelled):
-            if only_failed:
-                check_in_blocks(destination)
-            place = Destination(destination, plan, resume=resume or only_failed)
-            check = opened.enter_context(held(place.root))
-            place.check_division(blocks.layout, blocks.images)
-            run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
-            run.notice = notice or (lambda _: None)
-            run.begin(only_failed=only_failed)
-        try:
-            complete = run.make_all()
-        finally:
-            run.write_tables()
-        return run.result(cancelled=not complete)
+    with closing(source.open()) as opened:
+        check_source(plan, opened)
+        with BlockJournal.opened(
+            plan, root, blocks.layout, blocks.images, resume=resume, only_failed=only_failed
+        ) as journal:
+            maker = BlockMaker(source, ImageParts(plan, opened), journal, engine, blocks, connections, notice)
+            yield journal, maker
 
 
-class _Run:
-    """One run: blocks that are to be made, those under way, and what is known of all images."""
+class BlockMaker:
+    """Maker whose blocks an engine runs, as many at once as it has workers and the provider allows.
 
-    notice: Callable[[Message], object]
+    Parameters
+    ----------
+    source : NamedSource
+    parts : ImageParts
+    journal : BlockJournal
+    engine : Engine
+    blocks : Blocks
+    connections : int
+        Requests under way at once, of all blocks together.
+    notice : callable
+        As of `Listener`.
+    """
 
     def __init__(
         self,
-        plan: Plan,
         source: NamedSource,
-        own: Source,
-        place: Destination,
+        parts: ImageParts,
+        journal: BlockJournal,
         engine: Engine,
         blocks: Blocks,
         connections: int,
-        listener: Listener,
-        check: Callable[[], None],
+        notice: Callable[[Message], object],
     ) -> None:
-        self._plan, self._source, self._own = plan, source, own
-        self._place = place
-        self._engine, self._blocks = engine, blocks
-        self._connections, self._listener, self._check = connections, listener, check
+        self.parts, self.requests, self.unique_parts = parts, 0, 0
+        self._plan, self._source, self._journal = parts.plan, source, journal
+        self._engine, self._blocks, self._connections = engine, blocks, connections
+        self._notice = notice
         self._name = uuid.uuid4().hex
-        self._control = Control(check=check)
-        # Of workers each may have a current folder of its own.
-        self._terrain = with_whole_paths(plan.mission.terrain)
-        self._whole = str(place.root) if is_address(place.root) else str(place.root.absolute())
-        self._map_types = plan.mission.imagery.map_types
-        self._divided: list[Numbers] = divide(plan.windows, blocks.images)
-        self._exposures = exposures_of(plan)
-        self._records: dict[str, dict[int, Record]] = {}
-        self._made: set[tuple[str, int]] = set()
-        self._pending: deque[tuple[str, int]] = deque()
-        self._tries: dict[tuple[str, int], int] = {}
-        self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
-        self._none_since_s: float | None = None
-        self._none_is_told = False
+        self._control = Control(check=journal.check)
+        # Workers may have other current folders.
+        self._terrain = with_whole_paths(parts.plan.mission.terrain)
+        root = journal.root
+        self._destination = str(root) if is_address(root) else str(root.absolute())
+        self._exposures = plan_exposures(parts.plan)
+        self._pending: deque[Piece] = deque()
+        self._tries: Counter[tuple[str, int]] = Counter()
+        self._under_way: dict[Future[BlockResult], tuple[Piece, Fraction]] = {}
+        self._workers_gone_s: float | None = None
+        self._gone_is_noticed = False
         self._lost_in_a_row = 0
-        self._requests = self._unique_parts = self._total = self._skipped = self._done = self._failed = 0
 
-    def begin(self, *, only_failed: bool) -> None:
-        """See what is there, write what tells of the whole, and put what is missing in a row."""
-        for map_type in self._map_types:
-            self._records[map_type] = self._place.records(map_type, self._divided)
-            for number in range(len(self._divided)):
-                record = self._records[map_type].get(number)
-                missing = not only_failed if record is None else record.failed or self._is_placeholder(record)
-                if missing:
-                    self._pending.append((map_type, number))
-                elif record is not None and not only_failed:
-                    self._skipped += len(record.outcomes)
-        pending = sum(len(self._divided[number]) for _, number in self._pending)
-        self._total = pending if only_failed else len(self._plan) * len(self._map_types)
-        for name in (PLAN_FILE, FOOTPRINTS_FILE):
-            write_plan(self._plan, self._place.root / name)
+    @property
+    def under_way(self) -> int:
+        """Images made so far of blocks that are not finished."""
+        return sum(self._control.made.copy().values())
+
+    @property
+    def map_type(self) -> str:
+        """Map type of the next block."""
+        return self._pending[0].map_type if self._pending else self._plan.mission.imagery.map_types[-1]
+
+    def rounds(self, map_types: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
+        """All map types together, so that no worker waits for the last block of one."""
+        return [map_types]
+
+    def prepare(self) -> None:
+        """Write the relief for workers in other processes."""
         if not self._engine.in_process:
-            write_relief(self._plan, self._place.root)
+            write_relief(self._plan, self._journal.root)
 
-    def _is_placeholder(self, record: Record) -> bool:
-        """Whether a block has a file that counts as placeholder by now."""
-        if not isinstance(self._own, Provided):
-            return False
-        return any(map(self._own.placeholder.knows, noted_digests(record.noted)))
-
-    def make_all(self) -> bool:
-        """Make all blocks that are missing; False where cancelled."""
+    def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
+        """Make blocks; returns False where the run stopped it."""
+        self._pending.extend(pieces)
         controls[self._name] = control = self._control
         try:
             while self._pending or self._under_way:
-                self._check()
-                self._listener.tell(self._progress)
-                if not self._listener.go_on():
+                if not orders.wants_more():
                     return False
-                held = self._listener.wait()
-                (control.held.set if held else control.held.clear)()
-                if not held:
+                paused = orders.is_paused()
+                (control.paused.set if paused else control.paused.clear)()
+                if not paused:
                     self._submit()
                 if self._under_way:
-                    self._take(wait(self._under_way, _POLL_S, FIRST_COMPLETED).done)
+                    self._take(wait(self._under_way, _POLL_S, FIRST_COMPLETED).done, orders)
                 else:
                     time.sleep(_POLL_S)
             return True
@@ -213,94 +182,91 @@ class _Run:
                 future.cancel()
             if self._engine.in_process:
                 # Its threads would go on with what the caller is about to close.
-                self._take(wait(self._under_way).done, ended=True)
+                self._take(wait(self._under_way).done, orders, ended=True)
             del controls[self._name]
 
     def _submit(self) -> None:
-        """Hand blocks to workers that have none, as far as the provider's limits have shares left."""
-        slots = self._slots()
+        """Hand blocks to idle workers, within the provider's limits."""
+        slots = self._count_slots()
         most = self._source.policy.most_sharers if not self._source.is_local else None
         sharers = slots if most is None else min(slots, most)
         share = Fraction(1, max(sharers, 1))
         while self._pending and len(self._under_way) < sharers:
-            # Shares of blocks that were begun when there were fewer workers are larger than those of today.
-            if most is not None and sum(one for *_, one in self._under_way.values()) + share > 1:
+            # Blocks that were begun when there were fewer workers have larger shares of the provider's limits.
+            if most is not None and sum(one for _, one in self._under_way.values()) + share > 1:
                 return
-            map_type, number = self._pending.popleft()
-            block = self._block(map_type, number, sharers)
+            piece = self._pending.popleft()
+            block = self._block(piece, sharers)
             try:
                 if self._engine.in_process:
                     future = self._engine.executor.submit(make_block, block)
                 else:
-                    call, about = call_of(block)
-                    future = self._engine.executor.submit(call, about)
+                    function, argument = packed_call(block)
+                    future = self._engine.executor.submit(function, argument)
             except (RuntimeError, OSError) as wrong:
                 raise _broken(wrong) from wrong
-            self._under_way[future] = (map_type, number, share)
+            self._under_way[future] = (piece, share)
 
-    def _slots(self) -> int:
-        """How many blocks workers make at once, now; where there has been none for a while, that is said."""
+    def _count_slots(self) -> int:
+        """Count the blocks that workers can make at once; gives notice where there have been none for a while."""
         try:
             slots = self._engine.slots()
         except (RuntimeError, OSError) as wrong:
             raise _broken(wrong) from wrong
         if slots:
-            if self._none_is_told:
-                self.notice(Message("workers: {0:,} there: going on", slots))
-            self._none_since_s, self._none_is_told = None, False
-        elif self._none_since_s is None:
-            self._none_since_s = time.monotonic()
-        elif not self._none_is_told and time.monotonic() - self._none_since_s > _NONE_S:
-            self._none_is_told = True
-            self.notice(Message("workers: none is there: waiting for one"))
+            if self._gone_is_noticed:
+                self._notice(Message("workers: {0:,} there: going on", slots))
+            self._workers_gone_s, self._gone_is_noticed = None, False
+        elif self._workers_gone_s is None:
+            self._workers_gone_s = time.monotonic()
+        elif not self._gone_is_noticed and time.monotonic() - self._workers_gone_s > _PATIENCE_S:
+            self._gone_is_noticed = True
+            self._notice(Message("workers: none is there: waiting for one"))
         return slots
 
-    def _block(self, map_type: str, number: int, sharers: int) -> Block:
-        which = self._divided[number]
+    def _block(self, piece: Piece, sharers: int) -> Block:
         connections = max(self._connections // sharers, 1)
         options = replace(self._source.options, connections=connections, sharers=sharers)
         return Block(
-            number,
-            map_type,
-            self._plan.part(which),
-            which,
+            piece.number,
+            piece.map_type,
+            self._plan.part(piece.indices),
+            piece.indices,
             self._source.asked(options),
-            self._whole,
+            self._destination,
             self._terrain,
             self._blocks.layout,
-            None if self._exposures is None else self._exposures.part(which),
+            None if self._exposures is None else self._exposures.part(piece.indices),
             connections,
             self._engine.workers,
             self._name,
         )
 
-    def _take(self, done: Iterable[Future[BlockResult]], *, ended: bool = False) -> None:
-        """Note what has come of blocks; those whose worker died, or whose place could not be written, come again."""
+    def _take(self, done: Iterable[Future[BlockResult]], orders: Orders, *, ended: bool = False) -> None:
+        """Take the results of blocks, and retry those whose worker died or could not write."""
         for future in done:
-            map_type, number, _ = self._under_way.pop(future)
-            self._control.made.pop(block_name(map_type, number), None)
-            wrong = _end_of(future)
+            piece, _ = self._under_way.pop(future)
+            self._control.made.pop(block_name(piece.map_type, piece.number), None)
+            wrong = _find_error(future)
             if wrong is None:
                 result = future.result()
-                self._note(map_type, number, result.record)
                 self._lost_in_a_row = 0
-                self._requests += result.requests
-                self._unique_parts += result.unique_parts
+                self.requests += result.requests
+                self.unique_parts += result.unique_parts
+                self._note(piece, result.record, orders)
             elif not ended:
-                self._again(map_type, number, wrong)
+                self._retry(piece, wrong, orders)
 
-    def _note(self, map_type: str, number: int, record: Record) -> None:
-        """Take the record of a block that this run has made, or has given up."""
-        self._records[map_type][number] = record
-        self._made.add((map_type, number))
-        # Counted once: who asks for progress does so many times a second, and images may be millions.
-        failed = sum(one.status == FAILED for one in record.outcomes.values())
-        self._failed += failed
-        self._done += len(record.outcomes) - failed
+    def _note(self, piece: Piece, record: Record, orders: Orders) -> None:
+        """Note the record of a block that was made or given up."""
+        self._journal.take(piece, record)
+        orders.repeats(piece.map_type).add(record.noted)
+        for outcome in record.outcomes.values():
+            orders.note(outcome)
 
-    def _again(self, map_type: str, number: int, wrong: BaseException) -> None:
-        """Put a block in the row again, or give it up; what stops the whole run is raised."""
-        # Ray hands on what was raised within an error of its own.
+    def _retry(self, piece: Piece, wrong: BaseException, orders: Orders) -> None:
+        """Queue a block again, or give it up; raises what ends the whole run."""
+        # Ray wraps errors in its own.
         cause = getattr(wrong, "cause", None)
         wrong = cause if isinstance(cause, BaseException) else wrong
         if isinstance(wrong, (WrongWorker, SourceError, InvalidInput)) or (
@@ -319,127 +285,52 @@ class _Run:
             raise OutputError(
                 "workers: not all have what TerrAInav needs ({0})", wrong, remedy="install it on each"
             ) from wrong
-        reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
-        key, name = (map_type, number), block_name(map_type, number)
-        self._tries[key] = self._tries.get(key, 1) + 1
-        if self._tries[key] > TRIES:
-            if isinstance(wrong, OutputError):
-                raise wrong
-            self._lost_in_a_row += 1
-            if self._lost_in_a_row > _MOST_LOST:
-                raise OutputError(
-                    "workers: {0} blocks in a row could not be made ({1})",
-                    self._lost_in_a_row,
-                    reason,
-                    remedy=Message("resume it{0} once they are well", OptionName("resume").in_brackets),
-                )
-            lost = (self._plan.names[index] for index in self._divided[number].tolist())
-            record = Record({one: Outcome(map_type, one, reason=reason) for one in lost})
-            record.commit(self._place.root, name)
-            self._note(map_type, number, record)
-            self.notice(Message("block {0}: {1}, {2} times: given up", name, reason, TRIES))
+        reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _describe(wrong)
+        name = block_name(piece.map_type, piece.number)
+        self._tries[piece.map_type, piece.number] += 1
+        if self._tries[piece.map_type, piece.number] < TRIES:
+            self._notice(Message("block {0}: {1}: it is begun again", name, reason))
+            self._pending.appendleft(piece)
             return
-        self.notice(Message("block {0}: {1}: it is begun again", name, reason))
-        self._pending.appendleft(key)
-
-    def _progress(self) -> Progress:
-        map_type = self._pending[0][0] if self._pending else self._map_types[-1]
-        return Progress(
-            self._total,
-            self._done + sum(self._control.made.copy().values()),
-            self._failed,
-            self._skipped,
-            self._requests,
-            map_type,
-            self._listener.active_s(),
-            self._listener.is_paused,
-        )
-
-    def write_tables(self) -> None:
-        """Write what tells of all images that are done or have failed so far."""
-        # Where another run has taken the place, the tables are its own.
-        self._check()
-        for map_type in self._map_types:
-            folder, in_shards = self._place.root / map_type, self._blocks.layout == WEBDATASET
-            others, outcomes = other_columns(folder / TABLE_FILE), self._outcomes(map_type)
-            write_tables(folder, self._plan, self._own, outcomes, others, in_shards=in_shards)
-            if in_shards:
-                write_whole(folder / INDEX_FILE, json_bytes(index_of(self._shards(map_type))))
-        self._listener.tell(self._progress, at_once=True)
-
-    def _outcomes(self, map_type: str) -> dict[str, Outcome]:
-        records = self._records[map_type]
-        return {name: one for number in sorted(records) for name, one in records[number].outcomes.items()}
-
-    def _shards(self, map_type: str) -> dict[str, tuple[int, int]]:
-        """Images and bytes of each shard, by file name."""
-        return {
-            f"{block_name(map_type, number)}.tar": (
-                sum(one.status != FAILED for one in record.outcomes.values()),
-                record.shard_bytes,
+        if isinstance(wrong, OutputError):
+            raise wrong
+        self._lost_in_a_row += 1
+        # So many blocks given up, with none made in between, are the workers' fault.
+        if self._lost_in_a_row > 5:
+            raise OutputError(
+                "workers: {0} blocks in a row could not be made ({1})",
+                self._lost_in_a_row,
+                reason,
+                remedy=Message("resume it{0} once they are well", OptionName("resume").in_brackets),
             )
-            for number, record in sorted(self._records[map_type].items())
-            if record.shard_bytes
-        }
-
-    def _repeats(self) -> Iterator[Repeat]:
-        """Files that came for places far apart in the blocks that this run has made, and the images that show them."""
-        for map_type in self._map_types:
-            repeats = Repeats(self._plan.grid)
-            for made, number in self._made:
-                if made == map_type:
-                    repeats.add(self._records[map_type][number].noted)
-            found = repeats.found()
-            if found:
-                making = Making(
-                    self._plan, self._own, self._place.root, 1, 1, lambda *_: None, exposures=None
-                )
-                yield from repeats_of(map_type, found, making.shown(found, self._outcomes(map_type)))
-
-    def result(self, *, cancelled: bool) -> CaptureResult:
-        """Return what the run has done."""
-        order = {name: at for at, name in enumerate(self._plan.names)}
-        failed = [
-            Failure(map_type, one.name, one.reason)
-            for map_type in self._map_types
-            for made, number in self._made
-            if made == map_type
-            for one in self._records[map_type][number].outcomes.values()
-            if one.status == FAILED
-        ]
-        failed.sort(key=lambda one: (self._map_types.index(one.map_type), order[one.name]))
-        progress = self._progress()
-        return CaptureResult(
-            folder=self._place.root,
-            total=self._total,
-            written=self._done,
-            failed=tuple(failed),
-            skipped=self._skipped,
-            requests=self._requests,
-            unique_parts=self._unique_parts,
-            seconds=progress.active_s,
-            cancelled=cancelled,
-            repeated=tuple(self._repeats()),
-        )
+        self._note(piece, self._journal.give_up(piece, reason), orders)
+        self._notice(Message("block {0}: {1}, {2} times: given up", name, reason, TRIES))
 
 
-def _end_of(future: Future[BlockResult]) -> BaseException | None:
-    """What ended a block that was not made, of whatever kind: sys.exit() on a worker ends no run."""
+def _find_error(future: Future[BlockResult]) -> BaseException | None:
+    """Error that ended a block, of any kind: sys.exit() on a worker does not end the run."""
     try:
         return future.exception()
     except CancelledError as wrong:
         return wrong
 
 
-def _died(wrong: BaseException) -> Message:
-    """Few words for what a worker's end, or a fault on it, looks like from here."""
+def _describe(wrong: BaseException) -> Message:
+    """Describe the error of a worker briefly."""
     kind = type(wrong).__name__
-    if kind in _DEATHS:
+    # Names of errors that Dask and Ray raise where a worker ends.
+    if kind in (
+        "KilledWorker",
+        "CancelledError",
+        "FutureCancelledError",
+        "CommClosedError",
+        "WorkerCrashedError",
+    ):
         return Message("its worker died")
     said = str(wrong).partition("\n")[0][:120]
     return Message("{0} on its worker ({1})", kind, said)
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    # What Dask says is of its connections, and of their ends within it.
+    # Dask's text is about its own connections.
     return OutputError("workers: all are gone ({0})", type(wrong).__name__)

@@ -17,6 +17,7 @@ from pyproj import Transformer
 from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark, tiles_folder
+from terrainav.core.capture.progress import Listener
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box, Points
@@ -289,7 +290,7 @@ def test_same_area_has_one_gallery_for_all_parts(benchmark):
 def test_the_same_settings_leave_the_same_bytes_also_in_several_goes(tmp_path, settings, benchmark):
     folder = tmp_path / "again"
     asked = iter([False] * 40 + [True] * 1_000_000)
-    first = made(folder, settings, cancelled=lambda: next(asked))
+    first = made(folder, settings, listener=Listener(cancelled=lambda: next(asked)))
     assert first.benchmark is None
     assert first.total.cancelled
     with pytest.raises(InvalidInput, match="is not finished"):

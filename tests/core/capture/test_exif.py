@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from terrainav.core.capture import tiff
-from terrainav.core.capture.records import exposures_of, job_of
+from terrainav.core.capture.records import image_job, plan_exposures
 from terrainav.core.capture.runner import capture
 from terrainav.core.capture.writers import jpeg
 from terrainav.core.errors import InvalidInput
@@ -221,7 +221,7 @@ def test_xmp_stands_where_text_searches_find_it(tmp_path):
 def test_texts_that_no_jpeg_has_room_for_are_refused(tmp_path):
     source = PatternSource()
     worked_out = plan(one(*AGRICENTER), source.grid)
-    job = job_of(worked_out, 0, source, "satellite", tmp_path, exposures_of(worked_out))
+    job = image_job(worked_out, 0, source, "satellite", tmp_path, plan_exposures(worked_out))
     long = dataclasses.replace(job.description, attribution="x" * 66_000)
     with pytest.raises(InvalidInput, match="choose tif or png"):
         jpeg(np.zeros((8, 8, 3), np.uint8), long)
@@ -229,7 +229,7 @@ def test_texts_that_no_jpeg_has_room_for_are_refused(tmp_path):
 
 def test_other_formats_cost_nothing(tmp_path):
     worked_out = plan(one(*AGRICENTER).with_(image_format="tif"), PatternSource().grid)
-    assert exposures_of(worked_out) is None
+    assert plan_exposures(worked_out) is None
 
 
 def test_a_camera_of_the_users_own_does_not_change_the_tags(monkeypatch, tmp_path):

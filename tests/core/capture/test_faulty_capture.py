@@ -11,6 +11,7 @@ from contextlib import closing, contextmanager
 import numpy as np
 import pytest
 from PIL import Image
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
@@ -93,7 +94,7 @@ def opened(server, cache=None, timeouts=PATIENT, tries=2, template=None, connect
         yield source
 
 
-def run(server, folder, *, resume=False, connections=4, cancelled=None, **options):
+def run(server, folder, *, resume=False, connections=4, listener=None, **options):
     with opened(server, connections=connections, **options) as source:
         return capture(
             PLAN,
@@ -102,7 +103,7 @@ def run(server, folder, *, resume=False, connections=4, cancelled=None, **option
             connections=connections,
             workers=2,
             resume=resume,
-            cancelled=cancelled,
+            listener=listener or Listener(),
         )
 
 
@@ -324,7 +325,9 @@ def test_every_wait_of_a_capture_ends_when_it_is_cancelled(server, deaf_template
 
     def work():
         with opened(server, timeouts=HANG, tries=50, template=template) as source:
-            result = capture(PLAN, source, tmp_path / "out", connections=4, cancelled=stop.is_set)
+            result = capture(
+                PLAN, source, tmp_path / "out", connections=4, listener=Listener(cancelled=stop.is_set)
+            )
             ended.update(capture=time.monotonic(), cancelled=result.cancelled)
         ended["source"] = time.monotonic()
 

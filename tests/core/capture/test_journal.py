@@ -4,7 +4,7 @@ import json
 import os
 
 import pytest
-from terrainav.core.capture.folder import complete_pictures
+from terrainav.core.capture.images import find_complete
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
 from terrainav.core.limits import MAX_TABLE_BYTES
@@ -119,7 +119,7 @@ def test_pictures_are_complete_where_their_files_are_as_long_as_noted(tmp_path, 
     for ending, length in lengths.items():
         (tmp_path / f"a{ending}").write_bytes(b"x" * length)
     outcome = Outcome("satellite", "a", 1.0, size_bytes=size_bytes)
-    assert complete_pictures(tmp_path, (".jgw", ".jpg"), {"a": outcome}) == ({"a"} if whole else set())
+    assert find_complete(tmp_path, (".jgw", ".jpg"), {"a": outcome}) == ({"a"} if whole else set())
 
 
 def test_every_line_is_there_at_once(tmp_path):

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.table import Table
@@ -119,10 +120,14 @@ def test_only_images_that_are_there_are_listed_until_all_are(tmp_path):
     assert set(whole) == {*FILES, "meta_data.csv"}
 
     parts, interrupted = tmp_path / "parts", iter([False] * 20)
-    capture(worked_out, PatternSource(), parts, only=[1, 4], cancelled=lambda: False)
+    capture(worked_out, PatternSource(), parts, only=[1, 4], listener=Listener(cancelled=lambda: False))
     assert list(geo(parts / "satellite")) == [f"{worked_out.names[index]}.jpg" for index in (1, 4)]
     capture(
-        worked_out, PatternSource(wait_s=0.01), parts, resume=True, cancelled=lambda: next(interrupted, True)
+        worked_out,
+        PatternSource(wait_s=0.01),
+        parts,
+        resume=True,
+        listener=Listener(cancelled=lambda: next(interrupted, True)),
     )
     assert set(geo(parts / "satellite")) == {path.name for path in (parts / "satellite").glob("*.jpg")}
     capture(worked_out, PatternSource(), parts, resume=True)

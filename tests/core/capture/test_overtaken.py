@@ -178,7 +178,7 @@ def steal(path):
 def test_a_clock_that_is_set_by_hours_ends_no_run(root, monkeypatch):
     now, shift_s = time.time, 0.0
     monkeypatch.setattr(time, "time", lambda: now() + shift_s)
-    with holding._Lease(root / "run.lease") as lease:
+    with holding.Lease(root / "run.lease") as lease:
         for shift_s in (-7_200.0, 7_200.0, 0.0, 1e6):  # noqa: B007  (read by the clock)
             lease.check()
             time.sleep(0.1)
@@ -187,9 +187,9 @@ def test_a_clock_that_is_set_by_hours_ends_no_run(root, monkeypatch):
 
 def test_a_lease_that_is_stolen_is_found_without_any_beat(root, monkeypatch):
     """As by a process that goes on after it was stopped: its thread of beats has had no turn yet."""
-    monkeypatch.setattr(holding._Lease, "_beat", lambda self: self._ended.wait())
+    monkeypatch.setattr(holding.Lease, "_beat", lambda self: self._ended.wait())
     steady = holding._steady_s
-    lease = holding._Lease(root / "it")
+    lease = holding.Lease(root / "it")
     with suppress(OutputError), lease:
         lease.check()
         stolen = steal(root / "it")
@@ -200,23 +200,23 @@ def test_a_lease_that_is_stolen_is_found_without_any_beat(root, monkeypatch):
 
 
 def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
-    with pytest.raises(OutputError, match="another run has taken over"), holding._Lease(root / "it"):
+    with pytest.raises(OutputError, match="another run has taken over"), holding.Lease(root / "it"):
         stolen = steal(root / "it")
     assert read_if_there(root / "it", 10_000) == stolen
 
 
 def test_a_sign_that_was_written_over_another_runs_is_taken_away(root, monkeypatch):
     """As by a process that was stopped between its look at the lease and its sign."""
-    monkeypatch.setattr(holding._Lease, "_beat", lambda self: self._ended.wait())
-    steady, put_sign = holding._steady_s, holding._Lease._put
+    monkeypatch.setattr(holding.Lease, "_beat", lambda self: self._ended.wait())
+    steady, put_sign = holding._steady_s, holding.Lease._put
 
     def put_late(lease):
         steal(root / "it")
         monkeypatch.setattr(holding, "_steady_s", lambda: steady() + 60.0)
         put_sign(lease)
 
-    with suppress(OutputError), holding._Lease(root / "it") as lease:
-        monkeypatch.setattr(holding._Lease, "_put", put_late)
+    with suppress(OutputError), holding.Lease(root / "it") as lease:
+        monkeypatch.setattr(holding.Lease, "_put", put_late)
         lease._sign()
         with pytest.raises(OutputError, match="another run has taken over"):
             lease.check()
@@ -228,7 +228,7 @@ def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkey
     monkeypatch.setattr(holding, "MAX_SETTINGS_BYTES", 1000)
     monkeypatch.setattr(holding, "DEAD_S", 0.2)
     junk = b"x" * 2000
-    with suppress(OutputError), holding._Lease(root / "it") as lease:
+    with suppress(OutputError), holding.Lease(root / "it") as lease:
         put(root / "it", junk) if is_address(root) else (root / "it").write_bytes(junk)
         wait_for(lambda: not lease._thread.is_alive())
         with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
@@ -241,5 +241,5 @@ def test_a_lease_that_is_no_lease_is_said_before_the_run_begins(root, monkeypatc
     junk = b"x" * 2000
     put(root / "it", junk) if is_address(root) else (root / "it").write_bytes(junk)
     with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
-        holding._Lease(root / "it").__enter__()
+        holding.Lease(root / "it").__enter__()
     assert read_if_there(root / "it", 10_000) == junk

@@ -8,6 +8,7 @@ import time
 from contextlib import closing
 
 import pytest
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -149,9 +150,7 @@ class Held:
             self._folder,
             connections=2,
             workers=2,
-            progress=self._hear,
-            cancelled=self.cancelling.is_set,
-            paused=self._paused,
+            listener=Listener(progress=self._hear, cancelled=self.cancelling.is_set, paused=self._paused),
         )
 
     def _hear(self, progress):

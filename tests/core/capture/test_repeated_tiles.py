@@ -11,7 +11,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture.progress import Repeat
+from terrainav.core.capture.progress import Listener, Repeat
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
@@ -190,7 +190,7 @@ def test_a_run_that_is_stopped_tells_what_it_has_seen(tmp_path):
         return len(pictures(tmp_path / "out")) == len(before_it)
 
     with TileServer(slow) as server:
-        first = run(server, tmp_path / "out", cancelled=cancelled, connections=16)
+        first = run(server, tmp_path / "out", listener=Listener(cancelled=cancelled), connections=16)
         stopped.set()
         assert first.cancelled
         (repeat,) = first.repeated

@@ -18,7 +18,7 @@ from PIL import Image
 from terrainav.core import limits
 from terrainav.core.capture import making, pipeline, records
 from terrainav.core.capture.pipeline import Spool
-from terrainav.core.capture.progress import Failure
+from terrainav.core.capture.progress import Failure, Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import Table
@@ -333,7 +333,9 @@ def test_cancel_and_resume(in_one_go, tmp_path):
         return bool(seen) and seen[-1].done > 3
 
     source = PatternSource(wait_s=0.002)
-    result = capture(worked_out, source, tmp_path, progress=seen.append, cancelled=cancelled)
+    result = capture(
+        worked_out, source, tmp_path, listener=Listener(progress=seen.append, cancelled=cancelled)
+    )
     assert result.cancelled
     assert 3 < result.written < result.total
     table = Table.load(tmp_path / "satellite" / "meta_data.csv")
@@ -368,7 +370,7 @@ def test_cancelling_waits_for_no_request(tmp_path):
         return bool(cancelled_s)
 
     with closing(Hanging()) as source:
-        result = capture(planned(), source, tmp_path, cancelled=cancelled)
+        result = capture(planned(), source, tmp_path, listener=Listener(cancelled=cancelled))
         ended_s = time.monotonic()
     # It takes a fraction of a second, more on a busy machine; a wait for a request would take NEVER_S.
     assert ended_s - cancelled_s[0] < 5.0
@@ -390,7 +392,7 @@ def test_pictures_do_not_depend_on_where_tiles_wait(in_one_go, tmp_path, monkeyp
 
 def test_cancelled_before_it_begins(tmp_path):
     source = PatternSource()
-    result = capture(planned(), source, tmp_path, cancelled=lambda: True)
+    result = capture(planned(), source, tmp_path, listener=Listener(cancelled=lambda: True))
     assert (result.cancelled, result.written, result.requests) == (True, 0, 0)
     assert not source.fetched
 
@@ -402,7 +404,10 @@ def test_progress_counts_up_to_everything(tmp_path):
     caller = threading.get_ident()
     threads = set()
     result = capture(
-        worked_out, source, tmp_path, progress=lambda p: (seen.append(p), threads.add(threading.get_ident()))
+        worked_out,
+        source,
+        tmp_path,
+        listener=Listener(progress=lambda p: (seen.append(p), threads.add(threading.get_ident()))),
     )
     last = seen[-1]
     assert (last.total, last.done, last.failed, last.skipped) == (
@@ -485,7 +490,7 @@ def test_the_same_mission_must_be_resumed(in_one_go):
     worked_out, folder, _, _ = in_one_go
     before = contents(folder)
     with pytest.raises(
-        OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another folder"
+        OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another one"
     ):
         capture(worked_out, PatternSource(), folder)
     assert contents(folder) == before
@@ -495,7 +500,7 @@ def test_the_same_mission_must_be_resumed(in_one_go):
 def test_another_mission_is_left_alone(in_one_go, resume):
     _, folder, _, _ = in_one_go
     before = contents(folder)
-    with pytest.raises(OutputError, match="holds another mission; choose another folder"):
+    with pytest.raises(OutputError, match="holds another mission; choose another one"):
         capture(planned(MISSION.with_(agl_m=121.0)), PatternSource(), folder, resume=resume)
     assert contents(folder) == before
 
@@ -609,7 +614,7 @@ def test_a_job_is_a_plain_value_for_any_executor(tmp_path):
     import pickle
 
     worked_out, source = planned(), PatternSource()
-    job = records.job_of(worked_out, 3, source, "satellite", tmp_path)
+    job = records.image_job(worked_out, 3, source, "satellite", tmp_path)
     parts = source.parts(job.shot.window)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
     job, parts, pixels = pickle.loads(pickle.dumps((job, parts, pixels)))

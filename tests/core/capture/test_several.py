@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from osgeo import gdal, ogr
 from pyproj import Transformer
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.several import capture_imageries
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
@@ -117,7 +118,9 @@ def test_each_imagery_is_a_dataset_as_its_own_mission_makes_it(of_dates, tmp_pat
 def test_stopped_and_resumed_it_leaves_the_same_bytes(of_dates, tmp_path):
     mission, folder, whole = of_dates
     images = itertools.count()
-    result = captured(mission, tmp_path / "again", cancelled=lambda: next(images) > 8, workers=1)
+    result = captured(
+        mission, tmp_path / "again", listener=Listener(cancelled=lambda: next(images) > 8), workers=1
+    )
     assert result.cancelled
     assert result.total == whole.total > result.written
     with pytest.raises(OutputError, match="already holds this mission"):

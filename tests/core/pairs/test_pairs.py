@@ -12,6 +12,7 @@ import numpy as np
 import pyproj
 import pytest
 from PIL import Image
+from terrainav.core.capture.progress import Listener
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import lat_to_v, lon_to_u
 from terrainav.core.geodesy.raytracing.surface import Surface
@@ -210,7 +211,7 @@ def test_a_stopped_run_goes_on_to_the_same_bytes(pairs, tmp_path):
         return len(list(tmp_path.rglob("*.jpg"))) > 8
 
     stopped = capture_pairs(
-        worked_out, source, tmp_path / "out", connections=1, workers=1, cancelled=cancelled
+        worked_out, source, tmp_path / "out", connections=1, workers=1, listener=Listener(cancelled=cancelled)
     )
     assert stopped.cancelled
     assert asked

@@ -11,6 +11,7 @@ from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
 from terrainav.core.benchmark.scoring import score
+from terrainav.core.capture.progress import Listener
 from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
 from terrainav.core.exports.croissant import write_croissant
@@ -70,7 +71,7 @@ def _no_opencv(case: Case) -> None:
 
 @remedy("benchmark/folder.py", "folder {}: is not finished; go on (--resume)")
 def _not_finished(case: Case) -> None:
-    made(case.tmp_path / "out", cancelled=lambda: True)
+    made(case.tmp_path / "out", listener=Listener(cancelled=lambda: True))
     case.refused(lambda: Benchmark.read(case.tmp_path / "out"))
     case.follow("go on (--resume)", lambda: made(case.tmp_path / "out", resume=True))
     Benchmark.read(case.tmp_path / "out")

@@ -13,6 +13,7 @@ from terrainav.core.capture.begun import BEGUN_FILE
 from terrainav.core.capture.blocks.engines import Engine, _Workers, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
@@ -36,40 +37,8 @@ def new():
     return f"memory://{uuid4().hex}/run"
 
 
-@remedy("capture/folder.py", "address {}: holds another mission; choose another one")
-def _another(case: Case) -> None:
-    address = new()
-    captured(address)
-    other = MISSION.with_(agl_m=21.0)
-    case.refused(lambda: captured(address, other))
-    case.follow("choose another one", lambda: captured(new(), other))
-
-
 @remedy(
-    "capture/folder.py",
-    "address {}: already holds this mission; resume it (--resume) or choose another one",
-)
-def _already(case: Case) -> None:
-    address = new()
-    captured(address)
-    case.refused(lambda: captured(address))
-    case.follow("resume it (--resume)", lambda: captured(address, resume=True))
-    case.follow("choose another one", lambda: captured(new()))
-
-
-@remedy(
-    "capture/folder.py",
-    "address {}: holds {} but no {}, so it is not this mission's; choose another one",
-)
-def _foreign(case: Case) -> None:
-    address = new()
-    put(store_path(f"{address}/holiday.jpg"), b"")
-    case.refused(lambda: captured(address))
-    case.follow("choose another one", lambda: captured(new()))
-
-
-@remedy(
-    "capture/blocks/destination.py",
+    "capture/blocks/journal.py",
     "{}: holds this mission with other images, because the source or the version was another; choose another one",
 )
 def _other_images(case: Case) -> None:
@@ -183,7 +152,7 @@ def _at_work(case: Case) -> None:
         go_on.wait(30.0)
         return False
 
-    first = threading.Thread(target=lambda: captured(address, cancelled=cancelled))
+    first = threading.Thread(target=lambda: captured(address, listener=Listener(cancelled=cancelled)))
     first.start()
     assert begun.wait(30.0)
     case.refused(lambda: captured(address, resume=True))
@@ -228,7 +197,7 @@ def _edited(case: Case) -> None:
 
 
 @remedy(
-    "capture/blocks/destination.py",
+    "capture/blocks/journal.py",
     "{}: its {} cannot be read ({}), so it is not known how it was begun; choose another folder",
 )
 def _torn_division(case: Case) -> None:
@@ -238,7 +207,7 @@ def _torn_division(case: Case) -> None:
     case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
 
 
-@remedy("capture/blocks/destination.py", "folder {}: was captured without blocks; choose another folder")
+@remedy("capture/blocks/journal.py", "folder {}: was captured without blocks; choose another folder")
 def _without(case: Case) -> None:
     source = PatternSource()
     capture(plan(MISSION, source.grid), source, case.tmp_path / "out")
@@ -247,7 +216,7 @@ def _without(case: Case) -> None:
 
 
 @remedy(
-    "capture/blocks/destination.py",
+    "capture/blocks/journal.py",
     "{}: holds no capture in blocks of this mission, so nothing of it has failed; capture it first",
 )
 def _nothing_failed(case: Case) -> None:
@@ -261,7 +230,7 @@ def _nothing_failed(case: Case) -> None:
     case.follow("capture it first", first)
 
 
-@remedy("capture/runner.py", "folder {}: was captured in blocks; choose another folder")
+@remedy("capture/images.py", "folder {}: was captured in blocks; choose another folder")
 def _with(case: Case) -> None:
     source = PatternSource()
     captured(case.tmp_path / "out")

@@ -6,12 +6,12 @@ import os
 import sys
 from functools import partial
 from pathlib import Path
+from uuid import uuid4
 
 import boto3
 import numpy as np
 import pytest
-from terrainav.core.capture import folder as captures
-from terrainav.core.capture import writers
+from terrainav.core.capture import images, writers
 from terrainav.core.capture import writers as jpeg
 from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.runner import capture
@@ -24,7 +24,7 @@ from terrainav.core.storage import config, files, stores
 
 from tests.support.objects import s3_store
 from tests.support.remedies import Case, remedy
-from tests.support.sources import PatternSource
+from tests.support.sources import NamedPattern, PatternSource
 
 MISSION = Mission(Points(((35.0, -89.9, 20.0),)), 20.0)
 OTHER = MISSION.with_(agl_m=21.0)
@@ -36,19 +36,32 @@ def captured(folder, mission=MISSION, **options):
     return capture(plan(mission, source.grid), source, folder, **options)
 
 
+def stored(address, mission=MISSION, **options):
+    source = NamedPattern()
+    return capture(plan(mission, source.grid), source, address, **options)
+
+
+def new_address():
+    return f"memory://{uuid4().hex}/run"
+
+
 # --- capture
 
 
-@remedy("capture/folder.py", "folder {}: holds another mission; choose another folder")
+@remedy("capture/folder.py", "{} {}: holds another mission; choose another one")
 def _another_mission(case: Case) -> None:
     captured(case.tmp_path / "out")
     case.refused(lambda: captured(case.tmp_path / "out", OTHER))
-    case.follow("choose another folder", lambda: captured(case.tmp_path / "other", OTHER))
+    case.follow("choose another one", lambda: captured(case.tmp_path / "other", OTHER))
+    address = new_address()
+    stored(address)
+    case.refused(lambda: stored(address, OTHER))
+    case.follow("choose another one", lambda: stored(new_address(), OTHER))
 
 
 @remedy(
     "capture/folder.py",
-    "folder {}: already holds this mission; resume it (--resume) or choose another folder",
+    "{} {}: already holds this mission; resume it (--resume) or choose another one",
 )
 def _already_there(case: Case) -> None:
     asked = ("capture", "--coords", BOX)
@@ -58,7 +71,12 @@ def _already_there(case: Case) -> None:
     case.follow(
         "resume it (--resume)", lambda: case.run(*asked, "--data-dir", "out", "--resume").returncode == 0
     )
-    case.follow("choose another folder", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
+    case.follow("choose another one", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
+    address = new_address()
+    stored(address)
+    case.refused(lambda: stored(address))
+    case.follow("resume it (--resume)", lambda: stored(address, resume=True))
+    case.follow("choose another one", lambda: stored(new_address()))
 
 
 @remedy(
@@ -75,16 +93,18 @@ def _nothing_failed(case: Case) -> None:
     case.follow("capture it first", first)
 
 
-@remedy(
-    "capture/folder.py", "folder {}: holds {} but no {}, so it is not this mission's; choose another folder"
-)
+@remedy("capture/folder.py", "{} {}: holds {} but no {}, so it is not this mission's; choose another one")
 def _foreign(case: Case) -> None:
     (case.tmp_path / "satellite").mkdir()
     case.refused(lambda: captured(case.tmp_path))
-    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
+    case.follow("choose another one", lambda: captured(case.tmp_path / "other"))
+    address = new_address()
+    stores.put(stores.store_path(f"{address}/holiday.jpg"), b"")
+    case.refused(lambda: stored(address))
+    case.follow("choose another one", lambda: stored(new_address()))
 
 
-@remedy("capture/folder.py", "file {}: cannot be removed ({}); close what shows it")
+@remedy("capture/images.py", "file {}: cannot be removed ({}); close what shows it")
 def _shown(case: Case) -> None:
     path = case.tmp_path / "picture.tif"
     path.write_bytes(b"")
@@ -98,10 +118,10 @@ def _shown(case: Case) -> None:
 
     with case.monkeypatch.context() as shown:
         shown.setattr(Path, "unlink", held)
-        case.refused(lambda: captures.remove_picture(case.tmp_path, (".tif",), "picture"))
+        case.refused(lambda: images.remove_image(case.tmp_path, (".tif",), "picture"))
 
     def closed():
-        captures.remove_picture(case.tmp_path, (".tif",), "picture")
+        images.remove_image(case.tmp_path, (".tif",), "picture")
         return not path.exists()
 
     case.follow("close what shows it", closed)
@@ -147,7 +167,7 @@ def _another_grid(case: Case) -> None:
 
 
 @remedy(
-    "capture/runner.py",
+    "capture/images.py",
     "folder {}: holds this mission with other images, such as {}, because the source or the version "
     "was another; choose "
     "another folder",

@@ -18,6 +18,7 @@ import pytest
 from terrainav.core.capture.blocks import engines
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.errors import InvalidInput, OutputError
@@ -94,8 +95,7 @@ def test_workers_that_are_killed_lose_nothing(bucket, cluster, whole):
         f"{bucket}/killed",
         executor=cluster,
         blocks=Blocks(12, "webdataset"),
-        progress=progress,
-        notice=lambda text: notices.append(str(text)),
+        listener=Listener(progress=progress, notice=lambda text: notices.append(str(text))),
     )
     assert killed
     # Where both have died, a run waits for the first to be there again.
@@ -120,7 +120,7 @@ def test_blocks_of_a_run_that_was_stopped_end_and_leave_nothing(bucket, cluster)
         executor=cluster,
         blocks=Blocks(100),
         connections=1,
-        cancelled=cancelled,
+        listener=Listener(cancelled=cancelled),
     )
     assert (result.cancelled, result.written) == (True, 0)
     # What workers are handed next comes when these blocks have ended.

@@ -6,6 +6,7 @@ from terrainav.core.capture import journal, progress
 from terrainav.core.capture.blocks.block import BlockResult, Record
 from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Box
@@ -40,7 +41,7 @@ def test_progress_looks_at_each_image_a_fixed_number_of_times(tmp_path, monkeypa
         tmp_path / "out",
         executor=Engine(_Failing(), lambda: 1, in_process=True),
         blocks=Blocks(1),
-        progress=told.append,
+        listener=Listener(progress=told.append),
     )
     assert len(worked_out) > 50
     assert len(told) > len(worked_out)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from terrainav.core.capture.blocks.division import MOST_IMAGES, divide, images_of
+from terrainav.core.capture.blocks.division import MOST_IMAGES, divide, parse_block_size
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.frames import Windows
 from terrainav.core.mission.areas.area import Box
@@ -70,10 +70,10 @@ def test_blocks_share_fewer_tiles_than_pieces_of_the_flight_do(box, overlap):
     ("size", "images"), [("256", 256), ("1", 1), ("200MB", 400), ("0.2 mb", 1), ("1.5MB", 3)]
 )
 def test_a_block_is_stated_in_images_or_megabytes(size, images):
-    assert images_of(size, lambda: 5e5) == images
+    assert parse_block_size(size, lambda: 5e5) == images
 
 
 @pytest.mark.parametrize("size", ["0", "-3", "many", "2.5", "0MB", str(MOST_IMAGES + 1), "1e3", ""])
 def test_another_size_is_refused_in_one_line(size):
     with pytest.raises(InvalidInput, match=rf"^block '{size}': must be 1 to 100,000 images"):
-        images_of(size, lambda: 5e5)
+        parse_block_size(size, lambda: 5e5)

@@ -13,7 +13,7 @@ import time
 
 import pytest
 from terrainav.core.capture.blocks import running
-from terrainav.core.capture.blocks.division import images_of
+from terrainav.core.capture.blocks.division import parse_block_size
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.waiting import ended_where
@@ -230,4 +230,4 @@ def test_a_cluster_that_does_not_end_well_takes_nothing_back(monkeypatch):
 @pytest.mark.parametrize("size", ["9" * 5000, "9" * 5000 + "MB", "9" * 300 + ".5MB"])
 def test_blocks_without_end_are_refused(size):
     with pytest.raises(InvalidInput, match="must be 1 to"):
-        images_of(size, lambda: 1000.0)
+        parse_block_size(size, lambda: 1000.0)

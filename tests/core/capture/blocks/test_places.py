@@ -13,9 +13,10 @@ from uuid import uuid4
 
 import pytest
 from terrainav.core.capture import holding
-from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.folder import StoreFolder, capture_folder
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.capture.several import capture_imageries
 from terrainav.core.elevation.heights import whole_heights_path
@@ -118,7 +119,14 @@ def test_a_run_that_is_refused_leaves_no_division(tmp_path):
 def test_progress_goes_on_within_a_block(address):
     told = []
     slow = NamedPattern(wait_s=0.15)
-    capture(PLAN, slow, address, connections=1, workers=1, progress=lambda one: told.append(one.done))
+    capture(
+        PLAN,
+        slow,
+        address,
+        connections=1,
+        workers=1,
+        listener=Listener(progress=lambda one: told.append(one.done)),
+    )
     assert [one for one in told if 0 < one < len(PLAN)]
     assert told == sorted(told)
     assert told[-1] == len(PLAN)
@@ -145,8 +153,8 @@ def test_a_store_that_is_out_of_reach_for_a_moment_ends_no_run(address, monkeypa
             raise OutputError("{0}: cannot be reached", path)
         store_path(str(path)).write_bytes(data)
 
-    monkeypatch.setattr(holding, "put", put)
-    with holding.held(store_path(address)) as check:
+    monkeypatch.setattr(holding, "write_whole", put)
+    with capture_folder(store_path(address)).held() as check:
         until_s = time.monotonic() + 30.0
         while len(refused) < 3 or b'"beat": 0' in get(store_path(f"{address}/run.lock")):
             assert time.monotonic() < until_s
@@ -159,7 +167,7 @@ def test_a_store_that_stays_out_of_reach_ends_the_run(address, monkeypatch):
     def put(path, _):
         raise OutputError("{0}: cannot be reached", path)
 
-    monkeypatch.setattr(holding, "put", put)
+    monkeypatch.setattr(holding, "write_whole", put)
     slow = NamedPattern(wait_s=0.5)
     with pytest.raises(OutputError, match=r"run\.lock: cannot be reached"):
         capture(PLAN, slow, address, blocks=Blocks(1), connections=1)
@@ -167,7 +175,10 @@ def test_a_store_that_stays_out_of_reach_ends_the_run(address, monkeypatch):
 
 def test_a_run_that_ends_leaves_the_mark_of_the_one_that_took_over(address):
     lock = store_path(f"{address}/run.lock")
-    with pytest.raises(OutputError, match="another run has taken over"), holding.held(store_path(address)):
+    with (
+        pytest.raises(OutputError, match="another run has taken over"),
+        capture_folder(store_path(address)).held(),
+    ):
         lock.write_bytes(b'{"run": "another", "beat": 0}')
     assert json.loads(get(lock))["run"] == "another"
 
@@ -187,7 +198,7 @@ def test_a_run_whose_place_was_taken_writes_no_tables(address, monkeypatch):
         def __exit__(self, *_):
             return None
 
-    monkeypatch.setattr(running, "held", lambda _: Held())
+    monkeypatch.setattr(StoreFolder, "held", lambda _: Held())
     with pytest.raises(OutputError, match="another run has taken over"):
         capture(
             PLAN,
@@ -195,7 +206,7 @@ def test_a_run_whose_place_was_taken_writes_no_tables(address, monkeypatch):
             address,
             blocks=Blocks(1),
             connections=1,
-            progress=lambda one: one.done and lost.set(),
+            listener=Listener(progress=lambda one: one.done and lost.set()),
         )
     assert get(store_path(f"{address}/satellite/meta_data.csv")) is None
 
@@ -215,7 +226,7 @@ def test_of_several_imageries_at_an_address_the_whole_is_held(address):
     def run(**how):
         return capture_imageries(mission, plans, sources, address, **how)
 
-    first = threading.Thread(target=lambda: run(cancelled=cancelled))
+    first = threading.Thread(target=lambda: run(listener=Listener(cancelled=cancelled)))
     first.start()
     try:
         assert begun.wait(30.0)

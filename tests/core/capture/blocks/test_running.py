@@ -25,6 +25,7 @@ from terrainav.core.capture.blocks.block import WrongWorker, make_packed
 from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER
+from terrainav.core.capture.progress import Listener
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
@@ -162,7 +163,9 @@ class KilledWorker(Exception):
 def test_a_block_whose_worker_died_is_begun_again(whole, tmp_path):
     notices = []
     engine = Engine(Dying(lambda count: count % 3 == 1), lambda: 2)
-    result = captured(tmp_path / "out", executor=engine, notice=lambda text: notices.append(str(text)))
+    result = captured(
+        tmp_path / "out", executor=engine, listener=Listener(notice=lambda text: notices.append(str(text)))
+    )
     assert result.failed == ()
     assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
     assert notices[0] == "block satellite-000000: its worker died: it is begun again"
@@ -171,7 +174,9 @@ def test_a_block_whose_worker_died_is_begun_again(whole, tmp_path):
 def test_a_block_that_kills_its_workers_is_given_up_and_the_others_go_on(whole, tmp_path):
     notices = []
     engine = Engine(Dying(lambda count: count <= running.TRIES), lambda: 1)
-    result = captured(tmp_path / "out", executor=engine, notice=lambda text: notices.append(str(text)))
+    result = captured(
+        tmp_path / "out", executor=engine, listener=Listener(notice=lambda text: notices.append(str(text)))
+    )
     lost = [f"{one.map_type}/{one.name}.tif" for one in result.failed]
     assert result.failed[0].reason == "its worker died"
     assert 0 < len(lost) <= 8
@@ -225,8 +230,10 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(sharded, whole, tmp_pa
         source=NamedPattern(wait_s=0.05),
         connections=1,
         # When a block is done, and another under way.
-        cancelled=lambda: any(one > 8 for one in done),
-        progress=lambda progress: done.append(progress.done),
+        listener=Listener(
+            cancelled=lambda: any(one > 8 for one in done),
+            progress=lambda progress: done.append(progress.done),
+        ),
     )
     assert result.cancelled
     assert 0 < result.written < 2 * len(PLAN)
@@ -380,7 +387,9 @@ def test_two_runs_in_one_folder_are_refused(tmp_path):
         go_on.wait(30.0)
         return False
 
-    first = threading.Thread(target=lambda: captured(tmp_path / "out", cancelled=cancelled))
+    first = threading.Thread(
+        target=lambda: captured(tmp_path / "out", listener=Listener(cancelled=cancelled))
+    )
     first.start()
     try:
         assert begun.wait(30.0)
@@ -462,7 +471,9 @@ def test_two_runs_at_one_address_are_refused(address):
         go_on.wait(30.0)
         return False
 
-    first = threading.Thread(target=lambda: capture(PLAN, PATTERN, address, cancelled=cancelled))
+    first = threading.Thread(
+        target=lambda: capture(PLAN, PATTERN, address, listener=Listener(cancelled=cancelled))
+    )
     first.start()
     try:
         assert begun.wait(30.0)
@@ -477,7 +488,7 @@ def test_two_runs_at_one_address_are_refused(address):
 @pytest.mark.usefixtures("brief")
 def test_a_run_that_died_leaves_its_place_to_the_next(whole, address):
     asked = iter(range(10**9))
-    capture(PLAN, PATTERN, address, blocks=Blocks(8), cancelled=lambda: next(asked) > 3)
+    capture(PLAN, PATTERN, address, blocks=Blocks(8), listener=Listener(cancelled=lambda: next(asked) > 3))
     store_path(f"{address}/run.lock").write_bytes(b'{"run": "of a machine that is no more", "beat": 7}')
     result = capture(PLAN, PATTERN, address, blocks=Blocks(8), resume=True)
     assert result.written + result.skipped == 2 * len(PLAN)
@@ -497,7 +508,7 @@ def test_a_run_whose_place_was_taken_ends(address):
 
     slow = NamedPattern(wait_s=0.2)
     with pytest.raises(OutputError, match="another run has taken over"):
-        capture(PLAN, slow, address, blocks=Blocks(1), connections=1, progress=progress)
+        capture(PLAN, slow, address, blocks=Blocks(1), connections=1, listener=Listener(progress=progress))
     assert json.loads(get(lock))["run"] == "another"
 
 
@@ -569,11 +580,15 @@ def test_workers_that_come_do_not_wait_where_the_provider_has_no_limits(tmp_path
 
 
 def test_a_run_without_workers_waits_for_them_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr(running, "_NONE_S", 0.2)
+    monkeypatch.setattr(running, "_PATIENCE_S", 0.2)
     notices = []
     with ThreadPoolExecutor(1) as threads:
         engine = Engine(threads, lambda: len(notices), in_process=True)
-        result = captured(tmp_path / "out", executor=engine, notice=lambda text: notices.append(str(text)))
+        result = captured(
+            tmp_path / "out",
+            executor=engine,
+            listener=Listener(notice=lambda text: notices.append(str(text))),
+        )
     assert result.written == 2 * len(PLAN)
     assert notices == ["workers: none is there: waiting for one", "workers: 1 there: going on"]
 
@@ -582,7 +597,9 @@ def test_a_run_that_waits_for_workers_can_be_cancelled(tmp_path):
     asked = itertools.count()
     with ThreadPoolExecutor(1) as threads:
         engine = Engine(threads, lambda: 0, in_process=True)
-        result = captured(tmp_path / "out", executor=engine, cancelled=lambda: next(asked) > 2)
+        result = captured(
+            tmp_path / "out", executor=engine, listener=Listener(cancelled=lambda: next(asked) > 2)
+        )
     assert (result.cancelled, result.written) == (True, 0)
 
 

@@ -445,10 +445,10 @@ def test_what_a_camera_does_not_see_is_no_data_to_gdal(data_type, tmp_path):
     source = open_raster(written(tmp_path / "r.tif", values), as_stored=True)
     mission = Mission(area, 30.0, source="r.tif", tilt_deg=40.0)
     worked_out = plan(mission, source.grid)
-    from terrainav.core.capture.records import job_of
+    from terrainav.core.capture.records import image_job
     from terrainav.core.capture.writers import write_picture
 
-    job = job_of(worked_out, 0, source, "satellite", tmp_path)
+    job = image_job(worked_out, 0, source, "satellite", tmp_path)
     pixels = np.full((60, 80, 3), 77, data_type)
     pixels[:20] = 0
     write_picture(tmp_path, "tif", pixels, job.place, job.description, job.bands, job.ranges)
