@@ -12,7 +12,7 @@ from ..errors import Message, OptionName
 from ..geodesy.raytracing.tracing import MOST_CELLS
 from .areas.area import Polygon, Polygons
 from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
-from .methods import Accuracy
+from .methods import ChosenMethods
 from .plan import Plan
 
 #: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
@@ -109,7 +109,7 @@ class Summary:
     output_bytes: int
     seconds: float
     map_types: tuple[str, ...]
-    accuracy: Accuracy
+    accuracy: ChosenMethods
     warnings: tuple[str, ...] = ()
     lowest_ground_m: float | None = None
     highest_ground_m: float | None = None

@@ -82,7 +82,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class ChosenMethods:
     """What a plan chose, and what it may be wrong by.
 
     Attributes
@@ -256,7 +256,7 @@ TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 def choose_methods(
     mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: Relief
-) -> tuple[Framed, Accuracy]:
+) -> tuple[Framed, ChosenMethods]:
     """Frame a mission with the cheapest methods whose bounds sum within its error budget.
 
     A map frame is the cheapest picture, as nothing is resampled; a camera frame by a mesh that is as coarse as the
@@ -399,9 +399,9 @@ def _ends(mission: Mission) -> Scene:
 
 def _accuracy(
     mission: Mission, grid: PixelGrid, scene: Scene, footprint: Choice, picture: Choice, pixels: Choice | None
-) -> Accuracy:
+) -> ChosenMethods:
     """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
-    made = Accuracy(
+    made = ChosenMethods(
         budget_px=mission.accuracy.error_budget_px,
         footprint=footprint,
         picture=picture,

@@ -23,7 +23,7 @@ from .layout.frames import Frames
 from .layout.framing import ground_of, nominal_poses
 from .layout.rotated import Pass, rotated_coverage, rotated_overlap, share_on
 from .layout.rows import Layout, sees_below
-from .methods import Accuracy, choose_methods
+from .methods import ChosenMethods, choose_methods
 from .mission import Mission
 from .relief.ground import Flown, Heights, Relief, level_ground
 from .resolution import Resolution
@@ -51,7 +51,7 @@ class Plan:
         Ground corners that the camera sees, (n, 4).
     frames : MapFrames or CameraFrames
         Of the pictures, (n,).
-    accuracy : Accuracy
+    accuracy : ChosenMethods
         The methods that were chosen, and their bounds.
     nominal : Poses or None
         As they were meant to be, where wind has moved them.
@@ -80,7 +80,7 @@ class Plan:
     windows: Windows
     corners: Corners
     frames: Frames
-    accuracy: Accuracy
+    accuracy: ChosenMethods
     relief: Relief
     nominal: Poses | None = None
     passes: tuple[Pass, ...] = ()

@@ -18,7 +18,7 @@ from ..settings import Settings
 from ..tasks import Task
 
 if TYPE_CHECKING:
-    from ...core.mission.export import Exported
+    from ...core.mission.export import PlanFiles
     from ...core.mission.plan import Plan
     from ..messages import Messages
     from ..planner import PlannedMission
@@ -32,7 +32,7 @@ class PlanExportTask(Task):
 
     Attributes
     ----------
-    exported : Exported or None
+    exported : PlanFiles or None
     there : tuple of Path
         Files that parts of the plan would have replaced, unasked; then nothing is written.
     refusal : TerrAInavError or None
@@ -42,7 +42,7 @@ class PlanExportTask(Task):
     def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
         super().__init__(tr("Writing {name}").format(name=path.name))
         self.plan, self.path = plan, path
-        self.exported: Exported | None = None
+        self.exported: PlanFiles | None = None
         self.there: tuple[Path, ...] = ()
         self.refusal: TerrAInavError | None = None
         self._replace_parts = replace_parts

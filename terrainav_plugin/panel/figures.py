@@ -23,7 +23,7 @@ from ..widgets import named, tool_button
 if TYPE_CHECKING:
     from ...core.imagery.policy import Policy
     from ...core.mission.estimate import Summary
-    from ...core.mission.methods import Accuracy
+    from ...core.mission.methods import ChosenMethods
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
@@ -294,7 +294,7 @@ def _details(mission: Mission, summary: Summary, cost: str) -> list[tuple[str, s
     ]
 
 
-def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
+def _accuracy_lines(accuracy: ChosenMethods) -> list[tuple[str, str]]:
     """The methods chosen, with their bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
@@ -324,7 +324,7 @@ def _unbroken(text: str) -> str:
     return text.replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
 
 
-def _why_html(accuracy: Accuracy) -> str:
+def _why_html(accuracy: ChosenMethods) -> str:
     """Why the methods were chosen, as a table for a tooltip."""
     lines = []
     for choice in accuracy.choices:

@@ -229,10 +229,10 @@ class Polygons(_Covered):
             raise InvalidInput("area of {0:,} polygons: must be {1:,} at most", len(parts), MAX_POLYGONS)
         object.__setattr__(self, "parts", parts)
 
-    def placed(self) -> tuple[Part, ...]:
+    def placed(self) -> tuple[PlacedRings, ...]:
         """Return the parts, all their longitudes within those of the bounds, which go on beyond 180."""
         west = self.bounds.west_deg
-        return tuple(Part.of(part, west) for part in self.parts)
+        return tuple(PlacedRings.of(part, west) for part in self.parts)
 
     @property
     def bounds(self) -> Box:
@@ -249,13 +249,13 @@ class Polygons(_Covered):
         return sum(part.area_m2() for part in self.parts)
 
 
-class Part(NamedTuple):
+class PlacedRings(NamedTuple):
     """Rings of one polygon, the outer one first, with longitudes of a turn of the world of their own."""
 
     rings: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
-    def of(cls, polygon: Polygon, west_deg: float) -> Part:
+    def of(cls, polygon: Polygon, west_deg: float) -> PlacedRings:
         """Return a polygon whose westernmost longitude is in the turn eastward of a meridian."""
         rings = polygon.arrays()
         turn = 360.0 * math.ceil((west_deg - float(rings[0][0].min())) / 360.0)
@@ -435,7 +435,7 @@ def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, F
         shapes += [[(x + 360.0 * turn, y) for x, y in own] for turn in range(first, last + 1)]
     edges, owners = [], []
     for owner, shape in enumerate(shapes):
-        sides = np.stack(sides_of(Part(tuple(shape))))
+        sides = np.stack(sides_of(PlacedRings(tuple(shape))))
         sides = sides[:, _reach_into((sides[0], sides[1], sides[2], sides[3]), south, north)]
         edges.append(sides)
         owners.append(np.full(sides.shape[1], owner))
@@ -530,7 +530,7 @@ def check_rings(polygon: Polygon) -> None:
             float(lat[0]),
             float(wrap_lon_deg(lon[:1])[0]),
         )
-    whole = Part((outer,))
+    whole = PlacedRings((outer,))
     for number, (hole_lon, hole_lat) in enumerate(holes, 1):
         # The middles of its sides are inside even where its corners lie on the ring around it.
         at_lon, at_lat = (np.concatenate([at, (at + np.roll(at, -1)) / 2.0]) for at in (hole_lon, hole_lat))

@@ -10,6 +10,6 @@ In reading order:
 - `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: for those who fly
 """
 
-from .writing import Exported, PartsAlreadyThere, check_plan_ending, write_plan
+from .writing import PartsAlreadyThere, PlanFiles, check_plan_ending, write_plan
 
-__all__ = ["Exported", "PartsAlreadyThere", "check_plan_ending", "write_plan"]
+__all__ = ["PartsAlreadyThere", "PlanFiles", "check_plan_ending", "write_plan"]

@@ -24,7 +24,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..plan import Plan
-from ..relief.ground import Route, no_ground
+from ..relief.ground import PathGround, no_ground
 from .sorties import continuous
 
 #: Between two lines of places.
@@ -58,7 +58,7 @@ _MARK = re.compile(
 )
 
 
-class Way(NamedTuple):
+class FlownPath(NamedTuple):
     """Straight legs from place to place, (n,) each.
 
     Attributes
@@ -91,7 +91,7 @@ class Reader:
         self._takeoff, self._takeoff_m = plan.mission.route.takeoff, plan.path.base_m
         self._relief, self._clearance_m = plan.relief, plan.mission.terrain.clearance_m
 
-    def _way(self, places: Iterable[Place], base_m: float | None) -> list[Way]:
+    def _way(self, places: Iterable[Place], base_m: float | None) -> list[FlownPath]:
         """Way through places whose heights count from a height, or from the ground below each."""
         found = list(places)
         if len(found) < 2:
@@ -100,17 +100,17 @@ class Reader:
         lat, lon, height = np.array([place[1:] for place in found]).T
         lon = continuous(lon, self._lon_deg)
         if base_m is not None:
-            return [Way(names, lat, lon, height + base_m)]
+            return [FlownPath(names, lat, lon, height + base_m)]
         base = self._over(lat, lon).ground_m(lat, lon)
         if np.isnan(base).any():
             lost = int(np.argmax(np.isnan(base)))
             raise no_ground(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
-        return [Way(names, lat, lon, height + base)]
+        return [FlownPath(names, lat, lon, height + base)]
 
-    def _over(self, lat: Floats, lon: Floats) -> Route:
+    def _over(self, lat: Floats, lon: Floats) -> PathGround:
         return self._relief.around(lat, lon, 0.0)
 
-    def plan(self, text: str) -> list[Way]:
+    def plan(self, text: str) -> list[FlownPath]:
         """QGroundControl's ``.plan``: heights count from the planned home; the return is the autopilot's own."""
         mission = json.loads(text)["mission"]
         places: list[Place] = [
@@ -120,7 +120,7 @@ class Reader:
         ]
         return self._way(places, mission["plannedHomePosition"][2])
 
-    def litchi(self, text: str) -> list[Way]:
+    def litchi(self, text: str) -> list[FlownPath]:
         """Litchi's table: heights count from the ground below each waypoint."""
         places = (
             (str(number), float(row["latitude"]), float(row["longitude"]), float(row["altitude(m)"]))
@@ -128,7 +128,7 @@ class Reader:
         )
         return self._way(places, None)
 
-    def kmz(self, data: bytes) -> list[Way]:
+    def kmz(self, data: bytes) -> list[FlownPath]:
         """KMZ of WPML: from the take-off up, across to the first waypoint, and at the end back at the height of return.
 
         Heights count from the take-off. Where a waypoint is passed without a stop, its corner is cut.
@@ -164,7 +164,7 @@ class Reader:
         lat, lon = np.array([first[1]]), continuous(np.array([first[2]]), self._lon_deg)
         return first[1], first[2], float(self._over(lat, lon).ground_m(lat, lon)[0])
 
-    def above_ground(self, places: Iterable[Floats]) -> list[Way]:
+    def above_ground(self, places: Iterable[Floats]) -> list[FlownPath]:
         """Ways through places (k, 3) of `places_of_gpx` and its like, some at a time, above the ground below each."""
         whole = np.concatenate([*places, _END])
         ends = np.flatnonzero(np.isnan(whole[:, 0]))
@@ -174,7 +174,7 @@ class Reader:
             found += self._way(((str(at), lat, lon, agl) for at, (lat, lon, agl) in enumerate(rows, 1)), None)
         return found
 
-    def check(self, ways: Iterable[Way], name: str) -> None:
+    def check(self, ways: Iterable[FlownPath], name: str) -> None:
         """Refuse ways that come nearer to the surface than the clearance, or into it.
 
         They are looked at each half metre, but for climbs that a way begins with, and descents that it ends with.
@@ -202,7 +202,9 @@ class Reader:
             if worst > _TOLERANCE_M:
                 raise self._refusal(name, way, at, worst)
 
-    def _refusal(self, name: str, way: Way, at: tuple[int, float, float], short_m: float) -> InvalidInput:
+    def _refusal(
+        self, name: str, way: FlownPath, at: tuple[int, float, float], short_m: float
+    ) -> InvalidInput:
         leg, lat, lon = at
         values = (
             name,
@@ -287,16 +289,16 @@ def _cut(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
         yield (place[0], *next(ends))
 
 
-def _in_the_air(way: Way) -> Way:
+def _in_the_air(way: FlownPath) -> FlownPath:
     """Way without its first place where it goes straight up from there, and its last one likewise."""
     plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
     x, y = plane.forward(way.lat_deg, way.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
     some = slice(int(length[0] < _SAME_M), len(x) - int(length[-1] < _SAME_M))
-    return Way._make(column[some] for column in way)
+    return FlownPath._make(column[some] for column in way)
 
 
-def _places(way: Way) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
+def _places(way: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
     """Places along a way, some at a time: number of the leg, latitude, longitude and height."""
     plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
     x, y = plane.forward(way.lat_deg, way.lon_deg)

@@ -56,7 +56,7 @@ _TOP_LEFT, _TOP_RIGHT = 0, 1
 _TOLERANCE_M = 10
 
 
-class _Rows(NamedTuple):
+class _SurveyRows(NamedTuple):
     """Rows of one sortie in the plane about its first capture, in flight order.
 
     Parameters
@@ -212,7 +212,7 @@ def _corners(plan: Plan, sortie: Sortie) -> list[list[float]]:
     return [[float(sortie.lat_deg[at]), float(sortie.lon_deg[at])] for at in shown]
 
 
-def _rows(plan: Plan, sortie: Sortie) -> _Rows:
+def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
     """Rows of a sortie; of crossed ones those of the direction that it begins with."""
     at = np.flatnonzero(sortie.capture >= 0)
     captures = sortie.capture[at]
@@ -247,7 +247,7 @@ def _rows(plan: Plan, sortie: Sortie) -> _Rows:
     interval = np.abs(along[ends] - along[starts])[counts > 0] / counts[counts > 0]
     camera = plan.mission.camera.ground_size_m(float(np.median(plan.meant.agl_m)))
     steps = np.diff(np.unique(np.round(offset, 3)))
-    return _Rows(
+    return _SurveyRows(
         plane,
         azimuth,
         offset,
@@ -259,12 +259,12 @@ def _rows(plan: Plan, sortie: Sortie) -> _Rows:
     )
 
 
-def _off_square_deg(plan: Plan, rows: _Rows) -> float:
+def _off_square_deg(plan: Plan, rows: _SurveyRows) -> float:
     off = np.mod(plan.meant.yaw_deg - rows.azimuth_deg + 45.0, 90.0) - 45.0
     return float(np.abs(off).max())
 
 
-def _polygon(plan: Plan, rows: _Rows) -> tuple[list[list[float]], float, int]:
+def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, int]:
     """Polygon around the rows, spacing and entry with which QGroundControl lays its rows onto them.
 
     The polygon's corners begin on the side where the first row is entered and run there from the lowest to the
@@ -334,7 +334,7 @@ def _capped(
     return np.array(along), np.array(offset)
 
 
-def _fitted(rows: _Rows, along_m: Floats, across_m: Floats, offset_m: Floats) -> tuple[float, float]:
+def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floats) -> tuple[float, float]:
     """Spacing with which a row of QGroundControl's is in the middle of the planned ones, and how far others are off."""
     east, north = rows.east_north(along_m, across_m)
     middle = (east.min() + east.max()) / 2.0, (north.min() + north.max()) / 2.0
@@ -350,7 +350,7 @@ def _fitted(rows: _Rows, along_m: Floats, across_m: Floats, offset_m: Floats) ->
     return float(spacing), float(off)
 
 
-def _camera(plan: Plan, rows: _Rows, spacing_m: float) -> dict[str, Any]:
+def _camera(plan: Plan, rows: _SurveyRows, spacing_m: float) -> dict[str, Any]:
     """QGroundControl's CameraCalc: sensor and focal length of 35 mm film that give the camera's angle of view."""
     camera, flight_ = plan.mission.camera, plan.mission.flight
     height_m = float(np.median(plan.meant.agl_m))

@@ -396,7 +396,7 @@ def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
         yield text
 
 
-class _Rows(NamedTuple):
+class _TriggeredRows(NamedTuple):
     """Rows whose images are taken by distance.
 
     Parameters
@@ -414,8 +414,8 @@ class _Rows(NamedTuple):
     between: NDArray[np.bool_]
 
 
-def _rows_by_distance(plan: Plan, sortie: Sortie) -> _Rows:
-    found = _Rows({}, set(), np.zeros(len(sortie), bool))
+def _rows_by_distance(plan: Plan, sortie: Sortie) -> _TriggeredRows:
+    found = _TriggeredRows({}, set(), np.zeros(len(sortie), bool))
     if not _by_distance(plan):
         return found
     ends = {

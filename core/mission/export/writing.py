@@ -14,7 +14,7 @@ from ...errors import InvalidInput, Message, OutputError
 from ...storage.files import write_whole
 from ...storage.stores import is_address, store_path
 from ..plan import Plan
-from .flown import Reader, Way, places_of_gpx, places_of_kml
+from .flown import FlownPath, Reader, places_of_gpx, places_of_kml
 from .geojson import geojson_text
 from .geopackage import geopackage_notes, write_geopackage
 from .gpx import gpx_notes, gpx_text
@@ -28,7 +28,7 @@ from .wpml import check_wpml, wpml_files, wpml_notes
 LITCHI_ENDING, GEOPACKAGE_ENDING = ".litchi.csv", ".gpkg"
 
 
-class Exported(NamedTuple):
+class PlanFiles(NamedTuple):
     """What was written.
 
     Parameters
@@ -80,14 +80,14 @@ class _Parted(NamedTuple):
     contents: Callable[[Plan], list[Iterable[bytes]]]
     check: Callable[[Plan], None]
     notes: Callable[[Plan], tuple[str, ...]]
-    read: Callable[[Reader, bytes], list[Way]]
+    read: Callable[[Reader, bytes], list[FlownPath]]
 
 
 def _encoded(texts: Callable[[Plan], list[Iterator[str]]]) -> Callable[[Plan], list[Iterable[bytes]]]:
     return lambda plan: [(block.encode() for block in text) for text in texts(plan)]
 
 
-def _decoded(read: Callable[[Reader, str], list[Way]]) -> Callable[[Reader, bytes], list[Way]]:
+def _decoded(read: Callable[[Reader, str], list[FlownPath]]) -> Callable[[Reader, bytes], list[FlownPath]]:
     return lambda reader, data: read(reader, data.decode())
 
 
@@ -114,7 +114,7 @@ def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
     raise InvalidInput("plan file {0!r}: must end in {1}", str(path), ", ".join(known))
 
 
-def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> Exported:
+def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> PlanFiles:
     """Write a plan in the format that the file's ending names, whole or not at all.
 
     They are the table (.csv), footprints (.geojson), layers of a GIS (.gpkg), Google Earth (.kml), and for those who
@@ -141,7 +141,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
         raise InvalidInput("plan file {0!r}: must be on this machine, as all {1} files", str(path), ending)
     if ending == GEOPACKAGE_ENDING:
         write_geopackage(plan, target)
-        return Exported((target,), geopackage_notes(plan))
+        return PlanFiles((target,), geopackage_notes(plan))
     if ending in _PARTED:
         return _write_parts(plan, target, ending, replace_parts)
     form = _TEXTS[ending]
@@ -149,7 +149,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     if not plan.relief.is_level and form.places is not None:
         texts = _read_back(plan, target.name, texts, form.places)
     write_whole(target, (text.encode() for text in texts))
-    return Exported((target,), () if form.notes is None else form.notes(plan))
+    return PlanFiles((target,), () if form.notes is None else form.notes(plan))
 
 
 def _read_back(
@@ -165,7 +165,7 @@ def _read_back(
 
 
 def _checked(
-    plan: Plan, name: str, contents: list[Iterable[bytes]], read: Callable[[Reader, bytes], list[Way]]
+    plan: Plan, name: str, contents: list[Iterable[bytes]], read: Callable[[Reader, bytes], list[FlownPath]]
 ) -> list[Iterable[bytes]]:
     """Contents of files, each of which was read back and checked."""
     reader, wholes = Reader(plan), [b"".join(blocks) for blocks in contents]
@@ -175,7 +175,7 @@ def _checked(
     return [[whole] for whole in wholes]
 
 
-def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) -> Exported:
+def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) -> PlanFiles:
     form = _PARTED[lowered]
     form.check(plan)
     contents = form.contents(plan)
@@ -212,4 +212,4 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
     if left:
         names = ", ".join(file.name for file in left)
         notes = (*notes, Message("not of this flight, and left as they were: {0}", names))
-    return Exported(tuple(files), notes, there)
+    return PlanFiles(tuple(files), notes, there)

@@ -20,7 +20,7 @@ from ..areas.area import Polygon
 from ..layout.no_fly import in_no_fly
 from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief.ground import Relief, Route, no_ground
+from ..relief.ground import PathGround, Relief, no_ground
 from .direct import DirectFlight
 from .legs import legs
 
@@ -308,7 +308,7 @@ class _Maker:
             )
         return lat, lon
 
-    def _relief_below(self, relief: Relief) -> Route:
+    def _relief_below(self, relief: Relief) -> PathGround:
         lat, lon = [self._captures.lat], [self._captures.lon]
         for polygon in self._no_fly:
             lon.append(polygon[0][0])

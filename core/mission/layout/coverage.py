@@ -16,7 +16,7 @@ from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_la
 from ..areas.area import (
     Area,
     Box,
-    Part,
+    PlacedRings,
     Polygon,
     Polygons,
     Rings,
@@ -347,14 +347,19 @@ def coverage(
         whole = _coverage_of(
             part.area_m2(),
             placed,
-            placed.edges_deg if isinstance(placed, Part) else placed.bounds.edges_deg,
+            placed.edges_deg if isinstance(placed, PlacedRings) else placed.bounds.edges_deg,
             shown,
             world,
             others=several,
         )
         held = [
             _coverage_of(
-                WGS84.ring_area_m2(*ring), Part((ring,)), Part((ring,)).edges_deg, shown, world, others=True
+                WGS84.ring_area_m2(*ring),
+                PlacedRings((ring,)),
+                PlacedRings((ring,)).edges_deg,
+                shown,
+                world,
+                others=True,
             )
             for ring in shared_rings(placed, no_fly)
         ]

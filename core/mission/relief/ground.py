@@ -100,7 +100,7 @@ class Profile(NamedTuple):
     ground_m: Floats
 
 
-class Route(Protocol):
+class PathGround(Protocol):
     """The ground below a path, which leads beyond the captures."""
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
@@ -181,7 +181,7 @@ class Relief(Protocol):
         """Whether the heights about captures (n,) were known; where not, read them now."""
         ...
 
-    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float, /) -> Route:
+    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float, /) -> PathGround:
         """Ground about positions (n,), and ``room_m`` around them, at its finest."""
         ...
 
@@ -315,9 +315,9 @@ class LevelGround:
         """Return True."""
         return True
 
-    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> LevelRoute:  # noqa: ARG002  as over relief
+    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> LevelPathGround:  # noqa: ARG002  as over relief
         """Ground below a path."""
-        return LevelRoute(self.lowest_m)
+        return LevelPathGround(self.lowest_m)
 
     def seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:  # noqa: ARG002
         """Ground that captures see at image points (k,), and its height, (n, k)."""
@@ -370,8 +370,8 @@ class LevelGround:
 
 
 @dataclass(frozen=True)
-class LevelRoute:
-    """Level ground below a path, a `Route`."""
+class LevelPathGround:
+    """Level ground below a path, a `PathGround`."""
 
     level_m: float
 
