@@ -18,7 +18,7 @@ from terrainav.core.mission.flight.gusts import LinearSystem, factor, flight_sys
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.plan import Plan
 from terrainav.core.report.plots import Look, logarithmic, whisker
-from terrainav.core.report.tables import NOTHING, Table, number_text, seconds_text
+from terrainav.core.report.tables import NOTHING, TextTable, number_text, seconds_text
 from terrainav.core.timing import QUICK, Effort, Seconds, timed
 
 Floats = NDArray[np.float64]
@@ -296,7 +296,7 @@ def _interval_s(plan: Plan) -> float:
     return float(np.median(moving)) if moving.size else _INTERVAL_S
 
 
-def flight_table(flight: Flight) -> Table:
+def flight_table(flight: Flight) -> TextTable:
     """Integrators of flight in wind: what each needs for one per cent, and where it is stable."""
     rows = []
     for method, limit_s in flight.limits_s.items():
@@ -321,7 +321,7 @@ def flight_table(flight: Flight) -> Table:
         "time an exposure then",
         "relative error then",
     )
-    return Table(header, rows, frozenset({0}))
+    return TextTable(header, rows, frozenset({0}))
 
 
 _PER_CENT = 0.01

@@ -24,7 +24,7 @@ from terrainav.core.report import plots, sentences
 from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.measure import Measurement, measure
 from terrainav.core.report.tables import (
-    Table,
+    TextTable,
     air_table,
     displacement_table,
     encodings_table,
@@ -90,7 +90,7 @@ def run(quick: bool) -> Iterator[Result]:
         yield Result(scene, worked_out, measure(worked_out, source, quick=quick))
 
 
-def summary(results: list[Result]) -> Table:
+def summary(results: list[Result]) -> TextTable:
     """One row a scene."""
     rows = []
     for scene, worked_out, found in results:
@@ -124,7 +124,7 @@ def summary(results: list[Result]) -> Table:
         "condition number",
         "a metre of relief adds up to",
     )
-    return Table(header, rows)
+    return TextTable(header, rows)
 
 
 def anchor(title: str) -> str:
@@ -133,7 +133,7 @@ def anchor(title: str) -> str:
     return kept.replace(" ", "-")
 
 
-def markdown(found: Table) -> str:
+def markdown(found: TextTable) -> str:
     """Table in Markdown; what was chosen is bold."""
     lines = [" | ".join(found.header), " | ".join("---" for _ in found.header)]
     for index, row in enumerate(found.rows):
@@ -167,7 +167,7 @@ def document(results: list[Result], flight: Flight) -> str:
                 *_grey_text(results),
                 *_integrators_text(flight),
                 "## Machine and versions",
-                markdown(Table(("", ""), [*machine(), *versions()])),
+                markdown(TextTable(("", ""), [*machine(), *versions()])),
             ]
         )
         + "\n"

@@ -283,7 +283,7 @@ def field_named(part: Any, name: str) -> Field:
     return next(one for one in declared_fields(part) if one.name == name)
 
 
-class Part:
+class CheckedFields:
     """A frozen dataclass of declared fields, each checked when it is made."""
 
     def __post_init__(self) -> None:

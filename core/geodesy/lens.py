@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from ..errors import InvalidInput
-from ..fields import Part, declared, field_named
+from ..fields import CheckedFields, declared, field_named
 
 _Lens = TypeVar("_Lens", bound="Lens")
 #: Largest relative difference between the aspect ratios of sensor and image, which is what data sheets round away;
@@ -18,7 +18,7 @@ PAPER_FOV_DEG, PAPER_ASPECT_RATIO = 78.8, 4.0 / 3.0
 
 
 @dataclass(frozen=True)
-class Lens(Part):
+class Lens(CheckedFields):
     """The lens of an ideal pinhole camera with square pixels.
 
     Parameters

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message, OptionName
-from ..fields import Part, declared, field_named
+from ..fields import CheckedFields, declared, field_named
 from ..geodesy.vertical import check_vertical
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
@@ -208,7 +208,7 @@ def _check_size(size: tuple[Any, ...]) -> None:
 
 
 @dataclass(frozen=True)
-class Attitude(Part):
+class Attitude(CheckedFields):
     """Which way every capture looks: yaw, then tilt, then roll, as in `Camera.rays_enu`."""
 
     yaw_deg: float = declared(
@@ -246,7 +246,7 @@ class Attitude(Part):
 
 
 @dataclass(frozen=True)
-class Flight(Part):
+class Flight(CheckedFields):
     """How an area is flown: heights, overlaps, rows, speed and time."""
 
     agl_m: float = declared(
@@ -371,7 +371,7 @@ class Flight(Part):
 
 
 @dataclass(frozen=True)
-class Imagery(Part):
+class Imagery(CheckedFields):
     """What is photographed, and when it was."""
 
     source: str = declared(
@@ -469,7 +469,7 @@ class Imagery(Part):
 
 
 @dataclass(frozen=True)
-class Pixels(Part):
+class Pixels(CheckedFields):
     """Which of the source's pixels make the images."""
 
     image_px: int = declared(
@@ -529,7 +529,7 @@ class Pixels(Part):
 
 
 @dataclass(frozen=True)
-class Accuracy(Part):
+class Accuracy(CheckedFields):
     """How wrong images and footprints may be, and what kind of image is made."""
 
     error_budget_px: float = declared(
@@ -580,7 +580,7 @@ class Accuracy(Part):
 
 
 @dataclass(frozen=True)
-class Terrain(Part):
+class Terrain(CheckedFields):
     """The relief of the ground, and how a flight follows it."""
 
     elevation: tuple[str, ...] = declared(
@@ -692,7 +692,7 @@ class Terrain(Part):
 
 
 @dataclass(frozen=True)
-class Route(Part):
+class Route(CheckedFields):
     """How the aircraft gets to the captures and from row to row, and what releases the camera."""
 
     takeoff: tuple[float, float] | None = declared(
@@ -819,7 +819,7 @@ class Route(Part):
 
 
 @dataclass(frozen=True)
-class Output(Part):
+class Output(CheckedFields):
     """What is written."""
 
     image_format: str = declared(
@@ -869,7 +869,7 @@ class Output(Part):
 
 
 #: Parts that are given by the names of their fields, which no two of them share.
-FLAT_PARTS: dict[str, type[Part]] = {
+FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "attitude": Attitude,
     "flight": Flight,
     "imagery": Imagery,

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from ..errors import InvalidInput
-from ..fields import Part, declared
+from ..fields import CheckedFields, declared
 from ..mission.parts import HIGHEST_AGL_M, HIGHEST_GROUND_M, LOWEST_GROUND_M
 
 #: Formats of trajectories in metres of a local frame.
@@ -27,7 +27,7 @@ LITCHI_ENDING = ".litchi.csv"
 
 
 @dataclass(frozen=True)
-class PoseFile(Part):
+class PoseFile(CheckedFields):
     """How the poses of a trajectory or a flight log are read.
 
     Parameters
@@ -143,7 +143,7 @@ class PoseFile(Part):
 
 
 @dataclass(frozen=True)
-class LineFlight(Part):
+class LineFlight(CheckedFields):
     """How a line is flown: exactly one of the two intervals is needed.
 
     Raises
@@ -201,7 +201,7 @@ class LineFlight(Part):
 
 
 @dataclass(frozen=True)
-class Corridor(Part):
+class Corridor(CheckedFields):
     """Rows along a line, as far to both sides as the strip is wide; the top of the images points along the way."""
 
     width_m: float = declared(
@@ -227,7 +227,7 @@ class Corridor(Part):
 
 
 @dataclass(frozen=True)
-class Orbit(Part):
+class Orbit(CheckedFields):
     """Circles around a place, from which the camera looks at it.
 
     Raises
@@ -304,7 +304,7 @@ class Orbit(Part):
 
 
 @dataclass(frozen=True)
-class Scan(Part):
+class Scan(CheckedFields):
     """Flights along the walls of a structure, one above the other, from which the camera looks at them.
 
     Raises

@@ -34,7 +34,7 @@ from ..picture.resampling import KERNELS
 from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
 from . import positions
 from .footprints import FOOTPRINTS, footprint_methods
-from .pictures import BY_RAYS, Bench, Encoding, Resampling, Tiles, Way, encodings, resampling
+from .pictures import BY_RAYS, Bench, Encoding, PartCache, Rendering, Resampling, encodings, resampling
 from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
@@ -191,7 +191,7 @@ def measure(
     say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
     say(Message("an image"))
-    bench = Bench.of(plan, Tiles(source, map_type), effort)
+    bench = Bench.of(plan, PartCache(source, map_type), effort)
     say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
@@ -265,8 +265,8 @@ def _pictures(
     usable = [one for one in ladder if not one.method.outside]
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES
     usual = next((one.tolerance_px for one in ladder if one.own), None)
-    meshes = [Way(one.tolerance_px, kernel, one.level) for one in usable]
-    kernels = [] if usual is None else [Way(usual, name) for name in KERNELS]
+    meshes = [Rendering(one.tolerance_px, kernel, one.level) for one in usable]
+    kernels = [] if usual is None else [Rendering(usual, name) for name in KERNELS]
     ways = list(dict.fromkeys([*meshes, *kernels]))
     frames, on_map_made = bench.camera_frames(ways, map_frame=not on_map.outside)
     made = dict(zip(ways, frames))
@@ -276,7 +276,7 @@ def _pictures(
         pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
-    frame = made[Way(usual, plan.mission.accuracy.resampling)]
+    frame = made[Rendering(usual, plan.mission.accuracy.resampling)]
     traced = positions.mesh_error_px(plan, 0.0)
     pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
     return (
@@ -287,9 +287,9 @@ def _pictures(
             else Measured(
                 one.method,
                 _pixels_error_px(plan, one),
-                made[Way(one.tolerance_px, kernel, one.level)].seconds,
+                made[Rendering(one.tolerance_px, kernel, one.level)].seconds,
                 one.own and plan.accuracy.pixels is not None,
-                made[Way(one.tolerance_px, kernel, one.level)].size_bytes,
+                made[Rendering(one.tolerance_px, kernel, one.level)].size_bytes,
             )
             for one in ladder
         ),

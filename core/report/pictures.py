@@ -49,7 +49,7 @@ _QUALITIES = (75, 85, JPEG_QUALITY)
 _FINEST = "lanczos"
 
 
-class Way(NamedTuple):
+class Rendering(NamedTuple):
     """How a camera frame is made: tolerance of its mesh in px (0 for rays), or of its rays over relief, and kernel.
 
     Of a plan over relief ``level`` says that the ground is taken as level all the same, as high as below the camera.
@@ -60,7 +60,7 @@ class Way(NamedTuple):
     level: bool = False
 
 
-class Made(NamedTuple):
+class FrameCost(NamedTuple):
     """Seconds that a capture's picture takes, and the bytes of its file."""
 
     seconds: Seconds
@@ -78,12 +78,12 @@ class Bench:
     """
 
     plan: Plan
-    tiles: Tiles
+    tiles: PartCache
     effort: Effort
     index: int = 0
 
     @classmethod
-    def of(cls, plan: Plan, tiles: Tiles, effort: Effort) -> Bench:
+    def of(cls, plan: Plan, tiles: PartCache, effort: Effort) -> Bench:
         """Bench of a capture whose picture the source has: the one in the middle, or another.
 
         Raises
@@ -131,7 +131,9 @@ class Bench:
         scene = scene_of(self.plan, np.array([self.index], np.intp))
         return replace(scene, width_px=float(width), height_px=float(height))
 
-    def camera_frames(self, ways: Sequence[Way], *, map_frame: bool) -> tuple[list[Made], Made | None]:
+    def camera_frames(
+        self, ways: Sequence[Rendering], *, map_frame: bool
+    ) -> tuple[list[FrameCost], FrameCost | None]:
         """Camera frames of the capture and, if asked for, its map frame, timed in the same rounds.
 
         The captures of a row share their view, whose seconds count once a row.
@@ -155,13 +157,13 @@ class Bench:
         found = []
         for kind, (picture, drawing) in zip(kinds, done[len(looks) :]):
             seconds = drawing + looking[kind] * (rows / len(plan))
-            found.append(Made(seconds * self.enlarged, self._file_bytes(picture)))
+            found.append(FrameCost(seconds * self.enlarged, self._file_bytes(picture)))
         if not map_frame:
             return found, None
         picture, seconds = done[-1]
-        return found, Made(seconds * self.enlarged, self._file_bytes(picture))
+        return found, FrameCost(seconds * self.enlarged, self._file_bytes(picture))
 
-    def _view(self, way: Way) -> View:
+    def _view(self, way: Rendering) -> View:
         plan = self.plan
         zooms = sampled_zooms(plan.mission, plan.grid)
         if not plan.relief.is_level and not way.level:
@@ -195,7 +197,7 @@ class Bench:
         if plan.frames.on_map:
             return resized(self._map_frame()(), plan.mission.output.img_size)
         kernel = plan.mission.accuracy.resampling
-        seen = self._view(Way(plan.accuracy.mesh_tolerance_px, kernel))
+        seen = self._view(Rendering(plan.accuracy.mesh_tolerance_px, kernel))
         parts = camera_parts(seen, self.lon_deg)
         picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
         return resized(picture, plan.mission.output.img_size)
@@ -217,7 +219,7 @@ def _middle(window: Window, size_px: tuple[int, int]) -> Window:
     return Window(window.zoom, left, top, width, height)
 
 
-class Tiles:
+class PartCache:
     """Pixels of a source's parts by window."""
 
     def __init__(self, source: Source, map_type: str) -> None:
@@ -280,7 +282,7 @@ class Encoding:
     chosen: bool
 
 
-def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
+def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
     """Errors of the kernels at the zoom, and around the middle, of a capture's window.
 
     Raises

@@ -28,7 +28,7 @@ Cell = Union[str, float, int, None]
 _NO_FIGURES = (None, None, None)
 
 
-class Table(NamedTuple):
+class TextTable(NamedTuple):
     """A table for people: names of the columns, rows of text, and the rows of what was chosen."""
 
     header: tuple[str, ...]
@@ -107,7 +107,7 @@ def name_of(one: Measured) -> str:
     return FRAME_NAMES.get(one.method.name, one.method.name)
 
 
-def methods_table(measurement: Measurement) -> Table:
+def methods_table(measurement: Measurement) -> TextTable:
     """Every method of every stage."""
     rows: list[tuple[str, ...]] = []
     chosen: set[int] = set()
@@ -126,7 +126,7 @@ def methods_table(measurement: Measurement) -> Table:
                     _remark(one, other),
                 )
             )
-    return Table(
+    return TextTable(
         ("stage", "method", "bound", "measured error", "time a capture", "time compared"),
         rows,
         frozenset(chosen),
@@ -164,7 +164,7 @@ def _error_text(one: Measured, floor_px: float) -> str:
     return px_text(one.error_px) + ("" if one.within else ", above its bound")
 
 
-def choices_table(plan: Plan, measurement: Measurement) -> Table:
+def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
     """What the plan chose at each stage, and why not something cheaper."""
     rows = []
     measured = {one.method.stage: one for one in measurement.chosen}
@@ -186,12 +186,12 @@ def choices_table(plan: Plan, measurement: Measurement) -> Table:
                 why,
             )
         )
-    return Table(("stage", "method", "bound", "measured error", "time a capture", "why"), rows)
+    return TextTable(("stage", "method", "bound", "measured error", "time a capture", "why"), rows)
 
 
-def savings_table(savings: Sequence[Saving]) -> Table:
+def savings_table(savings: Sequence[Saving]) -> TextTable:
     """What was left out."""
-    return Table(
+    return TextTable(
         ("left out", "because", "saves in time", "saves in files"),
         [
             (
@@ -205,7 +205,7 @@ def savings_table(savings: Sequence[Saving]) -> Table:
     )
 
 
-def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) -> Table:
+def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) -> TextTable:
     """Resampling kernels: grey levels against seconds."""
     seconds = {kernel.name: kernel.seconds for kernel in kernels}
     rows = [("none (map frame)", "0, exactly the source's pixels", NOTHING, NOTHING, NOTHING, "")]
@@ -219,7 +219,7 @@ def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) 
         )
         rows.append((name, errors[0], errors[1], errors[2], errors[3], seconds_text(took)))
     chosen = frozenset(index for index, row in enumerate(rows) if row[0].split(" ")[0] == used)
-    return Table(
+    return TextTable(
         (
             "kernel",
             "RMS error, grey levels",
@@ -241,17 +241,17 @@ def _rms_between(by_band: Sequence[float], low: float, high: float) -> float:
     return math.sqrt(sum(inside))
 
 
-def encodings_table(encodings: Sequence[Encoding]) -> Table:
+def encodings_table(encodings: Sequence[Encoding]) -> TextTable:
     """File formats: grey levels against bytes."""
     rows = [
         (one.name, f"{one.rms:.2f}" if one.rms else "0", size_text(one.size_bytes), seconds_text(one.seconds))
         for one in encodings
     ]
     chosen = frozenset(index for index, one in enumerate(encodings) if one.chosen)
-    return Table(("file", "RMS error, grey levels", "size of an image", "time to encode"), rows, chosen)
+    return TextTable(("file", "RMS error, grey levels", "size of an image", "time to encode"), rows, chosen)
 
 
-def displacement_table(effect: WindEffect) -> Table:
+def displacement_table(effect: WindEffect) -> TextTable:
     """How far wind moves and turns the camera."""
     spread = ("rms", "95 % within", "at most")
     rows = [
@@ -262,7 +262,7 @@ def displacement_table(effect: WindEffect) -> Table:
         )
         for one in effect.displacements
     ]
-    return Table(("", *spread, *(f"{name}, in the image" for name in spread)), rows)
+    return TextTable(("", *spread, *(f"{name}, in the image" for name in spread)), rows)
 
 
 def displaced_text(size: float | None, unit: str) -> str:
@@ -285,7 +285,7 @@ def share_text(share: float) -> str:
 _LABELS = {"uncovered_m2": "uncovered ground", "flight_s": "flight time"}
 
 
-def air_table(effect: WindEffect) -> Table:
+def air_table(effect: WindEffect) -> TextTable:
     """Figures of the mission in still air and in its wind; those that it has not are left out."""
     texts: dict[str, Callable[[Any], str]] = {
         "images": lambda count: f"{count:,}",
@@ -298,7 +298,7 @@ def air_table(effect: WindEffect) -> Table:
         text = texts.get(name, share_text)
         label = _LABELS.get(name) or name.replace("_", " ")
         rows.append((label, *(text(value) for value in values)))
-    return Table(("", "in still air", "in this wind"), rows)
+    return TextTable(("", "in still air", "in this wind"), rows)
 
 
 def csv_files(measurement: Measurement) -> dict[str, bytes]:

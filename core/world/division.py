@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .climate import RURAL_PER_SETTLED, dryness, settled
-from .lattice import WORLD_M, Array, Window, bits, cell_hash, mix, salt
+from .lattice import WORLD_M, Array, LatticeWindow, bits, cell_hash, mix, salt
 from .region import COARSE, coarse_fields
-from .samples import Points, shared
+from .samples import ScatteredPositions, shared
 
 BORDER, HEDGE, TRACK, LANE, ROAD, MAIN = range(6)
 HALF_WIDTH_M = (0.0, 2.5, 1.6, 3.2, 5.0, 8.0)
@@ -272,14 +272,14 @@ class Division:
     is piece ``first[n]`` of the next depth, the part after it the piece that follows.
     """
 
-    roots: Window
+    roots: LatticeWindow
     cuts: list[Array]
     first: list[Array]
     leaves: Leaves
     looks: Looks
 
 
-def _towns(seed: int, roots: Window, least_m: float) -> Towns:
+def _towns(seed: int, roots: LatticeWindow, least_m: float) -> Towns:
     """Find the towns that reach into a block of root squares."""
     width, length = roots.columns * ROOT_M, roots.rows * ROOT_M
     parts: list[tuple[Array, Array, Array]] = [(np.zeros(0), np.zeros(0), np.zeros(0))]
@@ -312,18 +312,18 @@ def _towns(seed: int, roots: Window, least_m: float) -> Towns:
     return Towns(*(np.concatenate(part) for part in zip(*parts)))
 
 
-def _climate(seed: int, roots: Window, x: Array, y: Array) -> tuple[Array, Array]:
+def _climate(seed: int, roots: LatticeWindow, x: Array, y: Array) -> tuple[Array, Array]:
     """Share of settled land, and dryness, at points given in metres from the block's corner."""
     # The plane's bend is small against the 39 km cells of climate, so it is left out here.
     u, v = (roots.i0 + x / ROOT_M) / (1 << ROOT), (roots.j0 + y / ROOT_M) / (1 << ROOT)
-    samples = Points(0, 0, 0, u, v)
+    samples = ScatteredPositions(0, 0, 0, u, v)
     window = samples.cells(COARSE).support()
     fields = coarse_fields(seed, window)
     share, dry = settled(fields).astype(np.float32), dryness(fields).astype(np.float32)
     return samples.spline(share, window), samples.spline(dry, window)
 
 
-def _root_squares(seed: int, roots: Window) -> dict[str, Array]:
+def _root_squares(seed: int, roots: LatticeWindow) -> dict[str, Array]:
     i, j = (a.ravel() for a in np.broadcast_arrays(*roots.indices()))
     x0, y0 = (i - roots.i0) * ROOT_M, (j - roots.j0) * ROOT_M
     share, dry = _climate(seed, roots, x0 + ROOT_M / 2, y0 + ROOT_M / 2)
@@ -336,7 +336,7 @@ def _root_squares(seed: int, roots: Window) -> dict[str, Array]:
     }  # fmt: skip
 
 
-def divide(seed: int, roots: Window, pixel_m: float) -> Division:
+def divide(seed: int, roots: LatticeWindow, pixel_m: float) -> Division:
     """Divide a block of root squares into pieces of a few pixels; wholly if the pixel is 0."""
     least_m = _LEAST_PX * pixel_m
     nodes = _root_squares(seed, roots)
@@ -358,7 +358,7 @@ def divide(seed: int, roots: Window, pixel_m: float) -> Division:
 
 
 @shared(24)
-def whole_division(seed: int, roots: Window) -> Division:
+def whole_division(seed: int, roots: LatticeWindow) -> Division:
     """Divide a block of root squares to the last plot."""
     return divide(seed, roots, 0.0)
 

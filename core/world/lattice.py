@@ -95,7 +95,7 @@ def bits(h: Array, shift: int, count: int) -> NDArray[np.float32]:
 
 
 @dataclass(frozen=True)
-class Window:
+class LatticeWindow:
     """A block of lattice points: columns ``i0 … i0 + columns - 1`` and rows ``j0 … j0 + rows - 1`` of `level`."""
 
     level: int
@@ -110,20 +110,20 @@ class Window:
         j = np.arange(self.j0, self.j0 + self.rows, dtype=np.int64)[:, None]
         return i, j
 
-    def parent(self) -> Window:
+    def parent(self) -> LatticeWindow:
         """Return the block one level coarser that `refine` needs to fill this one."""
         i0, j0 = self.i0 // 2 - 1, self.j0 // 2 - 1
         i1, j1 = (self.i0 + self.columns - 1) // 2 + 1, (self.j0 + self.rows - 1) // 2 + 1
-        return Window(self.level - 1, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
+        return LatticeWindow(self.level - 1, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
 
-    def grown(self, cells: int) -> Window:
+    def grown(self, cells: int) -> LatticeWindow:
         """Return the block with a margin of `cells` on each side."""
-        return Window(
+        return LatticeWindow(
             self.level, self.i0 - cells, self.j0 - cells, self.columns + 2 * cells, self.rows + 2 * cells
         )
 
 
-def refine(coefficients: Array, coarse: Window, fine: Window) -> Array:
+def refine(coefficients: Array, coarse: LatticeWindow, fine: LatticeWindow) -> Array:
     """Give the coefficients of the same cubic spline one level finer (two-scale relation, masks 1 6 1 and 4 4 over 8).
 
     `coefficients` has shape (..., coarse.rows, coarse.columns); the result (..., fine.rows, fine.columns).

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, wall_colours
-from .lattice import WORLD_M, Array, Window, bits, cell_hash, salt
+from .lattice import WORLD_M, Array, LatticeWindow, bits, cell_hash, salt
 from .paint import Canvas, clip01
 from .parcels import Parcels, root_squares
 from .region import Region, neighbourhood
-from .samples import Cells, Few, Tiles, shared
+from .samples import Few, LatticeCells, TilePositions, shared
 from .scene import Scene
 
 _EXACT_PIXEL_M = 2.5
@@ -51,7 +51,7 @@ _DENSE = 0.25
 
 
 @dataclass(frozen=True)
-class Footprints:
+class BuildingOutlines:
     """Buildings at samples.
 
     Attributes
@@ -69,7 +69,7 @@ class Footprints:
     north: Array
     south: Array
 
-    def near(self, moved_m: float) -> tuple[Array, Footprints]:
+    def near(self, moved_m: float) -> tuple[Array, BuildingOutlines]:
         """Return the flat indices of samples at or near buildings, and the buildings at only these.
 
         No others are covered, nor are they by the buildings moved `moved_m` south-east.
@@ -79,7 +79,7 @@ class Footprints:
         on &= np.minimum(self.east, self.south) > np.float32(margin - moved_m)
         at = np.flatnonzero(on)
         values = (self.index, self.west, self.east, self.north, self.south)
-        return at, Footprints(self.parcels, *(value.take(at, mode="clip") for value in values))
+        return at, BuildingOutlines(self.parcels, *(value.take(at, mode="clip") for value in values))
 
     def cover(self, moved_m: float = 0.0, grow_m: float = 0.0) -> Array:
         """Coverage by the buildings, moved some metres south-east and grown at each side by some."""
@@ -146,14 +146,14 @@ class Footprints:
         return [parcels.spread(channel) * light for channel in wall_colours(parcels.leaf(leaves.hash), roof)]
 
 
-def footprints(parcels: Parcels) -> Footprints | None:
+def footprints(parcels: Parcels) -> BuildingOutlines | None:
     """Return the buildings at samples; None where there are none in reach."""
     buildings = parcels.division.looks.buildings
     x0, x1, y0, y1 = (parcels.leaf(edge) for edge in (buildings.x0, buildings.x1, buildings.y0, buildings.y1))
     there = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, _REACH_M + parcels.pixel_m)
     if not there.any():
         return None
-    return Footprints(
+    return BuildingOutlines(
         parcels,
         parcels.index,
         parcels.x - parcels.local(np.where(there, x0, np.inf), 0),
@@ -179,7 +179,7 @@ class Crowns:
     tone: Array
     hue: Array
 
-    def within(self, block: int, window: Window) -> Crowns:
+    def within(self, block: int, window: LatticeWindow) -> Crowns:
         """Return the trees of a window of one of the blocks."""
         i, j = window.i0 - int(self.i0[block]), window.j0 - int(self.j0[block])
         at = (block, slice(j, j + window.rows), slice(i, i + window.columns))
@@ -214,7 +214,7 @@ def _chance(scene: Scene) -> Array:
     return chance
 
 
-def plant(scene: Scene) -> list[tuple[Cells, Crowns]]:
+def plant(scene: Scene) -> list[tuple[LatticeCells, Crowns]]:
     """Plant trees in the cells under a scene's samples, and in woods between them too."""
     samples = scene.samples
     zoom, x, y = neighbourhood(samples)
@@ -244,15 +244,15 @@ def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, C
     )
 
 
-def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, Tiles]:
+def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, TilePositions]:
     """How likely each cell in and right around some tiles holds a tree; and the cells."""
-    tiles = Tiles(zoom, x, y, LEVEL)
+    tiles = TilePositions(zoom, x, y, LEVEL)
     chance = np.empty(tiles.shape, dtype=np.float32)
     # The land is divided for the root squares that a tile touches, not for those of its neighbours.
     squares = root_squares(Region.around(seed, tiles), tiles)
     for alike in np.unique(squares, axis=0):
         at = np.flatnonzero((squares == alike).all(axis=1))
-        chance[at] = _chance(Scene(seed, Tiles(zoom, x[at], y[at], LEVEL)))
+        chance[at] = _chance(Scene(seed, TilePositions(zoom, x[at], y[at], LEVEL)))
     return chance, tiles
 
 
@@ -273,7 +273,7 @@ def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
 class _Drawn:
     """Crowns' attributes at the samples: at all of them or, where crowns are few, at those in a cell with one."""
 
-    def __init__(self, canvas: Canvas, cells: Cells, crowns: Crowns) -> None:
+    def __init__(self, canvas: Canvas, cells: LatticeCells, crowns: Crowns) -> None:
         self.canvas, self.cells = canvas, cells
         self.fx, self.fy = cells.fx, cells.fy
         self.few: Few | None = None
@@ -311,7 +311,7 @@ class _Drawn:
 
 def draw(
     canvas: Canvas,
-    cells: Cells,
+    cells: LatticeCells,
     crowns: Crowns,
     pixel_m: float,
     leaf: Array | None,
@@ -351,7 +351,7 @@ def draw(
     )
 
 
-def raise_crowns(canvas: Canvas, cells: Cells, crowns: Crowns, pixel_m: float) -> None:
+def raise_crowns(canvas: Canvas, cells: LatticeCells, crowns: Crowns, pixel_m: float) -> None:
     """Lay heights of crowns over a canvas of heights above the ground: domes as high as their shadows are long."""
     if not crowns.there.any():
         return

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from .division import BORDER, HALF_WIDTH_M, ROOT, ROOT_M, WHOLE_ZOOM, divide, whole_division
-from .lattice import WORLD_M, Array, Window
+from .lattice import WORLD_M, Array, LatticeWindow
 from .region import Region
-from .samples import Samples
+from .samples import Positions
 
 _FAR_M = 1e6
 _REACHES_M = np.array(HALF_WIDTH_M) + 6.0
@@ -24,7 +24,7 @@ _FEW = 1024
 _FEW_LINES, _BINS_PER_LINE = 28, 64
 
 
-def bent_plane(region: Region, samples: Samples) -> tuple[Array, Array]:
+def bent_plane(region: Region, samples: Positions) -> tuple[Array, Array]:
     """Return the samples' place in the bent plane, float32 metres from their tile's corner."""
     east, south = samples.local_m()
     scale = np.float32(WORLD_M)
@@ -48,7 +48,7 @@ def _squares(ends: Array) -> Array:
     return np.asarray(np.floor(ends / ROOT_M), np.int64)
 
 
-def root_squares(region: Region, samples: Samples) -> Array:
+def root_squares(region: Region, samples: Positions) -> Array:
     """Return the first and last column, and row, of the root squares that each tile touches, shape (tiles, 4)."""
     places = zip(bent_plane(region, samples), samples.origin_m)
     return _squares(
@@ -63,14 +63,14 @@ class Parcels:
     the samples' places in the bent plane, float32 metres from `corner`, which is the tile's.
     """
 
-    def __init__(self, seed: int, region: Region, samples: Samples) -> None:
+    def __init__(self, seed: int, region: Region, samples: Positions) -> None:
         self.shape = samples.shape
         self.pixel_m = samples.pixel_m
         self.x, self.y = bent_plane(region, samples)
         x, y = (_extents(c, start, self.pixel_m) for c, start in zip((self.x, self.y), samples.origin_m))
         west, east, north, south = x[0].min(), x[1].max(), y[0].min(), y[1].max()
         i0, i1, j0, j1 = (int(end) for end in _squares(np.array([west, east, north, south])))
-        self.roots = Window(ROOT, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
+        self.roots = LatticeWindow(ROOT, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
         whole = samples.zoom >= WHOLE_ZOOM
         self.division = (
             whole_division(seed, self.roots) if whole else divide(seed, self.roots, samples.pixel_m)

@@ -12,8 +12,8 @@ from typing import Callable
 
 import numpy as np
 
-from .lattice import WORLD_M, Array, Window, cell_hash, pole_of, refine, salt, signed
-from .samples import Grid, Samples, shared
+from .lattice import WORLD_M, Array, LatticeWindow, cell_hash, pole_of, refine, salt, signed
+from .samples import Grid, Positions, shared
 
 FINEST_OCTAVE = 19
 """No regional quantity has octaves shorter than the cells of this level, 76 m."""
@@ -95,7 +95,9 @@ def smoothstep(low: float, high: float, x: Array) -> Array:
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
-def _add_octave(seed: int, window: Window, c: Array, ridge_noise: Array | None) -> tuple[Array, Array | None]:
+def _add_octave(
+    seed: int, window: LatticeWindow, c: Array, ridge_noise: Array | None
+) -> tuple[Array, Array | None]:
     """Add the octave of the window's level to coefficients of that level; return them and relief's own noise."""
     level = window.level
     if ridge_noise is not None:
@@ -123,7 +125,9 @@ def _add_octave(seed: int, window: Window, c: Array, ridge_noise: Array | None) 
     return c, (own[0] if own.size else None)
 
 
-def _descend(seed: int, windows: list[Window], c: Array, ridge: Array | None) -> tuple[Array, Array | None]:
+def _descend(
+    seed: int, windows: list[LatticeWindow], c: Array, ridge: Array | None
+) -> tuple[Array, Array | None]:
     """Take coefficients from the first window down to the last, an octave at each."""
     for coarse, fine in zip(windows, windows[1:]):
         c = refine(c, coarse, fine)
@@ -133,7 +137,7 @@ def _descend(seed: int, windows: list[Window], c: Array, ridge: Array | None) ->
 
 
 @shared(64)
-def _coarse(seed: int, window: Window) -> tuple[Array, Array | None]:
+def _coarse(seed: int, window: LatticeWindow) -> tuple[Array, Array | None]:
     """Coefficients at a window of level `COARSE` or coarser: neighbouring tiles ask for the same ones."""
     windows = _ancestry(window, 0)
     start = np.zeros((len(NAMES), windows[0].rows, windows[0].columns), dtype=np.float32)
@@ -148,12 +152,12 @@ def _coarse(seed: int, window: Window) -> tuple[Array, Array | None]:
     return c, ridge
 
 
-def coarse_fields(seed: int, window: Window) -> dict[str, Array]:
+def coarse_fields(seed: int, window: LatticeWindow) -> dict[str, Array]:
     """Return the coefficients of all fields at a window of level `COARSE`."""
     return dict(zip(NAMES, _coarse(seed, window)[0]))
 
 
-def _ancestry(window: Window, level: int) -> list[Window]:
+def _ancestry(window: LatticeWindow, level: int) -> list[LatticeWindow]:
     """Return the windows that lead from `level`, or the window's own if that is coarser, down to a window."""
     windows = [window]
     while windows[-1].level > level:
@@ -161,7 +165,7 @@ def _ancestry(window: Window, level: int) -> list[Window]:
     return windows[::-1]
 
 
-def _latitude_heat(window: Window) -> Array:
+def _latitude_heat(window: LatticeWindow) -> Array:
     """Warmth by latitude, 0 at the ice and 1 at the equator, at lattice points; splines reproduce it closely."""
     j = window.indices()[1]
     v = np.clip(j / float(1 << window.level), 0.0, 1.0)
@@ -175,7 +179,7 @@ def _heat(cosine: Array) -> Array:
     return heat
 
 
-def _from_pole(window: Window) -> Array:
+def _from_pole(window: LatticeWindow) -> Array:
     """Angle from the pole in the middle of its chart, in radians, at lattice points; splines reproduce it closely."""
     i, j = window.indices()
     middle, cell_m = 0.5 * (1 << window.level), WORLD_M / (1 << window.level)
@@ -197,7 +201,7 @@ def finest_level(zoom: int) -> int:
     return min(zoom + 8 - MIN_CELL_PX_LOG2, max(FINEST_OCTAVE, min(zoom + 2, FINEST_OCTAVE + 2)))
 
 
-def neighbourhood(samples: Samples) -> tuple[int, int, int]:
+def neighbourhood(samples: Positions) -> tuple[int, int, int]:
     """Return the tile (zoom, x, y) of some zoom further out whose tiles share what is worked out around samples."""
     up = min(max(samples.zoom - BLOCK_ZOOM, 0), _SHARED_TILES_LOG2)
     return samples.zoom - up, samples.x >> up, samples.y >> up
@@ -222,16 +226,16 @@ class Region:
         self._extremes = dict(zip(NAMES, zip(low.tolist(), high.tolist())))
 
     @staticmethod
-    def around(seed: int, samples: Samples) -> Region:
+    def around(seed: int, samples: Positions) -> Region:
         """Return the region that holds a tile."""
         up = max(samples.zoom - BLOCK_ZOOM, 0)
         return _region(seed, samples.zoom, (samples.zoom - up, samples.x >> up, samples.y >> up))
 
-    def value(self, name: str, samples: Samples) -> Array:
+    def value(self, name: str, samples: Positions) -> Array:
         """Evaluate a field at samples."""
         return samples.spline(self.coefficients[_INDEX[name]], self.window)
 
-    def hills(self, samples: Samples) -> Array:
+    def hills(self, samples: Positions) -> Array:
         """Evaluate the octaves of relief beyond `COARSE`, those of hills: 0 at zooms that have none."""
         return samples.spline(self._hills, self.window)
 
@@ -243,14 +247,14 @@ class Region:
             base = refine(base, coarse, fine)
         return np.asarray(self.coefficients[_RIDGED] - base)
 
-    def slope(self, name: str, samples: Samples) -> tuple[Array, Array]:
+    def slope(self, name: str, samples: Positions) -> tuple[Array, Array]:
         """Evaluate a field's slope per Mercator metre, east and south."""
         c, per_m = self.coefficients[_INDEX[name]], np.float32((1 << self.level) / WORLD_M)
         return samples.spline(c, self.window, dx=True) * per_m, samples.spline(
             c, self.window, dy=True
         ) * per_m
 
-    def steepness(self, name: str, samples: Samples) -> Array:
+    def steepness(self, name: str, samples: Positions) -> Array:
         """Evaluate the length of a field's slope, per Mercator metre."""
         east, south = self.slope(name, samples)
         east *= east
@@ -262,7 +266,7 @@ class Region:
         """Bound a field over the whole block."""
         return self._extremes[name]
 
-    def span(self, name: str, samples: Samples) -> tuple[float, float]:
+    def span(self, name: str, samples: Positions) -> tuple[float, float]:
         """Bound a field over samples: a spline lies between its coefficients."""
         c = self._under(self.coefficients[_INDEX[name]], self.window, samples)
         return float(c.min()), float(c.max())
@@ -271,7 +275,7 @@ class Region:
         """Return the width of the ramp that stands for the octaves that this zoom leaves out."""
         return float(12.0**0.5 * left_out_sd(name, self.level))
 
-    def _under(self, c: Array, window: Window, samples: Samples) -> Array:
+    def _under(self, c: Array, window: LatticeWindow, samples: Positions) -> Array:
         support = samples.cells(self.level).support()
         i, j = support.i0 - window.i0, support.j0 - window.j0
         return c[..., j : j + support.rows, i : i + support.columns]
@@ -291,7 +295,7 @@ class Region:
             self._extremes[name] = float(c.min()), float(c.max())
         return self._extremes[name]
 
-    def smooth(self, function: Callable[[dict[str, Array]], Array], samples: Samples) -> Array:
+    def smooth(self, function: Callable[[dict[str, Array]], Array], samples: Positions) -> Array:
         """Evaluate a function of the fields at samples, smoothly between lattice points."""
         c, window = self.derived(function), self.window.grown(-1)
         if c.ndim == 2:
@@ -299,7 +303,7 @@ class Region:
         return np.stack([samples.spline(part, window) for part in c])
 
     def derived_span(
-        self, function: Callable[[dict[str, Array]], Array], samples: Samples
+        self, function: Callable[[dict[str, Array]], Array], samples: Positions
     ) -> tuple[float, float]:
         """Bound a function of the fields over samples."""
         c = self._under(self.derived(function), self.window.grown(-1), samples)

@@ -16,7 +16,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from .lattice import TILE_PX, WORLD_M, Array, Window
+from .lattice import TILE_PX, WORLD_M, Array, LatticeWindow
 
 Result = TypeVar("Result")
 
@@ -35,8 +35,8 @@ def _taps(f: Array, derivative: bool) -> tuple[Array, Array, Array, Array]:
     return low, second, np.float32(1) - low - second - high, high
 
 
-class Samples(ABC):
-    """Positions to evaluate the world at, all in or near one tile; see `Grid` and `Points`.
+class Positions(ABC):
+    """Positions to evaluate the world at, all in or near one tile; see `Grid` and `ScatteredPositions`.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Samples(ABC):
     x: int
     y: int
     shape: tuple[int, ...]
-    _cells: dict[tuple[int, bool], Cells]
+    _cells: dict[tuple[int, bool], LatticeCells]
 
     @property
     def pixel_m(self) -> float:
@@ -66,11 +66,11 @@ class Samples(ABC):
     def local_m(self) -> tuple[Array, Array]:
         """Return float32 metres east and south of the tile's corner, broadcastable to `shape`."""
 
-    def spline(self, coefficients: Array, window: Window, dx: bool = False, dy: bool = False) -> Array:
+    def spline(self, coefficients: Array, window: LatticeWindow, dx: bool = False, dy: bool = False) -> Array:
         """Evaluate a spline (rows, columns) at the samples, or its slope per cell eastward or southward."""
         return self.cells(window.level).spline(coefficients, window, dx, dy)
 
-    def cells(self, level: int, shifted: bool = False) -> Cells:
+    def cells(self, level: int, shifted: bool = False) -> LatticeCells:
         """Locate the samples on a lattice; `shifted` moves the lattice by half a cell north-west."""
         key = (level, shifted)
         if key not in self._cells:
@@ -78,7 +78,7 @@ class Samples(ABC):
         return self._cells[key]
 
     @abstractmethod
-    def _locate(self, level: int, shifted: bool) -> Cells:
+    def _locate(self, level: int, shifted: bool) -> LatticeCells:
         """Locate the samples in a level's cells."""
 
 
@@ -91,7 +91,7 @@ class Few(NamedTuple):
     cells: tuple[Array, Array]
 
 
-class Cells(ABC):
+class LatticeCells(ABC):
     """Where samples lie on one lattice.
 
     `i`, `j` are columns and rows of cells; `fx`, `fy` float32 fractions of the cell, broadcastable to the inner shape.
@@ -103,23 +103,25 @@ class Cells(ABC):
 
     def __init__(self, level: int, i: Array, j: Array, fx: Array, fy: Array, shape: tuple[int, ...]) -> None:
         self.level, self.i, self.j, self.fx, self.fy, self.shape = level, i, j, fx, fy, shape
-        self._window: Window | None = None
+        self._window: LatticeWindow | None = None
 
-    def window(self, before: int = 0, after: int = 0) -> Window:
+    def window(self, before: int = 0, after: int = 0) -> LatticeWindow:
         """Return the block of cells that hold the samples, with a margin."""
         if self._window is None:
             i0, j0 = int(self.i.min()), int(self.j.min())
             columns, rows = int(self.i.max()) - i0 + 1, int(self.j.max()) - j0 + 1
-            self._window = Window(self.level, i0, j0, columns, rows)
+            self._window = LatticeWindow(self.level, i0, j0, columns, rows)
         held, more = self._window, before + after
-        return Window(self.level, held.i0 - before, held.j0 - before, held.columns + more, held.rows + more)
+        return LatticeWindow(
+            self.level, held.i0 - before, held.j0 - before, held.columns + more, held.rows + more
+        )
 
-    def support(self) -> Window:
+    def support(self) -> LatticeWindow:
         """Return the block of coefficients that a cubic spline needs at the samples."""
         return self.window(1, 2)
 
     @abstractmethod
-    def spread(self, table: Array, window: Window) -> Array:
+    def spread(self, table: Array, window: LatticeWindow) -> Array:
         """Give each sample the entry of its cell from a table (rows, columns), broadcastable to the inner shape."""
 
     @abstractmethod
@@ -127,7 +129,7 @@ class Cells(ABC):
         """Return the inner shape; it holds as many values as the samples' shape, in the same order."""
 
     @abstractmethod
-    def pick(self, at: Array) -> Cells:
+    def pick(self, at: Array) -> LatticeCells:
         """Locate only the samples of some flat indices."""
 
     def among(self, chosen: Array) -> Few:
@@ -138,8 +140,8 @@ class Cells(ABC):
         return Few(at, cells.fx, cells.fy, (cells.j - held.j0, cells.i - held.i0))
 
     @abstractmethod
-    def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
-        """Evaluate a spline; see `Samples.spline`."""
+    def spline(self, c: Array, window: LatticeWindow, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Positions.spline`."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ def _axis_taps(axis: _Axis, derivative: bool) -> tuple[Array, Array, Array, Arra
     return _taps(axis.fractions, derivative)
 
 
-class GridCells(Cells):
+class GridCells(LatticeCells):
     """Cells under a block of pixels: rows of one cell are kept together, so that little is gathered."""
 
     def __init__(
@@ -197,16 +199,16 @@ class GridCells(Cells):
             j, fy = corner[1] + np.arange(like, dtype=np.int64), rows.fractions[None, :, None]
         super().__init__(level, i, j, columns.fractions, fy, shape)
         self._columns, self._rows = columns, rows
-        self._window = Window(
+        self._window = LatticeWindow(
             level, *corner, int(columns.cells[-1]) + 1, int(rows.cells[-1]) + 1 if self._apart else like
         )
 
     def inner(self) -> tuple[int, ...]:
-        """Return the inner shape; see `Cells.inner`."""
+        """Return the inner shape; see `LatticeCells.inner`."""
         return len(self.j), self.shape[0] // len(self.j), self.shape[1]
 
     def among(self, chosen: Array) -> Few:
-        """Return the samples in chosen cells, cell by cell where those are whole; see `Cells.among`."""
+        """Return the samples in chosen cells, cell by cell where those are whole; see `LatticeCells.among`."""
         side = 1 << self._columns.shift
         if self._apart or self._columns.inside or self._rows.inside:
             return super().among(chosen)
@@ -216,21 +218,21 @@ class GridCells(Cells):
         inside = (np.arange(side)[:, None] * self.shape[1] + np.arange(side)).reshape(1, -1)
         return Few(first + inside, np.tile(fx, side), np.repeat(fy, side), (row[:, None], column[:, None]))
 
-    def pick(self, at: Array) -> Cells:
-        """Return the cells of some samples; see `Cells.pick`."""
+    def pick(self, at: Array) -> LatticeCells:
+        """Return the cells of some samples; see `LatticeCells.pick`."""
         row, column = at // self.shape[1], at % self.shape[1]
         group = row // (self.shape[0] // len(self.j))
         inside = row - group * (self.shape[0] // len(self.j))
         fy = self.fy[np.minimum(group, self.fy.shape[0] - 1), inside, 0]
         return PointCells(self.level, self.i[column], self.j[group], self.fx[column], fy, at.shape)
 
-    def spread(self, table: Array, window: Window) -> Array:
-        """Give each sample the entry of its cell; see `Cells.spread`."""
+    def spread(self, table: Array, window: LatticeWindow) -> Array:
+        """Give each sample the entry of its cell; see `LatticeCells.spread`."""
         out: Array = table[self.j - window.j0][:, self.i - window.i0][:, None, :]
         return out
 
-    def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
-        """Evaluate a spline; see `Samples.spline`."""
+    def spline(self, c: Array, window: LatticeWindow, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Positions.spline`."""
         wx, wy = self._columns.taps(dx), self._rows.taps(dy)
         held = self.window()
         row, column = held.j0 - window.j0, self.i - window.i0
@@ -253,24 +255,24 @@ class GridCells(Cells):
         return out.reshape(self.shape)
 
 
-class PointCells(Cells):
+class PointCells(LatticeCells):
     """Cells under scattered points."""
 
     def inner(self) -> tuple[int, ...]:
-        """Return the inner shape; see `Cells.inner`."""
+        """Return the inner shape; see `LatticeCells.inner`."""
         return self.shape
 
-    def pick(self, at: Array) -> Cells:
-        """Return the cells of some samples; see `Cells.pick`."""
+    def pick(self, at: Array) -> LatticeCells:
+        """Return the cells of some samples; see `LatticeCells.pick`."""
         return PointCells(self.level, self.i[at], self.j[at], self.fx[at], self.fy[at], at.shape)
 
-    def spread(self, table: Array, window: Window) -> Array:
-        """Give each sample the entry of its cell; see `Cells.spread`."""
+    def spread(self, table: Array, window: LatticeWindow) -> Array:
+        """Give each sample the entry of its cell; see `LatticeCells.spread`."""
         out: Array = table[self.j - window.j0, self.i - window.i0]
         return out
 
-    def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
-        """Evaluate a spline; see `Samples.spline`."""
+    def spline(self, c: Array, window: LatticeWindow, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Positions.spline`."""
         wx, wy = _taps(self.fx, dx), _taps(self.fy, dy)
         column, row = self.i - window.i0, self.j - window.j0
 
@@ -290,8 +292,8 @@ class PointCells(Cells):
 class TileCells(PointCells):
     """Cells under blocks of equal shape: `i` has shape (tiles, 1, columns), `j` (tiles, rows, 1)."""
 
-    def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
-        """Evaluate a spline; see `Samples.spline`."""
+    def spline(self, c: Array, window: LatticeWindow, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Positions.spline`."""
         wx, wy = _taps(self.fx[:, 0], dx), _taps(self.fy, dy)
         column, row = self.i[:, 0] - window.i0, self.j[..., 0] - window.j0
         tile = np.arange(self.shape[0])[:, None]
@@ -317,17 +319,17 @@ def _centres_m(first: int, count: int, pixel_m: float) -> Array:
     return ((np.arange(first, first + count) + 0.5) * pixel_m).astype(np.float32)
 
 
-class Grid(Samples):
+class Grid(Positions):
     """The centres of a tile's pixels."""
 
     def __init__(self, zoom: int, x: int, y: int) -> None:
         self.zoom, self.x, self.y = zoom, x, y
-        self.block = Window(zoom + 8, x * TILE_PX, y * TILE_PX, TILE_PX, TILE_PX)
+        self.block = LatticeWindow(zoom + 8, x * TILE_PX, y * TILE_PX, TILE_PX, TILE_PX)
         self.shape = (self.block.rows, self.block.columns)
         self._cells = {}
 
     def local_m(self) -> tuple[Array, Array]:
-        """Metres east and south of the tile's corner; see `Samples.local_m`."""
+        """Metres east and south of the tile's corner; see `Positions.local_m`."""
         left, top = self.block.i0 - self.x * TILE_PX, self.block.j0 - self.y * TILE_PX
         east, south = (
             _centres_m(first, count, self.pixel_m)
@@ -335,7 +337,7 @@ class Grid(Samples):
         )
         return east, south[:, None]
 
-    def _locate(self, level: int, shifted: bool) -> Cells:
+    def _locate(self, level: int, shifted: bool) -> LatticeCells:
         shift = self.block.level - level
         if shift < 0:
             raise ValueError(f"cells {2.0**shift} pixels wide, smaller than a pixel")
@@ -349,7 +351,7 @@ class Grid(Samples):
         )
 
 
-class Tiles(Samples):
+class TilePositions(Positions):
     """The centres of cells of `level` in and right around several tiles, told from each tile's own corner.
 
     Its shape is (tiles, rows, columns); `x`, `y` are the first tile's. What is worked out for them differs in no
@@ -375,17 +377,17 @@ class Tiles(Samples):
 
     @property
     def origin_m(self) -> tuple[float | Array, float | Array]:
-        """The tiles' corners, shape (tiles, 1, 1); see `Samples.origin_m`."""
+        """The tiles' corners, shape (tiles, 1, 1); see `Positions.origin_m`."""
         return self._tile_x * TILE_PX * self.pixel_m, self._tile_y * TILE_PX * self.pixel_m
 
     def local_m(self) -> tuple[Array, Array]:
-        """Metres east and south of each tile's corner; see `Samples.local_m`."""
+        """Metres east and south of each tile's corner; see `Positions.local_m`."""
         step, scale = self.pixel_m, 2.0 ** (self.zoom + 8 - self.level)
         east = ((self.columns + 0.5) * scale - self._tile_x * TILE_PX) * step
         south = ((self.rows + 0.5) * scale - self._tile_y * TILE_PX) * step
         return east.astype(np.float32), south.astype(np.float32)
 
-    def _locate(self, level: int, shifted: bool) -> Cells:
+    def _locate(self, level: int, shifted: bool) -> LatticeCells:
         shift = self.level - level
         half = (1 << shift) >> 1 if shifted else 0
         column, fx = _split(self.columns + half, shift)
@@ -393,7 +395,7 @@ class Tiles(Samples):
         return TileCells(level, column, row, fx, fy, self.shape)
 
 
-class Points(Samples):
+class ScatteredPositions(Positions):
     """Scattered positions in one tile: `u`, `v` are float64 world fractions from the north-west corner."""
 
     def __init__(self, zoom: int, x: int, y: int, u: Array, v: Array) -> None:
@@ -402,13 +404,13 @@ class Points(Samples):
         self._cells = {}
 
     def local_m(self) -> tuple[Array, Array]:
-        """Metres east and south of the tile's corner; see `Samples.local_m`."""
+        """Metres east and south of the tile's corner; see `Positions.local_m`."""
         scale, step = float(TILE_PX << self.zoom), self.pixel_m
         east = (self.u * scale - self.x * TILE_PX) * step
         south = (self.v * scale - self.y * TILE_PX) * step
         return east.astype(np.float32), south.astype(np.float32)
 
-    def _locate(self, level: int, shifted: bool) -> Cells:
+    def _locate(self, level: int, shifted: bool) -> LatticeCells:
         scale, half = float(1 << level), 0.5 if shifted else 0.0
         column, row = self.u * scale + half, self.v * scale + half
         i, j = np.floor(column), np.floor(row)
@@ -416,7 +418,7 @@ class Points(Samples):
         return PointCells(level, i.astype(np.int64), j.astype(np.int64), fx, fy, self.shape)
 
 
-class _Place(Generic[Result]):
+class _SharedResult(Generic[Result]):
     """Where a result is, or will be: who holds the lock works it out."""
 
     def __init__(self) -> None:
@@ -432,7 +434,7 @@ def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result
     """
 
     def remember(function: Callable[..., Result]) -> Callable[..., Result]:
-        places: OrderedDict[tuple[Hashable, ...], _Place[Result]] = OrderedDict()
+        places: OrderedDict[tuple[Hashable, ...], _SharedResult[Result]] = OrderedDict()
         guard = threading.Lock()
 
         @wraps(function)
@@ -440,7 +442,7 @@ def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result
             with guard:
                 place = places.get(arguments)
                 if place is None:
-                    place = places[arguments] = _Place()
+                    place = places[arguments] = _SharedResult()
                     if len(places) > count:
                         places.popitem(last=False)
                 else:

@@ -12,7 +12,7 @@ from .lattice import Array
 from .paint import ramp
 from .parcels import Parcels
 from .region import Region
-from .samples import Samples
+from .samples import Positions
 
 PARCEL_ZOOM = 8
 """Zoom from which parcels and roads are drawn; a pixel of the one before is wider than a village."""
@@ -39,7 +39,7 @@ _MOST_STEEPNESS = {
 class Scene:
     """The world around some samples; coverages are float32, 0..1, of their shape, or None for none."""
 
-    def __init__(self, seed: int, samples: Samples) -> None:
+    def __init__(self, seed: int, samples: Positions) -> None:
         self.seed, self.samples = seed, samples
         self.pixel_m = samples.pixel_m
         self.region = Region.around(seed, samples)

@@ -23,7 +23,7 @@ from .heights import ground_m, surface_m
 from .lattice import TILE_PX, Array, on_chart
 from .objects import footprints
 from .region import BLOCK_ZOOM
-from .samples import Grid, Points
+from .samples import Grid, ScatteredPositions
 from .scene import Scene
 
 MAX_ZOOM = 22
@@ -211,7 +211,7 @@ class World:
             )
 
 
-def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, Points]]:
+def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
     """Indices of the points in each tile of their whole zooms, and these points."""
     x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
     key = (zoom << 44) | (y << 22) | x
@@ -220,7 +220,7 @@ def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, Points]]:
     for at in np.split(order, starts[1:]):
         if at.size:
             first = at[0]
-            yield at, Points(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
+            yield at, ScatteredPositions(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
 
 
 class WorldSource:

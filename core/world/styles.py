@@ -9,11 +9,11 @@ import numpy as np
 from . import climate, objects
 from .climate import height
 from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, TRACK, farm_mean
-from .lattice import Array, Window, cell_hash, mix, refine, salt, signed
+from .lattice import Array, LatticeWindow, cell_hash, mix, refine, salt, signed
 from .objects import footprints
 from .paint import Canvas
 from .region import neighbourhood
-from .samples import Grid, Samples, shared
+from .samples import Grid, Positions, shared
 from .scene import PARCEL_ZOOM, Scene
 
 #: Makes the picture of a scene in one style.
@@ -52,14 +52,14 @@ _TINTS = (
 )
 
 
-def speckle(seed: int, samples: Samples, last_level: int) -> Array | None:
+def speckle(seed: int, samples: Positions, last_level: int) -> Array | None:
     """Evaluate texture of all scales from 2.4 km down to `last_level`, with a standard deviation of 0.1 an octave."""
     if last_level < _SPECKLE_FIRST:
         return None
     return samples.spline(*_speckle(seed, last_level, *neighbourhood(samples)))
 
 
-def _octave(seed: int, window: Window) -> Array:
+def _octave(seed: int, window: LatticeWindow) -> Array:
     i, j = window.indices()
     noise = signed(cell_hash(salt(seed, 5), window.level, i, j))
     noise *= np.float32(0.36)
@@ -67,7 +67,7 @@ def _octave(seed: int, window: Window) -> Array:
 
 
 @shared(32)
-def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, Window]:
+def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, LatticeWindow]:
     """Coefficients at `level` over a tile of any zoom."""
     windows = [Grid(zoom, x, y).cells(level).support()]
     while windows[-1].level > _SPECKLE_FIRST:

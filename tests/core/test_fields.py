@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pytest
-from terrainav.core.fields import Part, declared, field_named
+from terrainav.core.fields import CheckedFields, declared, field_named
 from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.options import Option
 from terrainav.core.units import UNITS, Unit
@@ -15,7 +15,7 @@ def test_an_option_keeps_the_unit_of_its_field_s_name_unless_it_is_named(monkeyp
     monkeypatch.setitem(UNITS, "ms", Unit("ms", "milliseconds", " ms", 3))
 
     @dataclass(frozen=True)
-    class Exposing(Part):
+    class Exposing(CheckedFields):
         exposure_ms: float = declared(2.0, title="exposure", help="how long", unit="ms", above=0.0)
         pause_s: float = declared(1.0, title="pause", help="how long", unit="s", option="pause")
 

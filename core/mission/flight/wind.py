@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...errors import InvalidInput
-from ...fields import Part, declared, field_named
+from ...fields import CheckedFields, declared, field_named
 from ..parts import Flight, Imagery
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Wind(Part):
+class Wind(CheckedFields):
     """Wind at flight height; the seed makes flights reproducible."""
 
     speed_m_per_s: float = declared(

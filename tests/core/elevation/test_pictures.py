@@ -28,7 +28,7 @@ from terrainav.core.picture.shot import draw, parts_of, shot_of, walls_of
 from terrainav.core.report.measure import measure
 from terrainav.core.world import World, WorldSource
 from terrainav.core.world.objects import footprints
-from terrainav.core.world.samples import Points as Places
+from terrainav.core.world.samples import ScatteredPositions as Places
 from terrainav.core.world.scene import Scene as Landscape
 
 from tests.support import rasters

@@ -136,7 +136,7 @@ def test_shadows_end_where_the_suns_rays_over_the_eaves_meet_the_ground():
     assert ends > 0.9
 
 
-#: Sides of buildings as `Footprints` names them, and the way their walls face, east and south.
+#: Sides of buildings as `BuildingOutlines` names them, and the way their walls face, east and south.
 SIDES = {"west": (-1.0, 0.0), "north": (0.0, -1.0), "east": (1.0, 0.0), "south": (0.0, 1.0)}
 
 

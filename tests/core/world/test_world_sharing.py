@@ -11,7 +11,7 @@ import pytest
 from terrainav.core.world import World, objects, parcels
 from terrainav.core.world.parcels import Parcels, root_squares
 from terrainav.core.world.region import Region
-from terrainav.core.world.samples import Grid, Tiles, shared
+from terrainav.core.world.samples import Grid, TilePositions, shared
 
 from tests.support.thinning import sampled
 
@@ -139,7 +139,7 @@ def test_trees_are_planted_for_many_tiles_as_for_one(zoom, monkeypatch):
 def test_cells_of_many_tiles_lie_where_those_of_one_do():
     region = Region.around(SEED, Grid(18, *(int(place * 2**18) for place in AGRICENTER)))
     x, y = (int(place * 2**18) // 4 * 4 + np.arange(4) for place in AGRICENTER)
-    tiles = Tiles(18, x, y, 22)
+    tiles = TilePositions(18, x, y, 22)
     centres = np.arange(-1, 17) + 0.5
     assert tiles.shape == (4, 18, 18)
     for n in range(4):
@@ -148,7 +148,7 @@ def test_cells_of_many_tiles_lie_where_those_of_one_do():
         np.testing.assert_array_equal(east, south)
         np.testing.assert_array_equal(
             region.value("warp_x", tiles)[n],
-            region.value("warp_x", Tiles(18, x[n : n + 1], y[n : n + 1], 22))[0],
+            region.value("warp_x", TilePositions(18, x[n : n + 1], y[n : n + 1], 22))[0],
         )
 
 
