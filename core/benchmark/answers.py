@@ -1,4 +1,4 @@
-"""What a method is asked and what it answers, and files of answers."""
+"""Queries put to a method, its answers, and files of answers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SECONDS = "seconds"
 
 @dataclass(frozen=True)
 class Query:
-    """What a method may know of a query.
+    """Data of a query that a method may use.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class Query:
     fx_px, fy_px, cx_px, cy_px : float
         Intrinsics, as `Queries` has them.
     height_m, ground_m : float
-        Of the camera and of the ground below it, above the WGS 84 ellipsoid: what a barometer tells.
+        Of the camera and of the ground below it, above the WGS 84 ellipsoid, as from a barometer.
     yaw_deg, tilt_deg, roll_deg : float
-        As a compass and an inertial unit tell them.
+        As from a compass and an inertial unit.
     prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
         What a GNSS receiver, a barometer and a compass with errors would have measured; NaN where they do not, and in
         outages.
@@ -61,7 +61,7 @@ class Query:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a method says of a query; all of it may be left out.
+    """Answer of a method to a query; every part may be left out.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ Method = Callable[[Benchmark, Numbers], Locate]
 
 
 def query_of(benchmark: Benchmark, index: int) -> Query:
-    """What a method may know of a query: all but where it was taken."""
+    """Query as a method may see it, without its position."""
     queries = benchmark.queries
     said = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
     return Query(
@@ -139,6 +139,17 @@ class Predictions:
             _ranked(benchmark, answer.references, benchmark.queries.id[at])
             for at, answer in zip(index, answers)
         ]
+        return cls._from_rankings(benchmark, index, ranked, answers, seconds)
+
+    @classmethod
+    def _from_rankings(
+        cls,
+        benchmark: Benchmark,
+        index: Sequence[int],
+        ranked: Sequence[Sequence[int]],
+        answers: Sequence[Answer],
+        seconds: Sequence[float],
+    ) -> Predictions:
         # One that ranks many takes as much room for all queries.
         longest, queries = max(map(len, ranked), default=0), len(benchmark.queries)
         if longest * queries > MAX_RANKED:
@@ -183,6 +194,7 @@ class Predictions:
             raise InvalidInput("predictions {0}: lat_deg and lon_deg go together", path)
         met: dict[str, int] = {}
         answers: list[Answer] = []
+        ranked: list[list[int]] = []
         seconds: list[float] = []
         for number, row in lines:
             where = f"predictions {path}, line {number}:"
@@ -197,14 +209,15 @@ class Predictions:
             )
             try:
                 references = tuple(cells.get("references", "").split())
-                _ranked(benchmark, references, name)
+                ranked.append(_ranked(benchmark, references, name))
             except InvalidInput as wrong:
                 raise InvalidInput("{0} {1}", where, wrong) from wrong
             answers.append(Answer(references, **values))
             seconds.append(number_of(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
         if not answers:
             raise InvalidInput("predictions {0}: answer no query", path)
-        found = cls.of(benchmark, [benchmark.query_at[name] for name in met], answers, seconds)
+        index = [benchmark.query_at[name] for name in met]
+        found = cls._from_rankings(benchmark, index, ranked, answers, seconds)
         return replace(found, source=str(path))
 
     def write(self, path: Path, benchmark: Benchmark) -> None:

@@ -25,8 +25,6 @@ from .folder import Benchmark
 _BLOCK_PX, _SHARED_PX = 2048, 64
 #: Keypoints of a query, and of a block of the mosaic.
 _OF_QUERY, _OF_BLOCK = 2_000, 20_000
-#: Lowe's: a match is one where the next best is at least so much farther.
-_RATIO = 0.8
 #: What a point may be off its match, px, and the fewest matches that a pose is believed from.
 _OFF_PX, _FEWEST = 4.0, 8
 _TRIES, _SURE = 5_000, 0.999
@@ -92,7 +90,8 @@ class _Features:
         if descriptors is None or len(self._descriptors) < 2:
             return Answer()
         pairs = self._matcher.knnMatch(descriptors, self._descriptors, k=2)
-        good = [first for first, second in pairs if first.distance < _RATIO * second.distance]
+        # Lowe's: a match is one where the next best is at least so much farther.
+        good = [first for first, second in pairs if first.distance < 0.8 * second.distance]
         image = points[[one.queryIdx for one in good]].reshape(-1, 2)
         ground = self._points[[one.trainIdx for one in good]].reshape(-1, 2)
         pose = self._pose(query, image, ground) if len(good) >= _FEWEST else None

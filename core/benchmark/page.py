@@ -48,8 +48,6 @@ _STEP_COLOURS = (BLUE, SKY, ORANGE, VERMILION)
 _MAP_PX, _MAPS_ACROSS = 1200, 3
 #: Queries shown on the sheet of failures, and pixels of each cut of the mosaic.
 _SHOWN, _THUMB_PX = 4, 300
-#: What fits above a query on that sheet of its id.
-_NAME_CHARACTERS = 40
 #: Pixels over which the size of the mosaic's is taken, and metres of a degree of latitude, on average.
 _FAR_PX, _DEGREE_M = 100.0, 111_195.0
 
@@ -255,7 +253,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         shift = [float(answer[at] - truth[at]) for answer, truth in _places(errors)]
         moved = centre[0] + shift[0], centre[1] + shift[1]
         shown = (
-            (query, f"{label_of(shortened(errors.query[at], _NAME_CHARACTERS))}\nnorth up"),
+            (query, f"{label_of(shortened(errors.query[at], 40))}\nnorth up"),
             (_around(whole, benchmark, centre, side_m), "reference where it was taken"),
             (
                 _around(whole, benchmark, moved, side_m),

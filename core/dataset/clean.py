@@ -22,13 +22,10 @@ from .figures import draw_all
 from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .table import REJECTED, Table
 
-#: Share of images from which a threshold that rejects them tells hardly anything apart.
-_NEARLY_ALL = 0.95
-
 
 @dataclass(frozen=True)
 class Cleaned:
-    """What cleaning did to one map type, or would do.
+    """Result of cleaning one map type, or of a dry run.
 
     Parameters
     ----------
@@ -64,8 +61,8 @@ class Cleaned:
 
     @property
     def is_one_sided(self) -> bool:
-        """Whether the threshold tells hardly anything apart: it rejects nothing, or nearly all."""
-        return bool(self.images) and not 0 < self.rejected < self.images * _NEARLY_ALL
+        """Whether the threshold separates hardly anything: it rejects nothing, or at least 95 %."""
+        return bool(self.images) and not 0 < self.rejected < self.images * 0.95
 
 
 def clean(
@@ -97,7 +94,7 @@ def clean(
         Folder for the diagrams of the entropies (see `figures.save_figures`), which are written before anything is
         changed, in a dry run too.
     progress : callable
-        Told the share done, 0 to 1; an answer of False stops it.
+        Called with the share done, 0 to 1; returning False stops the run.
 
     Returns
     -------
@@ -113,7 +110,7 @@ def clean(
         Another run is at work in the folder, something cannot be written or moved, or matplotlib is not there to draw
         with.
     Cancelled
-        ``progress`` said so: to be finished by the next run, or taken back.
+        ``progress`` returned False; the next run finishes the work, and `undo` reverts it.
     """
     if not 0.0 <= threshold <= HIGHEST_ENTROPY:
         raise InvalidInput("entropy {0}: must be from 0 to {1:g} bits", threshold, HIGHEST_ENTROPY)
@@ -155,7 +152,7 @@ def undo(
             kept = {header: cells for header, cells in table.other.items() if header != REJECTED}
             steps.append((path, table.replace_other(kept) if REJECTED in table.other else None, moves))
         if not dry_run:
-            # Marks go last: as long as they are there, an interrupted run can be told from a finished one.
+            # Remove the marks last: while they remain, the run counts as interrupted.
             _carry_out([(path, None, moves) for path, _, moves in steps], progress)
             _carry_out([(path, table, []) for path, table, _ in steps], None)
             for path in folders.values():
@@ -178,14 +175,14 @@ def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterato
 
 
 def _half_progress(progress: Report | None, start: float) -> Report | None:
-    """Report for the half of the work that starts there."""
+    """Report progress of the half of the work that starts at a share."""
     return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
 def _judge(
     map_type: str, deciding: Deciding, threshold: float, move: bool
 ) -> tuple[Cleaned, Table | None, list[Move]]:
-    """What is to be done to a map type: counts, the table if it changes, and files to be moved."""
+    """Plan the cleaning of a map type: counts, the table if it changes, and the files to move."""
     names, there, decisive = deciding.names, deciding.there, deciding.entropies
     # A row without an image compares as not below.
     below = decisive < threshold

@@ -1,4 +1,4 @@
-"""Datasets of others as ours: the same images, with tables that have our columns."""
+"""Convert published datasets: copy the images and write tables with TerrAInav's columns."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .table import Table
 
 @dataclass(frozen=True)
 class Converted:
-    """What was converted of one map type.
+    """Result of converting one map type.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
 
 
 def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path) -> None:
-    """Make the target under another name, and give it its own when it is whole."""
+    """Write to a temporary folder, and rename it when it is complete."""
     partial = target.with_name(target.name + PARTIAL_ENDING)
     make_folder(target.parent)
     try:

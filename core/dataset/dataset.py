@@ -48,9 +48,9 @@ VBN_MAP_TYPE = "camera"
 _MODES = {1: "L", 3: "RGB"}
 #: Files that one message names.
 _NAMED = 3
-#: What Pillow raises for a file that is no whole image, or too large a one.
+#: Raised by Pillow for files that are damaged, too large or not images.
 UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
-#: What images are written as, whatever their names say: libraries have decoders of many others, each a risk.
+#: Formats of images, whatever their names say: Pillow has decoders of many others, each a risk.
 _FORMATS = ("JPEG", "PNG", "TIFF")
 #: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
 _GREY, _COLOUR = (
@@ -110,7 +110,7 @@ class ImageSet:
         return self.files
 
     def file(self, index: int) -> ImageFile:
-        """What the bytes of a row's image are read from, wherever they are."""
+        """Source of the bytes of a row's image: a path, an object or a range of a shard."""
         if self.files is not None:
             return self.path(index)
         table, name = self.table, self.table.img_names[index]
@@ -188,7 +188,7 @@ class Dataset:
     image_sets: Mapping[str, ImageSet]
 
     def place_key(self) -> Callable[[str], str]:
-        """Return what tells the place of an image by its name; see `folder.place_key`."""
+        """Return the function that maps an image's name to its place; see `folder.place_key`."""
         return place_key(self.folder, [one.folder for one in self.image_sets.values()])
 
     def image_set(self, map_type: str) -> ImageSet:
@@ -215,8 +215,7 @@ def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
     Raises
     ------
     InvalidInput
-        A folder that is no such dataset, rows that cannot be read, or a table that says
-        otherwise than the files: they are named.
+        The folder is not such a dataset, rows cannot be read, or table and files disagree; the message names them.
     OutputError
         An object store that cannot be asked.
     """
@@ -294,7 +293,7 @@ class Move:
 
 
 class Images:
-    """What lies in a map type's folder and in its folder of rejected images, as it is now.
+    """Files of a map type: in its folder and among its rejected images.
 
     Raises
     ------
@@ -473,7 +472,7 @@ def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
 
 
 def first_names(names: Sequence[str]) -> str:
-    """The first names, and how many there are beside them."""
+    """First names of many, with the number of the others."""
     more = len(names) - _NAMED
     first = ", ".join(names[:_NAMED])
     return Message("{0} and {1:,} more", first, more) if more > 0 else first
@@ -540,7 +539,7 @@ def open_image(
     except UnidentifiedImageError as wrong:
         raise InvalidInput("image {0}: cannot be read (it is no JPEG, PNG or TIFF)", path) from wrong
     except UNREADABLE as wrong:
-        # Of a compressed TIFF's pixels Pillow tells libtiff's number, newer ones after two words.
+        # For a damaged compressed TIFF, Pillow reports a bare libtiff error number.
         is_number = re.fullmatch(r"(decoder error )?-?\d+", str(wrong))
         what = Message("its pixels are damaged or cut off") if is_number else wrong
         raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong

@@ -1,4 +1,4 @@
-"""How much there is to see in an image, where to part a dataset by it, and which entropy decides over each image."""
+"""Entropy of images, the threshold that separates a dataset, and the entropy that decides on each image."""
 
 from __future__ import annotations
 
@@ -18,15 +18,13 @@ from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_key
 from .table import Table
 
-#: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
-_BAND_PX = 1 << 19
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
 #: Which entropies a table holds: those of `entropy`, of `pooled_entropy`, or of neither.
 GREY, POOLED, UNKNOWN = MEASURES = ("grey", "pooled", "unknown")
-#: Images that tell which, and what a JPEG's losses may change a figure by, bits.
+#: Images sampled to find the measure, and the most that JPEG losses change an entropy by, bits.
 _TELLING, _LOST = 5, 0.1
-#: What long work tells of: the share done, 0 to 1; an answer of False stops it.
+#: Called with the share done, 0 to 1; returning False stops the work.
 Report = Callable[[float], bool]
 #: Of a valley between two groups: width of the windows in which values are counted, as a share of their range, and how
 #: many may be in it, as a share of those at the lower peak.
@@ -67,7 +65,8 @@ def entropy(image: NDArray[np.uint8]) -> float:
 def _grey(image: NDArray[np.uint8]) -> Image.Image:
     """Grey image (mode L) of an RGB one (h, w, 3)."""
     height, width = image.shape[:2]
-    rows = max(_BAND_PX // width, 1)
+    # Larger bands do not fit the processor's cache and take three times as long.
+    rows = max((1 << 19) // width, 1)
     bands = (
         (top, Image.fromarray(np.ascontiguousarray(image[top : top + rows])).convert("L"))
         for top in range(0, height, rows)
@@ -233,7 +232,7 @@ def deciding_entropies(
         A folder that is no dataset, a table that cannot be read or says otherwise than the files, or an image that
         cannot be read.
     Cancelled
-        ``progress`` said so.
+        ``progress`` returned False.
     """
     folders, own = map_type_folders(folder), {}
     place = place_key(folder, folders.values())
@@ -261,7 +260,7 @@ def deciding_entropies(
 
 
 class _Own:
-    """The table and the images of a map type, which agree, and the images' own entropies as far as the table has them.
+    """Table, images and known entropies of a map type; table and images agree.
 
     Attributes
     ----------
@@ -303,7 +302,7 @@ class _Own:
 
 
 def _compute_missing(sets: list[_Own], progress: Report | None) -> None:
-    """Work out the entropies that the tables do not have."""
+    """Compute the entropies that are missing from the tables."""
     missing = [
         (one, index) for one in sets for index in np.flatnonzero(one.there & ~np.isfinite(one.entropies))
     ]

@@ -38,7 +38,7 @@ def draw_histogram(
     Parameters
     ----------
     values : array (n,)
-        Bits; NaN is left out.
+        Bits; NaN is skipped.
     threshold : float
         Bits; images below it are rejected. It lies between two bars, so that none is of both kinds.
     suggested : float or None

@@ -1,4 +1,4 @@
-"""The dataset folder: what its files are called, which map types it holds, what commands on it choose among."""
+"""The dataset folder: file names, map types, and the choices of commands on datasets."""
 
 from __future__ import annotations
 
@@ -26,12 +26,8 @@ DECIDING = "roadmap"
 _DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
 #: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
 NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)", re.ASCII)
-#: Folders of the published dataset end in the overlap of its images: `satellite_0`, `satellite_0.6`.
-_OVERLAP = re.compile(r"_\d+(\.\d+)?")
 #: Where the Night Vision supplement has its images, which have no table.
 SUPPLEMENT_FOLDER = "JPG2"
-#: Beside a table of the published dataset: the folder of its images.
-_RASTERS = "raster_images_*"
 #: The paper's: in its dataset, images below it lack significant detail.
 DEFAULT_ENTROPY = 2.1
 #: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
@@ -63,7 +59,7 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
     path = store_path(folder)
     try:
         if is_file(path / TABLE_FILE):
-            # A name like `.` tells nothing.
+            # A name like `.` must be resolved.
             parent = resolved(path).parent
             deciding = deciding_name(resolved(path).name)
             if is_file(parent / MISSION_FILE) or (
@@ -113,7 +109,7 @@ def _list_folders(path: Path) -> list[Path]:
 
 
 def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
-    """Return what tells the place of an image by its name, which images of one place have in common.
+    """Return the function that maps an image's name to its place, shared by all images of the place.
 
     It is the name without ending; of imageries beside each other, whose zooms and pixels differ, column and row.
 
@@ -161,12 +157,13 @@ def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
 def _ending(name: str) -> str:
     """Overlap at the end of a published folder's name, empty where there is none."""
     start = name.rfind("_")
-    return name[start:] if start > 0 and _OVERLAP.fullmatch(name, start) else ""
+    # Published folders end in the overlap of their images: `satellite_0`, `satellite_0.6`.
+    return name[start:] if start > 0 and re.fullmatch(r"_\d+(\.\d+)?", name[start:]) else ""
 
 
 def raster_folders(folder: Path) -> list[Path]:
     """Folders of images inside a published map type's, by name."""
-    return sorted(one for one in folder.glob(_RASTERS) if one.is_dir())
+    return sorted(one for one in folder.glob("raster_images_*") if one.is_dir())
 
 
 def image_folder(folder: Path, table: Table) -> Path:
@@ -205,7 +202,7 @@ def image_folder(folder: Path, table: Table) -> Path:
 
 
 def no_files_error(folder: Path) -> InvalidInput:
-    """What is said where images have to be files of a folder of this machine, and are in shards or objects."""
+    """Error for images in shards or object stores where local files are needed."""
     return InvalidInput(
         "folder {0}: its images are in shards or in an object store, and here have to be files of a folder",
         folder,

@@ -1,4 +1,4 @@
-"""GeoTIFFs of other bands than 8-bit grey or colours, as captures write them, which Pillow cannot read as they are."""
+"""GeoTIFFs with bands other than 8-bit grey or colour, which captures write and Pillow cannot read unchanged."""
 
 from __future__ import annotations
 
@@ -25,11 +25,8 @@ _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
 _EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
 _TIE_POINTS, _TRANSFORMATION = 33922, 34264
-#: Either says where a file lies on the map.
-_PLACES = frozenset((_PIXEL_SCALE, _TRANSFORMATION))
 _DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
-_COLOURS = 3
 #: Items of GDAL's tag by their names and bands, from 0.
 Said = Mapping[tuple[str, int], str]
 #: What GDAL's tag says of a band.
@@ -54,7 +51,7 @@ class GeoTiff:
     ----------
     bands : Bands
     mask : str
-        ``alpha`` where a further channel tells what it shows, or the value that says nothing is shown; empty for none.
+        ``alpha`` for a mask in a further channel, or the no-data value; empty without a mask.
     stated : mapping of int to (low, high)
         Values shown darkest and brightest, by bands.
     is_placed : bool
@@ -167,7 +164,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     data_type = {"u1": "uint8", "u2": "uint16", "i2": "int16", "f4": "float32"}.get(f"{kind}{size}")
     has_alpha = _has_alpha(tags)
     count = channels - has_alpha
-    if data_type is None or (data_type == "uint8" and count in (1, _COLOURS)):
+    if data_type is None or (data_type == "uint8" and count in (1, 3)):
         return None
     width, height = tags[_WIDTH][0], tags[_HEIGHT][0]
     largest = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
@@ -180,7 +177,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
         _bands(tags, said, count, data_type),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
         _display_ranges(said),
-        not _PLACES.isdisjoint(tags),
+        not {_PIXEL_SCALE, _TRANSFORMATION}.isdisjoint(tags),
         tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
         max(tags.get(_ROWS, (height,))[0], 1),
         channels,
@@ -190,7 +187,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
 
 
 def parse_bands(data: bytes) -> Bands | None:
-    """What a GeoTIFF as captures write them says of its bands, also of 8-bit grey or colours; None for others."""
+    """Bands stated by a GeoTIFF of a capture, including 8-bit grey or colour; None for other files."""
     if not data.startswith(_HEADER):
         return None
     try:
@@ -204,7 +201,7 @@ def parse_bands(data: bytes) -> Bands | None:
 
 
 def parse_pam_bands(text: str, channels: int) -> Bands:
-    """What GDAL's file beside an image of 8-bit grey (1) or colours (3), as captures write it, says of its bands."""
+    """Bands stated by the PAM file of an image in 8-bit grey (1 channel) or colour (3), as captures write it."""
     said = {
         (element, int(number) - 1): unescape(value)
         for number, inside in _pam_lines(text)

@@ -37,9 +37,6 @@ from .table import Table
 #: A window's middle and ``Lat``, ``Lon`` are the same place: they may differ by this, in px, which digits of a degree
 #: that were written short make up.
 _SAME_PX = 1.0
-#: TIFF tags of GeoTIFF that only map frames have: the size of a pixel on the map, or the matrix of a turned one.
-_PLACE_TAGS = frozenset((33550, 34264))
-_WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
 #: How far from zero poses are at most: longitudes are continuous along a flight, and wind adds to angles.
 _MOST_OF_POSES = {
@@ -52,9 +49,6 @@ _MOST_OF_POSES = {
     "roll_deg": 720.0,
 }
 _QUARTER_DEG = 90.0
-#: Map frames stand for images that are turned from the map by less than this: one of 640 x 480 px is then wrong by up
-#: to 35 px, which no error budget that means something lets pass.
-_NEARLY_DEG = 5.0
 #: Points along each edge of a camera frame at which its ground is worked out.
 _EDGE_POINTS = 33
 #: Camera frames that are worked out at a time, to bound memory: some 50 MB.
@@ -64,17 +58,9 @@ _FRAMES = 4096
 _MARGIN = 1.0 / 32.0
 #: Length of the equator, and of a degree of latitude on average, metres: for sizes of blocks, which are nominal.
 _EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
-#: Below the ellipsoid's smallest radius of curvature, 6335 km: distances that are turned to angles come out too large.
-_RADIUS_M = 6_330_000.0
 #: Of a block: to this share centres are rounded, which in regular missions often lie right on a border, so that each
 #: machine finds the same one of two blocks.
 _ROUNDED = 2.0**-20
-#: Pairs that are compared at a time, to bound memory: some 100 MB.
-_PAIRS = 2_000_000
-#: Images whose sizes differ by less than this are looked for in one go.
-_ALIKE = 4.0
-#: Times that blocks are chosen anew, as images that are taken out change what the shares are of.
-_ROUNDS = 6
 
 
 class GroundBoxes(NamedTuple):
@@ -91,12 +77,12 @@ class GroundBoxes(NamedTuple):
 
     @property
     def known(self) -> Flags:
-        """Those whose ground is known."""
+        """Boxes (n,) with known ground."""
         found: Flags = np.isfinite(np.stack(self)).all(axis=0)
         return found
 
     def take(self, index: NDArray[np.intp] | Flags) -> GroundBoxes:
-        """Some of them."""
+        """Select boxes."""
         return GroundBoxes(*(edge[index] for edge in self))
 
 
@@ -211,7 +197,7 @@ def image_plane(table: Table, row: int) -> ProjectedPlane:
 
 
 def _published_table(images: ImageSet, rows: NDArray[np.intp]) -> Table:
-    """Table of a published dataset with the windows of some rows, which the sizes of their images tell."""
+    """Table of a published dataset with the windows of some rows, derived from image sizes."""
     table = images.table
     width, height = table.image_width_px.copy(), table.image_height_px.copy()
     for row in rows.tolist():
@@ -300,7 +286,8 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
         *(np.nan_to_num(angle[rows]) for angle in (table.tilt_deg, table.roll_deg)),
     )
     most = max(float(np.abs(angle).max()) for angle in angles)
-    if most > _NEARLY_DEG:
+    # An image of 640 x 480 px is then wrong by up to 35 px, more than a sensible error budget allows.
+    if most > 5.0:
         return True
     path = images.file(int(rows[0]))
     if path.suffix.lower() in (".tif", ".tiff"):
@@ -309,11 +296,14 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
             return not stored.is_placed
         try:
             with open_undecoded(path) as image:
-                return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
+                # GeoTIFF tags that only map frames have: pixel size on the map, or the matrix of a rotated one.
+                return {33550, 34264}.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any(is_file(dataset / name) for name in (MISSION_FILE, PLAN_FILE))
-    return (captured or most > 0.0) and not has_sidecar(path, _WORLD_FILES)
+    return (captured or most > 0.0) and not has_sidecar(
+        path, (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
+    )
 
 
 def _read_size(path: ImageFile) -> tuple[int, int]:
@@ -392,7 +382,8 @@ def assign_parts(
     sizes = np.bincount(block)
     best, best_off = np.full(len(block), -1, np.int64), math.inf
     targets = [share * len(block) for share in shares]
-    for _ in range(_ROUNDS):
+    # Repeated, as images in the gap change what the shares refer to.
+    for _ in range(6):
         of_block = _assign_parts(sizes, order, shares, targets)
         part = _remove_gap(boxes, of_block[block], gap_m)
         off = deviation(part, shares)
@@ -482,7 +473,8 @@ def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
     """
     if gap_m == 0.0:
         return boxes
-    angle = gap_m / _RADIUS_M
+    # Below the ellipsoid's smallest radius of curvature, 6335 km: angles come out too large.
+    angle = gap_m / 6_330_000.0
     farthest = np.radians(np.maximum(np.abs(boxes.south_deg), np.abs(boxes.north_deg)))
     ratio = math.sin(angle) / np.maximum(np.cos(farthest), 1e-12)
     over_pole = farthest + angle >= math.pi / 2.0
@@ -496,7 +488,7 @@ def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
 def _size_classes(boxes: GroundBoxes) -> Iterator[NDArray[np.intp]]:
     """Numbers of boxes of about the same size."""
     size = np.maximum(boxes.east_u - boxes.west_u, (boxes.north_deg - boxes.south_deg) / 360.0)
-    kind = np.floor(np.log(np.maximum(size, 1e-12)) / math.log(_ALIKE))
+    kind = np.floor(np.log(np.maximum(size, 1e-12)) / math.log(4.0))
     for one in np.unique(kind):
         yield np.flatnonzero(kind == one)
 
@@ -548,7 +540,8 @@ def _pairs(start: Numbers, stop: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
     first = 0
     while first < len(counts):
         before = int(ends[first - 1]) if first else 0
-        last = max(int(np.searchsorted(ends, before + _PAIRS, "right")), first + 1)
+        # Bounds memory to some 100 MB.
+        last = max(int(np.searchsorted(ends, before + 2_000_000, "right")), first + 1)
         some = np.arange(first, last)
         index = np.repeat(some, counts[first:last])
         offset = np.arange(len(index)) - np.repeat(

@@ -57,7 +57,7 @@ CONSTANT = 1e-6
 
 @dataclass(frozen=True)
 class Labels:
-    """What makes labels of positions, and positions of labels.
+    """Conversion between positions and labels.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class Labels:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be said about the frame, one line each."""
+        """Notes about the frame, one line each."""
         zones = self.frame.zones
         if len(zones) < 2:
             return ()
@@ -258,7 +258,7 @@ class Frame:
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Readable name."""
         return "oblique stereographic about the middle" if self.crs.startswith("+") else _crs(self.crs).name
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
@@ -325,7 +325,7 @@ def middle_position(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
 def grid_zones(lat_deg: Floats, lon_deg: Floats) -> tuple[str, ...]:
     """UTM and UPS zones that positions (n,) in degrees lie in, sorted."""
     places = set(zip(np.floor(lat_deg).tolist(), np.floor(wrap_lon_deg(lon_deg)).tolist()))
-    # All borders of zones are whole degrees, so that a corner tells for all of its square of a degree.
+    # All borders of zones are whole degrees: the corner of a one-degree square stands for all of it.
     return tuple(sorted({_zone_name(lat, lon) for lat, lon in places}))
 
 
@@ -381,7 +381,7 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         )
         ground = geodesics(middle_lat, middle_lon, lat, lon)[2]
         held &= geodesics(lat, lon, back_lat, back_lon)[2] <= _ROUND_TRIP_M
-        # A middle that itself has no place tells nothing.
+        # NaN where the middle has no place in the frame.
         held &= ~(away > _MOST_ENLARGED * ground + _ROUND_TRIP_M)
     if not held.all():
         worst = int(np.flatnonzero(~held)[0])

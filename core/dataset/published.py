@@ -1,4 +1,4 @@
-"""What the names of the paper's published images and folders say beside their tables: places, and the ground shown."""
+"""Places and ground encoded in the names of the paper's published images and folders."""
 
 from __future__ import annotations
 
@@ -21,11 +21,6 @@ _NAME_DEG = 6e-8
 #: End of the name of a published folder of images: metres above ground, diagonal field of view in degrees, and an
 #: aspect ratio that is rounded to nothing of use.
 _FLIGHT = re.compile(r"raster_images_.*_(?P<agl>\d+(?:\.\d+)?)_(?P<fov>\d+(?:\.\d+)?)_[^_]+_[^_]+", re.ASCII)
-#: By how much of a zoom the size of images may miss a whole one. Images are cut to whole pixels and laid out in a plane
-#: of UTM, which misses by 0.01 in images of 100 px; other cameras than the folder's name says miss by any amount.
-_LEVEL_SLACK = 0.1
-#: The published pixels: of 256 px tiles.
-_GRID = PixelGrid()
 
 
 def check_names(table: Table, path: Path) -> None:
@@ -57,8 +52,8 @@ def framed(table: Table, folder_name: str) -> Table:
     """Published table with poses and windows; one that has poses already is left alone.
 
     Images look straight down with the north up, and show the ground about ``Lat``, ``Lon``. Pixels are those of 256 px
-    tiles at the zoom ``Alt``, or at a higher one: the paper's repository has images made with two zooms more. Which it
-    is, the flight's height and field of view in the name of the folder of images tell.
+    tiles at the zoom ``Alt``, or at a higher one: the paper's repository has images made with two zooms more. The
+    flight's height and field of view in the name of the image folder decide which.
 
     Parameters
     ----------
@@ -97,12 +92,14 @@ def _levels(table: Table, agl_m: float, fov_deg: float) -> Floats:
         return np.full(len(table), np.nan)
     ground_m = 2.0 * agl_m * math.tan(math.radians(fov_deg) / 2.0)
     diagonal_px = np.hypot(table.image_width_px, table.image_height_px)
+    grid = PixelGrid()
     coarse = np.array(
         [
-            float(_GRID.ground_m_per_px(lat, lon, zoom))
+            float(grid.ground_m_per_px(lat, lon, zoom))
             for lat, lon, zoom in zip(table.lat_deg, table.lon_deg, table.zoom.tolist())
         ]
     )
     exact = np.log2(coarse * diagonal_px / ground_m)
     whole = np.round(exact)
-    return np.where((np.abs(exact - whole) <= _LEVEL_SLACK) & (whole >= 0.0), whole, np.nan)
+    # Images are cut to whole pixels in a UTM plane: 0.01 zooms off at 100 px. Other cameras are off by any amount.
+    return np.where((np.abs(exact - whole) <= 0.1) & (whole >= 0.0), whole, np.nan)

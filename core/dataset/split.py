@@ -33,12 +33,6 @@ from .ground import (
 from .labels import LABELS_FILE, Labels, make_dataset_labels, mark_unfinished, middle_position
 from .table import GAP, SPLIT, Table, usable_rows
 
-#: Shares written as decimals add up to 1 within their rounding.
-_SUM_OFF = 1e-9
-#: Sides of blocks that are tried where none is asked for, times the longest side of an image and its gap.
-_TRIED = (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
-#: The first of them is taken whose shares are this near to those asked for: large blocks lose few images to the gap.
-_NEAR_ENOUGH = 0.02
 #: Share of an image's side that rounding to pixels makes neighbours share at most.
 _ROUNDING = 0.01
 #: Widest gap, metres: beyond, it is no local one, and the sine of its angle no measure.
@@ -129,12 +123,12 @@ def split(
     dry_run : bool
         Change nothing.
     progress : callable
-        Told the share done, 0 to 1; an answer of False stops it before anything is changed.
+        Called with the share done, 0 to 1; returning False stops the split before anything is changed.
 
     Raises
     ------
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     InvalidInput
         A folder that is no dataset, a table that says otherwise than the files, or a split that cannot be made: nothing
         is changed then.
@@ -197,7 +191,7 @@ def split(
 
 
 def _report(progress: Report | None, share: float) -> None:
-    """Tell how much is done; raises Cancelled where that is enough."""
+    """Report the share done; raise Cancelled if asked to stop."""
     if progress is not None and not progress(share):
         raise Cancelled("stopped while images were split: nothing was changed")
 
@@ -214,7 +208,8 @@ def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
         raise InvalidInput("shares {0}: must be three, of {1}", said, ", ".join(PARTS))
     if not all(math.isfinite(share) and share >= 0.0 for share in shares):
         raise InvalidInput("shares {0}: must be finite and not below 0", said)
-    if abs(math.fsum(shares) - 1.0) > _SUM_OFF:
+    # Decimal shares add up to 1 within rounding.
+    if abs(math.fsum(shares) - 1.0) > 1e-9:
         raise InvalidInput("shares {0}: add up to {1:g}; must add up to 1", said, math.fsum(shares))
     train, validation, test = map(float, shares)
     return train, validation, test
@@ -359,13 +354,18 @@ def split_blocks(
     """
     base = largest_side_m(boxes) + gap_m
     best: tuple[float, float, Numbers, int] | None = None
-    for side in [times * base for times in _TRIED] if block_m is None else [float(block_m)]:
+    # Sides to try, relative to the longest image side and the gap; the largest that comes within 2 % of the shares.
+    for side in (
+        [times * base for times in (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)]
+        if block_m is None
+        else [float(block_m)]
+    ):
         block = assign_blocks(boxes, side)
         part = assign_parts(boxes, block, _block_order(names, block, seed), shares, gap_m)
         off = deviation(part, shares)
         if math.isfinite(off) and (best is None or off < best[0]):
             best = off, side, part, int(block.max()) + 1
-        if off <= _NEAR_ENOUGH:
+        if off <= 0.02:
             break
     if best is None:
         tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")

@@ -1,6 +1,6 @@
-"""Images that are no files of this machine's folders: objects of a store, and ranges of shards.
+"""Images outside local folders: objects in a store, and ranges of shards.
 
-A shard is a tar beside the table, whose columns tell where in it the data of each image begin, and how many they are.
+A shard is a tar beside the table; columns of the table hold the offset and size of each image in it.
 """
 
 from __future__ import annotations
@@ -22,9 +22,6 @@ from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
 TAR_BLOCK_BYTES = tarfile.BLOCKSIZE
-_MAGIC = slice(257, 262)
-#: Kinds of members that hold a file; and those before one that say its name or other things of it at length.
-_FILES = (tarfile.REGTYPE, tarfile.AREGTYPE)
 _OF_THE_NEXT = (
     tarfile.XHDTYPE,
     tarfile.XGLTYPE,
@@ -32,10 +29,6 @@ _OF_THE_NEXT = (
     tarfile.GNUTYPE_LONGNAME,
     tarfile.GNUTYPE_LONGLINK,
 )
-#: Largest image that is read together with its header.
-_AT_ONCE_BYTES = 16_000_000
-#: What no name of a file in a folder holds.
-_NO_NAME = re.compile(r"[/\\:\x00]")
 
 
 class Range(NamedTuple):
@@ -98,7 +91,7 @@ class StoredImage:
                 "image {0}: has {1:,} bytes; must have {2:,} at most", self, size, MAX_IMAGE_FILE_BYTES
             )
         # One request for most images; what is large is in memory once, and only if its header says the same.
-        data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= _AT_ONCE_BYTES))
+        data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= 16_000_000))
         member = parse_member(data[:TAR_BLOCK_BYTES])
         is_there = (
             member is not None
@@ -176,7 +169,7 @@ def has_sidecar(image: ImageFile, endings: Iterable[str]) -> bool:
 
 def is_name(text: str) -> bool:
     """Whether a file in a folder may have such a name."""
-    return text not in ("", ".", "..") and not _NO_NAME.search(text)
+    return text not in ("", ".", "..") and not re.search(r"[/\\:\x00]", text)
 
 
 def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
@@ -218,7 +211,7 @@ def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
 
 
 def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
-    """Bytes of files in a folder, of those that are there."""
+    """Sizes in bytes of the files that exist in a folder."""
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 
@@ -273,7 +266,7 @@ def members(
 
 def parse_member(header: bytes) -> tarfile.TarInfo | None:
     """File that a block of a tar is the header of; None where it is none, or not whole."""
-    if header[_MAGIC] != b"ustar":
+    if header[257:262] != b"ustar":
         return None
     try:
         return tarfile.TarInfo.frombuf(header[:TAR_BLOCK_BYTES], "utf-8", "surrogateescape")
@@ -283,7 +276,7 @@ def parse_member(header: bytes) -> tarfile.TarInfo | None:
 
 def holds_file(member: tarfile.TarInfo) -> bool:
     """Whether a member is a file as it is, and no link, device, folder or file with holes."""
-    return member.type in _FILES
+    return member.type in (tarfile.REGTYPE, tarfile.AREGTYPE)
 
 
 def member_bytes(member: tarfile.TarInfo) -> int:

@@ -1,4 +1,4 @@
-"""The table of a dataset, ``meta_data.csv``, in and out; and the parts that its column ``split`` says."""
+"""Read and write the table of a dataset, ``meta_data.csv``; parts of a split come from its column ``split``."""
 
 from __future__ import annotations
 
@@ -27,8 +27,6 @@ from .cells import CsvRows, CutCells, ReadCells
 
 #: Headers that differ from the names of `Table`'s fields: the published dataset's.
 _HEADERS = {"lat_deg": "Lat", "lon_deg": "Lon", "zoom": "Alt"}
-#: Older spellings that readers accept.
-_OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
@@ -38,16 +36,6 @@ _WHOLE_RANGES = {
     "zoom": (-1000.0, 1000.0),
 }
 _TEXT = ("img_names", "time_utc", "crs", "source", "attribution", "imagery_date", "status", "reason", "shard")
-#: Those whose text is a provider's or a server's.
-_FOREIGN = ("source", "attribution", "imagery_date", "reason")
-#: Columns of images whose source has a CRS of its own; left out of the tables of others.
-_OWN = ("crs", "west", "north", "pixel_width", "pixel_height")
-#: Columns of images over relief; left out of the tables of others.
-_OVER_RELIEF = ("height_m", "facade_share")
-#: Intrinsics; left out of the tables of images that tell none.
-_OPTICS = ("fx_px", "fy_px", "cx_px", "cy_px")
-#: Columns of images in shards; left out of the tables of others.
-_IN_SHARDS = ("shard", "offset_bytes", "size_bytes")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _COUNTS = (
     *("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px"),
@@ -64,8 +52,6 @@ _FAULTS_NAMED = 3
 #: Read in one go. A thread that reads little at a time gives Python's lock away and takes it back before another one
 #: wakes, and one that decodes a whole table in a single call keeps it: a window would stand still meanwhile.
 _BLOCK_BYTES = 1 << 20
-#: What some editors put before UTF-8.
-_MARK = "\ufeff"
 #: Column of the table: the part of an image. A table that has none is not split.
 SPLIT = "split"
 #: In place of a part: an image that is in none, as its ground is shared with another part or is too near to one.
@@ -198,11 +184,11 @@ class Table:
     def written(self) -> dict[str, str]:
         """Headers of the columns that are written, by field; without `other`."""
         left_out = {
-            *(() if any(self.crs) else _OWN),
+            *(() if any(self.crs) else ("crs", "west", "north", "pixel_width", "pixel_height")),
             *(() if any(self.time_utc) else ("time_utc",)),
-            *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
-            *(() if np.isfinite(self.fx_px).any() else _OPTICS),
-            *(() if any(self.shard) else _IN_SHARDS),
+            *(() if np.isfinite(self.height_m).any() else ("height_m", "facade_share")),
+            *(() if np.isfinite(self.fx_px).any() else ("fx_px", "fy_px", "cx_px", "cy_px")),
+            *(() if any(self.shard) else ("shard", "offset_bytes", "size_bytes")),
         }
         return {name: header for header, name in _FIELD_OF.items() if name not in left_out}
 
@@ -278,7 +264,7 @@ class Table:
             try:
                 return cls._parse(texts, Message("table {0}", path))
             except InvalidInput:
-                # Bytes that are no text are told before what the text says.
+                # Report undecodable bytes before parse errors.
                 deque(texts, maxlen=0)
                 raise
         except (OSError, UnicodeDecodeError) as wrong:
@@ -304,7 +290,7 @@ class Column(NamedTuple):
 
 
 def written_columns(table: Table) -> list[Column]:
-    """Return all columns that are written; raises InvalidInput for times that are none."""
+    """Return all columns that are written; raises InvalidInput for invalid times."""
     found = []
     for name, header in table.written.items():
         values = getattr(table, name)
@@ -331,7 +317,7 @@ def json_cell(column: Column, row: int) -> str | int | float | None:
 
 
 def unix_seconds(times_utc: Sequence[str]) -> Floats:
-    """Unix seconds (n,) of times in ISO 8601, NaN for empty ones; raises InvalidInput for what is no time."""
+    """Unix seconds (n,) of times in ISO 8601, NaN for empty ones; raises InvalidInput for invalid times."""
     found = np.full(len(times_utc), np.nan)
     for at, text in enumerate(times_utc):
         if text:
@@ -381,7 +367,7 @@ def _headers(path: Path) -> set[str]:
 
 #: Fields of `Table` that are columns of ours, in the order they are written.
 FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
-#: What they are headed.
+#: Their headers.
 HEADERS = tuple(_HEADERS.get(name, name) for name in FIELDS)
 _FIELD_OF = dict(zip(HEADERS, FIELDS))
 
@@ -395,7 +381,8 @@ def _read_texts(path: Path) -> Iterator[str]:
         except UnicodeDecodeError as wrong:
             raise _shift_error(wrong, start) from wrong
         if start == 0:
-            text = text.removeprefix(_MARK)
+            # The byte order mark that some editors write.
+            text = text.removeprefix("\ufeff")
         start += len(raw)
         yield text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
@@ -433,7 +420,8 @@ def _format_column(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[
         values = column[:1] if alike else column
         texts = [_format_number(value, whole=name in _COUNTS) for value in values.tolist()]
         return texts * len(column) if alike else texts
-    if name in _FOREIGN:
+    # Texts of a provider or a server.
+    if name in ("source", "attribution", "imagery_date", "reason"):
         written = {text: table_cell(text) for text in set(column)}
         return [written[text] for text in column]
     return column
@@ -455,7 +443,8 @@ class _ColumnBuilder:
     """
 
     def __init__(self, headers: Sequence[str], name: str, faults: list[tuple[int, str]]) -> None:
-        headers = [_OLD_HEADERS.get(header, header) for header in headers]
+        # An older spelling.
+        headers = [{"row": "rows"}.get(header, header) for header in headers]
         needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
         for header in needed:
             if header not in headers:
@@ -559,7 +548,7 @@ def _read_one_by_one(
 
 
 def image_parts(table: Table) -> tuple[str, ...] | None:
-    """Part of each row: one of `choices.PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
+    """Part of each row: one of `folder.PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
     return table.other.get(SPLIT)
 
 

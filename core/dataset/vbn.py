@@ -22,7 +22,7 @@ from .table import HEADERS, Table, first_faults
 IMAGE_FOLDER, TEXT_FOLDER = SUPPLEMENT_FOLDER, "MetaData2"
 #: Key of the camera's position in a text: latitude and longitude in degrees, altitude in metres, between two words.
 POSITION = "Platform_position_LatLongAlt"
-#: Column of the table for the altitude, whose datum is not told.
+#: Column of the table for the altitude, whose datum is unknown.
 ALTITUDE = "altitude_m"
 #: Keys that would be read as columns of ours: also an older spelling, and what clean and split write.
 _OURS = frozenset({*HEADERS, "row", "rejected", "split"})
@@ -163,7 +163,7 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
 
 
 def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, str]] | None:
-    """Position and all other keys of a text; what is wrong with it is added to ``faults``."""
+    """Position and all other keys of a text; faults are appended to ``faults``."""
     try:
         lines = decoded(read_limited(path, MAX_SETTINGS_BYTES)).splitlines()
     except (OSError, InvalidInput) as wrong:

@@ -21,7 +21,6 @@ from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
-CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
 #: Types of fields by the kinds of columns; texts otherwise.
 _TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
 #: What the words of a description mean: the context that Croissant 1.0 prescribes.
@@ -71,7 +70,6 @@ _MEDIA = {
     ".jpg": "image/jpeg",
     ".jpeg": "image/jpeg",
 }
-_BLOCK_BYTES = 1 << 20
 #: Tars of images, as WebDataset has them: their members have keys of nine digits, and endings.
 TAR = "application/x-tar"
 _KEYS, _KEY = "[0-9]" * 9, r"^(\d{9})\."
@@ -136,7 +134,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
     description = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
-        "conformsTo": CONFORMS_TO,
+        "conformsTo": "http://mlcommons.org/croissant/1.0",
         "name": name_of(dataset),
         "description": DESCRIPTION,
         "license": "Terms of who made the imagery: "
@@ -256,7 +254,7 @@ def _headers_and_sum(path: Path) -> tuple[list[str], str]:
         with open_foreign(path, MAX_TABLE_BYTES) as file:
             headers = next(csv.reader(text_lines(file, "utf-8-sig")))
             file.seek(0)
-            while block := file.read(_BLOCK_BYTES):
+            while block := file.read(1 << 20):
                 digest.update(block)
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong

@@ -42,7 +42,6 @@ from .views import ORIGIN_FILE, origin_of
 README_FILE = "README.txt"
 #: Pillow's formats by the endings of files that are such.
 _FORMATS = {".jpg": "JPEG", ".jpeg": "JPEG", ".png": "PNG"}
-_QUALITY = 95
 #: Queries whose middles are the same to so many decimals of a degree, 0.1 m, show one place.
 _PLACE_DECIMALS = 6
 #: GTA-UAV's map is so many pixels of so many metres wide, cut into 2^zoom tiles along a side, whose names are
@@ -554,7 +553,7 @@ def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]
 def _encoded(image: Image.Image, wanted: str) -> bytes:
     """Bytes of an image in one of Pillow's formats."""
     buffer = io.BytesIO()
-    options: dict[str, Any] = {"quality": _QUALITY, "subsampling": 0} if wanted == "JPEG" else {}
+    options: dict[str, Any] = {"quality": 95, "subsampling": 0} if wanted == "JPEG" else {}
     # Readers take three channels for granted.
     image.convert("RGB").save(buffer, wanted, **options)
     return buffer.getvalue()

@@ -48,11 +48,7 @@ _EXTENSIONS = {
 }
 #: Media types, beside those of images.
 _JSON, _PARQUET = "application/json", "application/vnd.apache.parquet"
-#: The CRS of map frames whose source has none of its own.
-_MERCATOR = "EPSG:3857"
 _CODE = re.compile(r"[A-Z]+:[0-9A-Za-z_.]+")
-#: Columns of the table that say nothing of an image that is there.
-_LEFT_OUT = ("status", "reason")
 #: Columns that every item has, and the image among its assets.
 _OF_ITEMS = (
     "type",
@@ -162,7 +158,9 @@ class _Items:
         """Items of a map type."""
         table = images.table
         rows = np.flatnonzero(images.there)
-        columns = {one.header: one for one in written_columns(table) if one.header not in _LEFT_OUT}
+        columns = {
+            one.header: one for one in written_columns(table) if one.header not in ("status", "reason")
+        }
         for header in _RESERVED & {*table.other}:
             # What others have called as STAC calls something else.
             columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
@@ -283,7 +281,7 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
 
 def _code(crs: str) -> str:
     """Code of a CRS as a table has it, empty where it has none."""
-    return (crs if _CODE.fullmatch(crs) else "") if crs else _MERCATOR
+    return (crs if _CODE.fullmatch(crs) else "") if crs else "EPSG:3857"
 
 
 def _holds_any(column: Column, rows: NDArray[np.intp]) -> bool:

@@ -35,7 +35,6 @@ GEOMETRY, GEOPARQUET = "geometry", "1.1.0"
 _LITTLE, _POLYGON, _MULTIPOLYGON = 1, 3, 6
 #: How the lines of features in a capture's GeoJSON begin.
 _FEATURE = b'{"type": "Feature",'
-_BLOCK_BYTES = 1 << 20
 #: Rows of a row group: readers skip groups by the bounds of their columns, and writers hold one in memory.
 _ROWS_A_GROUP = 1 << 16
 
@@ -317,7 +316,7 @@ def about_geometry(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, An
 
 def _features(path: Path) -> Iterator[Any]:
     """Features of a capture's GeoJSON, which has each in a line."""
-    with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
+    with open_foreign(path, MAX_TABLE_BYTES, 1 << 20) as file:
         while line := read_line(file):
             if line.startswith(_FEATURE):
                 yield parse_json(line.rstrip().rstrip(b","))

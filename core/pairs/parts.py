@@ -1,4 +1,4 @@
-"""Which places are for training and which for testing, so that no ground is in both."""
+"""Assign places to training and testing so that no ground is in both."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from .places import PairPlace, cartesian_m
 
-#: Places are trained on, asked for and found, or only in the way of finding.
+#: Distractors are only in the gallery.
 PARTS = TRAIN, TEST, DISTRACTOR = ("train", "test", "distractor")
 #: University-1652's buildings: 701 to train on, 701 to ask for, 250 more that are only in the galleries.
 SHARES = (701.0, 701.0, 250.0)
-#: Distances worked out at a time.
-_BLOCK = 1 << 22
 
 
 class PlaceParts(NamedTuple):
@@ -154,7 +152,8 @@ def _neighbours(places: Sequence[PairPlace], reach_m: Floats, gap_m: float) -> N
     """Number of the group of each place: those whose views meet, over others or directly."""
     points = cartesian_m(np.array([p.lat_deg for p in places]), np.array([p.lon_deg for p in places]))
     group = np.arange(len(places))
-    rows = max(_BLOCK // len(places), 1)
+    # Bounds the distances in memory.
+    rows = max((1 << 22) // len(places), 1)
     for start in range(0, len(places), rows):
         block = slice(start, start + rows)
         distance = np.sqrt(sum((points[block, np.newaxis, axis] - points[:, axis]) ** 2 for axis in range(3)))

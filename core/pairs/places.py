@@ -37,8 +37,6 @@ _HEIGHT = re.compile(rf"({_NUMBER})(?:{_BETWEEN}{_NUMBER})?")
 _DECIMALS = 7
 #: Places of a box at most: each is compared with all before it.
 _MOST_PLACES = 1_000_000
-#: Points in a row that find no room before a box counts as full: less than a hundredth of it is free then.
-_MISSES = 1000
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class PairPlace:
     lat_deg, lon_deg : float
         Latitude within Web Mercator, ±85.0511 degrees; longitude within ±360.
     name : str
-        What people call it; may be empty.
+        Readable name; may be empty.
     """
 
     lat_deg: float
@@ -186,7 +184,8 @@ def spread_places(
         nearest = np.sqrt(np.min(np.sum((taken[: len(places)] - point) ** 2, axis=-1), initial=np.inf))
         if nearest == 0.0 or nearest < spacing_m:
             misses += 1
-            if misses == _MISSES:
+            # As many misses in a row: less than a hundredth of the box is free.
+            if misses == 1000:
                 break
             continue
         misses = 0

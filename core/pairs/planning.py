@@ -33,9 +33,6 @@ MOST_SIZE_PX = math.isqrt(MAX_PICTURE_PX)
 #: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
 DEFAULT_CAMERA = Camera(aspect_ratio=1.0)
 SATELLITE, DRONE = "satellite", "drone"
-#: A satellite view is made smaller from a window at least as large, so that it is sharp: with pixels so much finer the
-#: zoom nearest to them is one that could serve, and of those the lowest is taken.
-_FINER = 2
 #: Points along each edge of an image over relief, and what it may reach beyond them, as a share of how far they are.
 _ALONG_EDGE, _BULGE_OVER_RELIEF = 9, 1.05
 #: Decimals of the heights and distances that are worked out: 1 mm, the same on machines that differ in the last digit.
@@ -44,11 +41,11 @@ _DECIMALS = 3
 
 @dataclass(frozen=True)
 class PairSettings:
-    """What is asked for.
+    """Settings of a cross-view dataset.
 
     Parameters
     ----------
-    views : tuple of View
+    views : tuple of PairView
         Of each place by the drone, in the order of the images.
     camera : Camera
         The drone's.
@@ -182,7 +179,8 @@ class PairSettings:
             Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
             camera=camera,
             # One zoom serves all latitudes: the pictures of the lowest are to be as sharp as those of the highest.
-            image_px=math.ceil(self.size_px * _FINER * float(shrunk.max() / shrunk.min())),
+            # Sharp when made smaller: the zoom nearest to pixels twice as fine can serve, and the lowest such is taken.
+            image_px=math.ceil(self.size_px * 2 * float(shrunk.max() / shrunk.min())),
             img_size=(self.size_px, self.size_px, 3),
             frame="map",
             # A satellite looks straight down everywhere: how far that is from one camera's picture is no error of it.
@@ -374,7 +372,7 @@ def plan_pairs(
 
     Parameters
     ----------
-    places : sequence of Place
+    places : sequence of PairPlace
         Their order is that of the ids.
     grid, drone_grid : PixelGrid
         Of the satellite's imagery, and of the drone's where that is another.

@@ -25,7 +25,6 @@ _CELL_PX, _CAPTION_PX, _GAP_PX = 200, 16, 6
 #: Of the ring around the place.
 _RING_PX = 7
 _PAPER, _INK = (255, 255, 255), (32, 32, 32)
-_QUALITY = 85
 
 Row = dict[str, str]
 
@@ -67,7 +66,7 @@ def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]
             sheet.paste(_cell(path / row["file"]), (left, top))
             draw.text((left, top + _CELL_PX + 2), _caption(row), fill=_INK)
     buffer = io.BytesIO()
-    sheet.save(buffer, "JPEG", quality=_QUALITY)
+    sheet.save(buffer, "JPEG", quality=85)
     write_whole(file, buffer.getvalue())
     return file
 

@@ -1,4 +1,4 @@
-"""From where the drone looks at a place: rings or a spiral around it, each camera's axis through the place."""
+"""Views of a place by the drone: rings or a spiral around it, with each camera's axis through the place."""
 
 from __future__ import annotations
 
@@ -28,9 +28,6 @@ _DECIMALS = 10
 #: Places are settled when no axis misses by more than this, 0.1 micrometre; each pass gains the digits of
 #: stand-off over the Earth's radius, so that a handful are enough and more say that something is wrong.
 _SETTLED_DEG, _PASSES = 1e-12, 40
-_AXIS = ((0.0, 0.0),)
-#: The sides of a footprint bulge beyond the straight lines between its corners by less than this share of its size.
-_BULGE = 1.001
 
 
 @dataclass(frozen=True)
@@ -143,7 +140,7 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ell
         An axis that passes the Earth.
     """
     agl = np.full(lat_deg.shape, view.agl_m)
-    axis = Camera().rays_enu(_AXIS, view.yaw_deg, view.tilt_deg)[0]
+    axis = Camera().rays_enu(((0.0, 0.0),), view.yaw_deg, view.tilt_deg)[0]
     lat, lon = lat_deg.copy(), lon_deg.copy()
     for _ in range(_PASSES):
         seen = trace(lat, agl, np.broadcast_to(axis, (*lat.shape, 3)), ground)
@@ -174,5 +171,6 @@ def reach_m(lat_deg: Floats, views: Sequence[PairView], camera: Camera, ground: 
     for view in views:
         seen = ground_corners(camera, standing_poses(lat_deg, lon, view, ground), ground)
         distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
-        farthest = np.maximum(farthest, np.where(seen.hit, distance * _BULGE, np.inf).max(axis=-1))
+        # The sides of a footprint bulge beyond the lines between its corners by less than a thousandth.
+        farthest = np.maximum(farthest, np.where(seen.hit, distance * 1.001, np.inf).max(axis=-1))
     return farthest

@@ -31,8 +31,6 @@ _NODES, _TURN_DEG = 16, 2.0
 _MEETING = 0.02
 #: Nodes and sides of a line that are looked at together, to bound memory: 32 MB.
 _CHUNK = 1_000_000
-#: Corners nearer to each other than this are one, metres.
-_SAME_M = 1e-3
 #: What nodes may be nearer to a line by than they are meant to be: rounding, metres.
 _NOISE_M = 1e-6
 
@@ -251,7 +249,8 @@ def _on_plane(corners: Floats, *, closed: bool = False) -> tuple[LocalPlane, Flo
             remedy="take shorter lines",
         )
     before = np.roll(x, 1), np.roll(y, 1)
-    other = np.hypot(x - before[0], y - before[1]) > _SAME_M
+    # Corners nearer to each other than this are one, metres.
+    other = np.hypot(x - before[0], y - before[1]) > 1e-3
     if not closed:
         other[0] = True
     x, y = x[other], y[other]

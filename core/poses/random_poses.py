@@ -26,8 +26,6 @@ from .track import ANGLE_DIGITS, PLACE_DIGITS
 FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
 #: Where fewer than one in a thousand is accepted of at least this many that are drawn, drawing ends.
 _TRIES, _LEAST_SHARE = 100_000, 1e-3
-#: Drawn at a time: memory for 8 MB columns.
-_BATCH = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -228,7 +226,8 @@ def _first_accepted(draw: Callable[[int], tuple[Floats, Flags]], count: int, ref
     tried = found = 0
     while found < count:
         share = max(found / tried, _LEAST_SHARE) if tried else 1.0
-        drawn, accepted = draw(min(math.ceil((count - found) / share), _BATCH))
+        # Bounds memory.
+        drawn, accepted = draw(min(math.ceil((count - found) / share), 1_000_000))
         kept.append(drawn[accepted])
         tried += len(drawn)
         found += len(kept[-1])

@@ -32,9 +32,6 @@ from .settings import (
 from .track import Progress, Track, unwatched
 from .trajectories import read_trajectory
 
-#: Bytes among which the first line is looked for.
-_HEAD_BYTES = 1 << 16
-
 
 class ReadPoses(NamedTuple):
     """Points that a file's poses are, and how many positions it has.
@@ -79,7 +76,7 @@ def likely_format(path: str | os.PathLike[str]) -> str | None:
     try:
         with open_foreign(path) as file:
             # An endless line of blanks, or of comments, is no line of numbers.
-            lines = file.read(_HEAD_BYTES).decode("utf-8", "replace").splitlines()
+            lines = file.read(1 << 16).decode("utf-8", "replace").splitlines()
             line = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     except OSError:
         return None

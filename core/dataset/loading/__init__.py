@@ -1,6 +1,6 @@
 """Images and labels for training.
 
-batches       what of a dataset is taken, and batches of it as numpy arrays
+batches       selection of images and labels, and batches of them as numpy arrays
 augment       images turned, mirrored, zoomed and shaded
 torch_loader  the same batches for PyTorch
 keras_loader  the same batches for Keras

@@ -35,7 +35,7 @@ _MOST_PX = 4 * 89_478_485
 
 
 class Change(NamedTuple):
-    """What is done to one image.
+    """Change applied to one image.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Augmentation:
         return not (self.rotation_deg or self.flip or self.zoom)
 
     def draw_change(self, name: str, seed: int, epoch: int) -> Change:
-        """Return what is done to an image in an epoch.
+        """Return the change of an image in an epoch, drawn from seed, epoch and name.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Images and labels for training: what of a dataset is taken, and batches of it as numpy arrays."""
+"""Images and labels for training, and batches of them as numpy arrays."""
 
 from __future__ import annotations
 
@@ -39,10 +39,8 @@ USUAL_MAP_TYPE = "satellite"
 DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
 #: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
 _MOST_PX = 89_478_485
-_WHITE = np.float32(255.0)
 #: Shards that shuffled images are taken from at a time: some thousands of images as captures pack them.
 SHARDS_AT_ONCE = 8
-_BYTES_PER_MB = 1_000_000.0
 #: Columns of labels.
 _COLUMNS = {
     IMAGE: ("easting", "northing"),
@@ -190,7 +188,7 @@ class LabelledImages:
         return self.images.path(int(self._rows[index]))
 
     def file(self, index: int) -> ImageFile:
-        """What an image is read from, wherever it is."""
+        """Source of an image: a path, an object or a range of a shard."""
         found = self.images.file(int(self._rows[index]))
         if self._cache is None or not isinstance(found, StoredImage):
             return found
@@ -209,7 +207,7 @@ class LabelledImages:
         return np.argsort(random_numbers(self._key(epoch), len(self)), kind="stable")
 
     def _key(self, epoch: int) -> str:
-        """What the order of an epoch follows from; empty for the table's."""
+        """Key of the order of an epoch; empty for the order of the table."""
         return f"{self.seed}:{epoch}" if self.shuffle else ""
 
     def image(self, index: int, epoch: int = 0) -> NDArray[Any]:
@@ -260,7 +258,7 @@ class LabelledImages:
         return np.asarray(found).reshape(self.shape)
 
     def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """What `take` gives of images that follow each other in the order of an epoch.
+        """Images and labels, as `take` returns them, that follow each other in the order of an epoch.
 
         Shards of an object store are fetched whole, and those that come next meanwhile.
         """
@@ -293,13 +291,13 @@ class LabelledImages:
         for one, index in zip(images, indices):
             one[...] = self.image(int(index), epoch)
         if not self._is_stored and self.dtype != np.uint8:
-            np.divide(images, _WHITE, out=images)
+            np.divide(images, np.float32(255.0), out=images)
         return images, self.values[np.asarray(indices, np.int64)]
 
 
 @runtime_checkable
 class Ordered(Protocol):
-    """What batches are made of: `LabelledImages`, or pairs of images such as `benchmark.loading.Pairs`."""
+    """Source of batches: `LabelledImages`, or pairs of images such as `benchmark.loading.Pairs`."""
 
     @property
     def names(self) -> Sequence[str]:
@@ -431,7 +429,7 @@ class EpochPosition:
             yield one
 
     def state(self, epoch: int) -> dict[str, Any]:
-        """Return the position in an epoch, and what tells whether another loader has the same batches."""
+        """Return the position in an epoch, with the digest by which loaders compare their batches."""
         return {
             "epoch": epoch,
             "batch": self._taken if epoch == self._epoch else 0,
@@ -471,7 +469,7 @@ class EpochPosition:
 
 
 def _is_whole(value: object) -> bool:
-    """Whether a value is a whole number, of Python's or numpy's; what is true or false is none."""
+    """Whether a value is an integer of Python or numpy, and not a boolean."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
@@ -581,7 +579,7 @@ def _streamed(
     if not is_address(images.folder):
         return shards, None
     sizes = {name: images.shards[name] for name in shards.names}
-    limit_bytes = None if cache_mb is None else int(cache_mb * _BYTES_PER_MB)
+    limit_bytes = None if cache_mb is None else int(cache_mb * 1_000_000.0)
     return shards, ShardCache(images.folder, sizes, shards_at_once, limit_bytes)
 
 

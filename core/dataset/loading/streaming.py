@@ -28,12 +28,8 @@ from ...errors import InvalidInput, OutputError, TerrAInavError
 from ...storage.files import PARTIAL_ENDING, lock_tried
 from ...storage.stores import get_range
 
-#: Shards that are fetched at a time, by each process.
-_FETCHERS = 4
 #: Bytes of a shard that are asked for at a time: they are in memory once for each shard that is fetched.
 _PART_BYTES = 16_000_000
-#: Groups that a cache has room for where nothing else is said: under way, next, and one that some worker still needs.
-_GROUPS_KEPT = 3
 #: Pause before it is looked again whether another worker has fetched a shard, and how long that may take; what is not
 #: there by then is read image by image.
 _PAUSE_S, _PATIENCE_S = 0.005, 120.0
@@ -138,7 +134,8 @@ class ShardCache:
         self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None
     ) -> None:
         self._folder, self._sizes = folder, dict(sizes)
-        usual = _GROUPS_KEPT * shards_at_once * max(self._sizes.values())
+        # Room for the current group, the next, and one that another worker still needs.
+        usual = 3 * shards_at_once * max(self._sizes.values())
         self.limit_bytes = usual if limit_bytes is None else limit_bytes
         try:
             self._place = Path(tempfile.mkdtemp(prefix="terrainav-shards-"))
@@ -189,7 +186,8 @@ class ShardCache:
         with self._lock:
             self._wanted = frozenset(ahead)
             self._waiting = deque(name for name in ahead if not self.copy(name).exists())
-            more = max(min(_FETCHERS, len(self._waiting)) - self._fetching, 0)
+            # At most four threads fetch in each process.
+            more = max(min(4, len(self._waiting)) - self._fetching, 0)
             self._fetching += more
         for _ in range(more):
             threading.Thread(target=self._fetch_waiting, daemon=True).start()
@@ -205,7 +203,7 @@ class ShardCache:
                     self._fetching -= 1
                     return
                 name = self._waiting.popleft()
-            # Who needs the shard tries again, and is told.
+            # The reader that needs the shard tries again and reports the error.
             with suppress(TerrAInavError, OSError):
                 self._has_tried(name, if_wanted=True)
 

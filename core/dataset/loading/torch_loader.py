@@ -69,7 +69,7 @@ class _TorchSamples:
     def __init__(self, dataset: Dataset | Address | Ordered, **choice: Any) -> None:
         torch = _torch()
         self.samples = make_samples(dataset, choice)
-        # In memory that workers share: those that stay from one epoch to the next are told of it, too.
+        # In shared memory, so that persistent workers see the epoch change.
         self._epoch = torch.zeros(1, dtype=torch.int64).share_memory_()
 
     @property
@@ -139,7 +139,7 @@ def _torch() -> Any:
 
 
 class _Resumable:
-    """What a loader of PyTorch's is given to go on in the middle of an epoch."""
+    """Mixin by which a PyTorch loader resumes in the middle of an epoch."""
 
     dataset: _TorchSamples
     sampler: _Order
