@@ -14,7 +14,7 @@ from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..limits import MAX_RANKED
-from .folder import Benchmark, number_of, read_rows, write_columns
+from .folder import Benchmark, read_number, read_rows, write_columns
 
 #: Columns of a file of predictions beside ``query`` and ``references``; each may be left out, or a cell empty.
 POSE = ("lat_deg", "lon_deg", "height_m", "yaw_deg", "tilt_deg", "roll_deg")
@@ -93,7 +93,7 @@ Locate = Callable[[Query], Answer]
 Method = Callable[[Benchmark, Numbers], Locate]
 
 
-def query_of(benchmark: Benchmark, index: int) -> Query:
+def visible_query(benchmark: Benchmark, index: int) -> Query:
     """Query as a method may see it, without its position."""
     queries = benchmark.queries
     said = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
@@ -131,7 +131,7 @@ class Predictions:
     source: str = ""
 
     @classmethod
-    def of(
+    def from_answers(
         cls, benchmark: Benchmark, index: Sequence[int], answers: Sequence[Answer], seconds: Sequence[float]
     ) -> Predictions:
         """Predictions of answers; raises InvalidInput where one names no tile, one twice, or too many."""
@@ -205,7 +205,7 @@ class Predictions:
             if met.setdefault(name, number) != number:
                 raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, met[name])
             values = checked_pose(
-                {one: number_of(cells.get(one, ""), f"{where} {one}") for one in POSE}, where
+                {one: read_number(cells.get(one, ""), f"{where} {one}") for one in POSE}, where
             )
             try:
                 references = tuple(cells.get("references", "").split())
@@ -213,7 +213,7 @@ class Predictions:
             except InvalidInput as wrong:
                 raise InvalidInput("{0} {1}", where, wrong) from wrong
             answers.append(Answer(references, **values))
-            seconds.append(number_of(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
+            seconds.append(read_number(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
         if not answers:
             raise InvalidInput("predictions {0}: answer no query", path)
         index = [benchmark.query_at[name] for name in met]

@@ -504,7 +504,9 @@ def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
     for number, row in lines:
         for name, is_number in kinds.items():
             text = row[at[name]]
-            cells[name].append(number_of(text, f"table {path}, line {number}: {name}") if is_number else text)
+            cells[name].append(
+                read_number(text, f"table {path}, line {number}: {name}") if is_number else text
+            )
     return {
         name: np.array(found, np.float64) if kinds[name] else tuple(found) for name, found in cells.items()
     }
@@ -550,7 +552,7 @@ def _check_header(path: Path, header: Sequence[str]) -> None:
         raise InvalidInput("{0}: has column {1} more than once", Message("table {0}", path), twice)
 
 
-def number_of(text: str, where: str) -> float:
+def read_number(text: str, where: str) -> float:
     """Return the number of a cell, NaN of an empty one; raises InvalidInput for what is no finite number."""
     if not text.strip():
         return math.nan

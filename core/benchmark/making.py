@@ -41,7 +41,7 @@ from .folder import (
     Benchmark,
 )
 from .planning import BenchmarkPlan, tiles_folder
-from .truth import Captured, captured, mosaic_of, positives_of, queries_of, references_of
+from .truth import Captured, captured, find_positives, locate_mosaic, make_queries, make_references
 
 Shares = tuple[float, float, float]
 #: Where a larger share of the queries is in the gap, there is a hint.
@@ -174,10 +174,10 @@ def _write_truth(
                 "go on{0} once its source serves, or take a smaller margin", OptionName("resume").in_brackets
             ),
         )
-    mosaic = mosaic_of(path, worked_out.mosaic, whole)
+    mosaic = locate_mosaic(path, worked_out.mosaic, whole)
     parts, tile_parts, hint = _parts(path, worked_out, shares)
-    queries = queries_of(path, worked_out, parts)
-    references = references_of(path, worked_out, tile_parts)
+    queries = make_queries(path, worked_out, parts)
+    references = make_references(path, worked_out, tile_parts)
     for name in worked_out.queries:
         folder = path / QUERIES_FOLDER / name
         # Those that were made with other figures since are kept.
@@ -185,7 +185,7 @@ def _write_truth(
             write_priors(folder, Sensors(), worked_out.settings.queries.imagery.seed)
     queries.write(path / QUERIES_FILE)
     references.write(path / REFERENCES_FILE)
-    positives_of(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
+    find_positives(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
     # Last, so that a benchmark that says where its mosaic lies is whole.
     write_whole(
         path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})

@@ -79,11 +79,11 @@ def write_scores(
     if diagrams and scores.recall:
         drawn[RECALL] = _recall(scores.recall, headline)
     if diagrams and np.isfinite(errors.error_m).any():
-        drawn[WITHIN] = _within(errors, headline)
+        drawn[WITHIN] = _draw_shares(errors, headline)
         drawn[MAP] = _map(benchmark, errors, headline)
         drawn[FAILURES] = _failures(benchmark, errors, headline)
     make_folder(target)
-    write_whole(target / FIGURES_FILE, json_bytes(document_of(scores, title)))
+    write_whole(target / FIGURES_FILE, json_bytes(scores_document(scores, title)))
     errors.write(target / ERRORS_FILE)
     write_whole(target / MAP_FILE, json_bytes(_geojson(errors)))
     for name, data in drawn.items():
@@ -93,7 +93,7 @@ def write_scores(
     return target / PAGE
 
 
-def document_of(scores: Scores, title: str) -> dict[str, Any]:
+def scores_document(scores: Scores, title: str) -> dict[str, Any]:
     """Figures for JSON; null where nothing was to be counted."""
     return {
         "method": title,
@@ -123,7 +123,7 @@ def _is_share(one: Figure) -> bool:
     return one.name.startswith(("recall", "within", "AP"))
 
 
-def rows_of(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
+def figure_rows(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
     """Rows of a table: each figure's name, its value in each group, and its definition."""
     names: dict[str, Figure] = {}
     for figures in groups.values():
@@ -177,7 +177,7 @@ def _recall(recall: Mapping[str, Floats], title: str) -> bytes:
     return png(drawing)
 
 
-def _within(errors: Errors, title: str) -> bytes:
+def _draw_shares(errors: Errors, title: str) -> bytes:
     drawing = new_figure(8.0, 4.6)
     axes = drawing.add_subplot()
     for name, colour in _colours(errors.imagery).items():
@@ -321,7 +321,7 @@ def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> 
         element("h1", title),
         pairs(facts),
         element("h2", "Figures"),
-        table(("", *groups, "what it is"), rows_of(groups)),
+        table(("", *groups, "what it is"), figure_rows(groups)),
     ]
     for name, caption in captions.items():
         if name in drawn:

@@ -180,16 +180,16 @@ def plan_benchmark(
     """
     mission = settings.queries.with_(frame="camera")
 
-    def worked_out_over(mission: Mission) -> dict[str, Plan]:
+    def plan_imageries(mission: Mission) -> dict[str, Plan]:
         return {one.name: plan(mission.over(one), grids[str(one)], heights) for one in settings.imageries}
 
-    queries, left_out = worked_out_over(mission), 0
+    queries, left_out = plan_imageries(mission), 0
     if settings.inside:
         asked = len(queries[settings.imageries[0].name])
         # In wind those that are left are moved otherwise.
         while not (kept := _inside(settings, queries, grids)).all():
             mission = of_captures(mission, queries[settings.imageries[0].name], kept)
-            queries = worked_out_over(mission)
+            queries = plan_imageries(mission)
         left_out = asked - len(kept)
     first = queries[settings.imageries[0].name]
     for name, worked_out in queries.items():

@@ -17,7 +17,7 @@ from ..arrays import Numbers
 from ..errors import InvalidInput, Message, TerrAInavError
 from ..external.user_code import called, is_ctrl_c, output_apart
 from ..text.plain import words_of
-from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, query_of
+from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, visible_query
 from .choices import METHODS
 from .folder import Benchmark
 
@@ -114,11 +114,11 @@ def run_method(
         if cancelled is not None and cancelled():
             return None
         begun = time.perf_counter()
-        answers.append(_answered(locate, query_of(benchmark, row), len(benchmark.references)))
+        answers.append(_answered(locate, visible_query(benchmark, row), len(benchmark.references)))
         seconds.append(time.perf_counter() - begun)
         if progress is not None:
             progress(len(answers), len(rows))
-    return Predictions.of(benchmark, rows, answers, seconds)
+    return Predictions.from_answers(benchmark, rows, answers, seconds)
 
 
 def _answered(locate: Locate, query: Query, tiles: int) -> Answer:

@@ -184,7 +184,7 @@ def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, galle
     right = benchmark.positives()
     positives = [right[row] for row in rows.tolist()]
     hits = metrics.hits(ranking, positives)
-    centre_m, centre_deg = _to_tiles(benchmark, rows, ranking)
+    centre_m, centre_deg = _tile_distances(benchmark, rows, ranking)
     lat, lon, height, *attitude = pose.T
     truth = (
         queries.lat_deg[rows],
@@ -229,7 +229,7 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
     said = np.isfinite(errors.error_m) | np.isfinite(errors.tile_m)
     found = [Figure("queries", float(count), "", f"asked for; {int(said.sum()):,} answered")]
     if judged.is_ranked:
-        found += _of_ranking(judged, tiles)
+        found += _ranking_figures(judged, tiles)
     if judged.is_placed:
         position = metrics.position_figures(errors.error_m)
         found.append(
@@ -253,7 +253,7 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
     return found
 
 
-def _of_ranking(judged: _Judged, tiles: int) -> list[Figure]:
+def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
     """Figures of retrieval."""
     findable = judged.positives > 0
     hits, counts = judged.hits[findable], judged.positives[findable]
@@ -319,7 +319,7 @@ def _mean(values: Floats) -> float:
     return float(known.mean()) if len(known) else math.nan
 
 
-def _to_tiles(benchmark: Benchmark, rows: Numbers, ranking: Numbers) -> tuple[Floats, Floats]:
+def _tile_distances(benchmark: Benchmark, rows: Numbers, ranking: Numbers) -> tuple[Floats, Floats]:
     """Distances (q, k) from the ground in the middle of queries to the middles of their tiles, metres and degrees."""
     queries, tiles = benchmark.queries, benchmark.references
     lat, lon = (np.where(ranking >= 0, angle[ranking], np.nan) for angle in (tiles.lat_deg, tiles.lon_deg))

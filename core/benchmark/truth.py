@@ -45,7 +45,7 @@ def captured(folder: Path, plan: Plan) -> Captured:
     return Captured(images, rows, np.array(index, np.int64))
 
 
-def mosaic_of(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
+def locate_mosaic(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
     """Where the mosaic lies."""
     west, _, _, north = (float(edge[0]) for edge in plan.edges)
     across, down = plan.grid.pixel_size(plan.zoom)
@@ -61,7 +61,7 @@ def mosaic_of(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
     )
 
 
-def queries_of(root: Path, worked_out: BenchmarkPlan, parts: list[str]) -> Queries:
+def make_queries(root: Path, worked_out: BenchmarkPlan, parts: list[str]) -> Queries:
     """Queries whose images are there; ``parts`` are those of the captures of one imagery, or empty."""
     found = []
     for name, plan in worked_out.queries.items():
@@ -108,7 +108,7 @@ def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
     return seen.lat_deg[:, 0], wrap_lon_deg(seen.lon_deg[:, 0])
 
 
-def references_of(root: Path, worked_out: BenchmarkPlan, parts: dict[str, list[str]]) -> References:
+def make_references(root: Path, worked_out: BenchmarkPlan, parts: dict[str, list[str]]) -> References:
     """Tiles whose images are there; ``parts`` are those of the captures of each folder, or empty."""
     found = []
     for width_m, plan in worked_out.tiles.items():
@@ -144,7 +144,7 @@ class _Ring(NamedTuple):
         return [(self.x, self.y)]
 
 
-def positives_of(
+def find_positives(
     worked_out: BenchmarkPlan, mosaic: ReferenceMosaic, queries: Queries, references: References
 ) -> Positives:
     """Pairs of queries and tiles whose ground meets as much as the settings ask for.

@@ -254,8 +254,7 @@ def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> P
 def _judge(
     arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path
 ) -> int:
-    from ..benchmark.page import document_of as scores_document
-    from ..benchmark.page import write_scores
+    from ..benchmark.page import scores_document, write_scores
     from ..benchmark.scoring import score
 
     scores = score(benchmark, predictions, arguments.part or "")
@@ -270,9 +269,9 @@ def _judge(
 
 
 def _print_scores(scores: Scores) -> None:
-    from ..benchmark.page import rows_of
+    from ..benchmark.page import figure_rows
 
-    rows = [("", *scores.groups, ""), *rows_of(scores.groups)]
+    rows = [("", *scores.groups, ""), *figure_rows(scores.groups)]
     widths = [max(len(row[at]) for row in rows) for at in range(len(rows[0]) - 1)]
     for row in rows:
         cells = (

@@ -200,7 +200,7 @@ def _capture(
 
     needed = shared_requests(
         [
-            (source, worked_out.requests_of(view) if len(sources) > 1 else worked_out.requests)
+            (source, worked_out.count_requests(view) if len(sources) > 1 else worked_out.requests)
             for view, source in sources.items()
         ]
     )

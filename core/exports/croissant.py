@@ -16,7 +16,7 @@ from ..limits import MAX_TABLE_BYTES
 from ..storage.files import json_bytes, open_foreign, text_lines, write_whole
 from ..storage.stores import Address, resolved
 from ..text.plain import writable
-from .huggingface import credit_of
+from .huggingface import credit_line
 from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
@@ -111,12 +111,12 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
     return dataset
 
 
-def name_of(dataset: Dataset) -> str:
+def dataset_name(dataset: Dataset) -> str:
     """What a dataset is called: as its folder."""
     return writable(resolved(dataset.folder).name) or "dataset"
 
 
-def media_of(name: str) -> str:
+def media_type(name: str) -> str:
     """Media type of an image by its file's name."""
     return _MEDIA.get(PurePosixPath(name).suffix.lower(), "application/octet-stream")
 
@@ -135,10 +135,10 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.0",
-        "name": name_of(dataset),
+        "name": dataset_name(dataset),
         "description": DESCRIPTION,
         "license": "Terms of who made the imagery: "
-        + "; ".join(f"{name}: {credit_of(images)}" for name, images in sets.items()),
+        + "; ".join(f"{name}: {credit_line(images)}" for name, images in sets.items()),
         "distribution": files,
         "recordSet": records,
     }
@@ -150,7 +150,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
     """The table of a map type, with its checksum, and the sets of its images and shards."""
     place = described_folder(dataset, images.folder)
-    endings = {PurePosixPath(one).suffix: media_of(one) for one in images.table.img_names}
+    endings = {PurePosixPath(one).suffix: media_type(one) for one in images.table.img_names}
     table = {
         "@type": "cr:FileObject",
         "@id": f"{name}/table",

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy.quaternions import quaternions_from_matrices
 from ..storage.files import json_bytes, make_folder, new_folder, write_whole
-from .views import ORIGIN_FILE, Views, origin_of
+from .views import ORIGIN_FILE, Views, origin_record
 
 #: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
 _OPENGL = np.diag([1.0, -1.0, -1.0])
@@ -42,7 +42,7 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     for name, text in FORMATS[kind](views, path).items():
         make_folder((path / name).parent)
         write_whole(path / name, text.encode("utf-8"))
-    write_whole(path / ORIGIN_FILE, json_bytes(origin_of(views.frame)))
+    write_whole(path / ORIGIN_FILE, json_bytes(origin_record(views.frame)))
     return path
 
 

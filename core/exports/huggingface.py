@@ -160,10 +160,10 @@ def _card(
         "The terms are those of who made the imagery:",
         "",
     ]
-    return "\n".join([*lines, *(f"- {name}: {credit_of(images)}" for name, images in sets.items()), ""])
+    return "\n".join([*lines, *(f"- {name}: {credit_line(images)}" for name, images in sets.items()), ""])
 
 
-def credit_of(images: ImageSet) -> str:
+def credit_line(images: ImageSet) -> str:
     """Who made the imagery of a map type: its sources with their attributions."""
     table = images.table
     found = dict.fromkeys(

@@ -36,8 +36,8 @@ from ..storage.files import (
     new_folder,
     write_whole,
 )
-from .scenes import Ortho, OrthoGrid, SceneGround, frame_about
-from .views import ORIGIN_FILE, origin_of
+from .scenes import Ortho, OrthoGrid, SceneGround, local_frame
+from .views import ORIGIN_FILE, origin_record
 
 README_FILE = "README.txt"
 #: Pillow's formats by the endings of files that are such.
@@ -206,7 +206,7 @@ def _folders(part: str, view: str, label: str) -> list[str]:
     return [f"{part}/{kind}_{view}/{label}" for kind in ("query", "gallery")]
 
 
-def _from_above(ground: SceneGround, row: int) -> Image.Image:
+def _write_aerial(ground: SceneGround, row: int) -> Image.Image:
     """The reference about the middle of a query, as wide as the benchmark's tiles; black where it ends."""
     benchmark = ground.benchmark
     mosaic, queries, tiles = benchmark.mosaic, benchmark.queries, benchmark.references
@@ -221,7 +221,7 @@ def _university(under_way: _Export) -> None:
     ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
     for number, place in enumerate(_places(under_way)):
         label = f"{number:04d}"
-        above = _encoded(_from_above(ground, place.rows[0]), "JPEG")
+        above = _encoded(_write_aerial(ground, place.rows[0]), "JPEG")
         for inside in _folders(place.part, "satellite", label):
             under_way.write(f"{inside}/{label}.jpg", above)
         names = {row: f"image-{at:02d}.jpeg" for at, row in enumerate(place.rows, 1)}
@@ -249,7 +249,7 @@ def _denseuav(under_way: _Export) -> None:
     for number, place in enumerate(_places(under_way)):
         label = f"{number:06d}"
         names = _names_by_height(heights_m, place.rows)
-        above = _encoded(_from_above(ground, place.rows[0]), "TIFF")
+        above = _encoded(_write_aerial(ground, place.rows[0]), "TIFF")
         for row, name in names.items():
             for view in ("drone", "satellite"):
                 for inside in _folders(place.part, view, label):
@@ -334,13 +334,13 @@ def _gta(under_way: _Export) -> None:
             entries.append(entry)
         if entries:
             under_way.write(f"{area}-area-drone2sate-{part}.json", json_bytes(entries))
-    under_way.write(ORIGIN_FILE, json_bytes({**origin_of(frame), "axes": ["east", "south"]}))
+    under_way.write(ORIGIN_FILE, json_bytes({**origin_record(frame), "axes": ["east", "south"]}))
 
 
 def _visloc(under_way: _Export) -> None:
     """UAV-VisLoc: flights with a map each, in pixels of equal degrees, and a table of the maps' corners."""
     benchmark, queries = under_way.benchmark, under_way.benchmark.queries
-    image, (north, west, south, east) = _by_degrees(SceneGround(benchmark, None))
+    image, (north, west, south, east) = _resample_degrees(SceneGround(benchmark, None))
     whole = _encoded(Image.fromarray(image), "TIFF")
     poses = queries.poses
     headings_deg = wrap_lon_deg(poses.yaw_deg)
@@ -379,7 +379,7 @@ def _date(benchmark: Benchmark, imagery: str) -> str:
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
-def _by_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, float]]:
+def _resample_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, float]]:
     """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]
@@ -393,7 +393,7 @@ def _by_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, 
     image = np.zeros((rows, columns, 3), np.uint8)
     x = west + (np.arange(columns) + 0.5) * pixel
     for row in range(rows):
-        image[row], _ = ground.shown_at(np.full(columns, north - (row + 0.5) * pixel), x)
+        image[row], _ = ground.sample(np.full(columns, north - (row + 0.5) * pixel), x)
     return image, (north, west, north - rows * pixel, west + columns * pixel)
 
 
@@ -413,7 +413,7 @@ def _ortholoc(under_way: _Export) -> None:
     origins = []
     for row in under_way.rows(*folders):
         lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
-        frame = frame_about(lat, lon, float(queries.ground_m[row]))
+        frame = local_frame(lat, lon, float(queries.ground_m[row]))
         name = f"L01_{'R' if queries.imagery[row] in alike else 'xDOP'}{row:04d}"
         file = f"{folders[queries.part[row] or TEST]}/{name}.npz"
         under_way.write(file, _npz({"sample_id": np.array(name), **_ortholoc_sample(ground, row, frame)}))
@@ -473,7 +473,7 @@ def _anyvisloc(under_way: _Export) -> None:
     queries, mosaic = benchmark.queries, benchmark.mosaic
     middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
     lat, lon = (float(angle[0]) for angle in middle)
-    frame = frame_about(lat, lon, float(np.median(queries.ground_m)))
+    frame = local_frame(lat, lon, float(np.median(queries.ground_m)))
     west, south, east, north = ground.bounds_m(frame)
     pixel = ground.pixel_m(frame)
     size = (math.ceil(length / pixel - 1e-6) for length in (east - west, north - south))
@@ -504,7 +504,7 @@ def _anyvisloc(under_way: _Export) -> None:
             "title": title,
             "modes": {"satellite": mode, "aerial": mode},
             # Of the frame of pose_w2c: east, north and up of its own origin, from this place of `origin`'s frame.
-            "origin": origin_of(frame),
+            "origin": origin_record(frame),
             "first_pixel_m": first.tolist(),
         }
         under_way.write(f"{scene}/L{number:02d}_reference.json", json_bytes(about))

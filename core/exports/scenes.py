@@ -157,11 +157,11 @@ class SceneGround:
             rows = np.arange(start, min(start + _ROWS, grid.height_px))
             part = np.stack(np.meshgrid(x, grid.north_m - rows * grid.pixel_m), axis=-1)
             z, lat, lon = self._surface(frame, part)
-            image[rows], inside = self.shown_at(lat, lon)
+            image[rows], inside = self.sample(lat, lon)
             points[rows] = np.dstack([part, np.where(inside, z, np.nan)])
         return Ortho(image, points)
 
-    def shown_at(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Bytes, Flags]:
+    def sample(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Bytes, Flags]:
         """Colours (..., 3) of the reference at positions of any shape, black where it has nothing; and where it has."""
         column, row = self.benchmark.mosaic.px(lat_deg, lon_deg)
         high, wide = self.mosaic.shape[:2]
@@ -215,7 +215,7 @@ class SceneGround:
         return west, south, east, north
 
 
-def frame_about(lat_deg: float, lon_deg: float, ground_m: float) -> LocalFrame:
+def local_frame(lat_deg: float, lon_deg: float, ground_m: float) -> LocalFrame:
     """Metres east, north and up of a place, to 10 cm of it and 1 mm of its height, so that both are short to write."""
     return LocalFrame(round(lat_deg, 6), round(lon_deg, 6), round(ground_m, 3))
 

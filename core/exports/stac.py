@@ -23,20 +23,20 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..mission.mission import Mission
 from ..storage.files import json_bytes, write_whole
 from ..storage.stores import Address, is_file
-from .croissant import DESCRIPTION, TAR, describe_files, media_of, name_of, own_folder
-from .huggingface import credit_of
+from .croissant import DESCRIPTION, TAR, dataset_name, describe_files, media_type, own_folder
+from .huggingface import credit_line
 from .tables import (
     GEOMETRY,
     FootprintGeometries,
-    about_geometry,
-    array_of,
+    arrow_array,
+    arrow_type,
     chosen_sets,
     described_folder,
-    groups_of,
-    kind_of,
+    geometry_metadata,
+    image_stem,
+    import_pyarrow,
     parquet_blocks,
-    pyarrow_for,
-    stem_of,
+    row_groups,
 )
 
 ITEMS_FILE, COLLECTION_FILE = "items.parquet", "collection.json"
@@ -98,13 +98,13 @@ def write_stac(folder: Address, target: Address, map_type: str | None = None) ->
     OutputError
         A place that cannot be written, or no pyarrow.
     """
-    pyarrow_for("stac")
+    import_pyarrow("stac")
     return describe(own_folder(read_dataset(folder), target, COLLECTION_FILE), map_type)
 
 
 def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
     """Write the descriptions of a dataset as `write_stac` does."""
-    arrow = pyarrow_for("stac")
+    arrow = import_pyarrow("stac")
     shown: dict[Path, FootprintGeometries | None] = {}
     parts = []
     for name, images in chosen_sets(dataset, map_type).items():
@@ -171,7 +171,7 @@ class _Items:
             folder = _href(described_folder(dataset, images.folder))
             hrefs, media = [folder + quote(shard) for shard in table.shard], TAR
         else:
-            hrefs, media = _files(dataset, images), media_of(next(iter(table.img_names), ""))
+            hrefs, media = _files(dataset, images), media_type(next(iter(table.img_names), ""))
         places = np.full(len(rows), -1) if shown is None else shown.places(table.img_names)[rows]
         lon = wrap_lon_deg(table.lon_deg[rows])
         bounds = np.stack([lon, table.lat_deg[rows]] * 2, axis=-1)
@@ -214,7 +214,7 @@ class _Items:
             for name, values, unknown in ((_START, self.start, _EARLIEST), (_END, self.end, _LATEST))
         }
         return {
-            "id": arrow.array([f"{self.name}_{stem_of(names[row])}" for row in rows], arrow.string()),
+            "id": arrow.array([f"{self.name}_{image_stem(names[row])}" for row in rows], arrow.string()),
             GEOMETRY: self._geometries(arrow, some),
             "bbox": arrow.StructArray.from_arrays(edges, _EDGES),
             "assets": arrow.StructArray.from_arrays([asset], fields=[image]),
@@ -331,7 +331,7 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
         "assets": arrow.struct([(_IMAGE, asset)]),
         **dict.fromkeys(_TIMES, time),
         _MAP_TYPE: text,
-        **{header: kind_of(arrow, kind) for header, kind in kinds.items()},
+        **{header: arrow_type(arrow, kind) for header, kind in kinds.items()},
     }
     same: dict[str, Any] = {
         "type": "Feature",
@@ -343,7 +343,7 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
 
     def groups() -> Iterator[dict[str, Any]]:
         for one in parts:
-            for some in groups_of(len(one.rows)):
+            for some in row_groups(len(one.rows)):
                 of_all = {**same, "stac_extensions": one.extensions, _MAP_TYPE: one.name}
                 rows = one.rows[some]
                 yield {
@@ -351,13 +351,13 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
                     **{n: arrow.repeat(arrow.scalar(v, types[n]), len(rows)) for n, v in of_all.items()},
                     **one.group(arrow, some, types["assets"]),
                     **{
-                        header: array_of(arrow, column._replace(kind=kinds[header]), rows)
+                        header: arrow_array(arrow, column._replace(kind=kinds[header]), rows)
                         for header, column in one.columns.items()
                     },
                 }
 
     bounds = np.concatenate([one.bounds for one in parts])
-    geo = about_geometry({kind for one in parts for kind in one.kinds}, bounds)
+    geo = geometry_metadata({kind for one in parts for kind in one.kinds}, bounds)
     geo["columns"][GEOMETRY]["covering"] = {"bbox": {edge: ["bbox", edge] for edge in _EDGES}}
     about = {
         "geo": geo,
@@ -384,10 +384,10 @@ def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
         "type": "Collection",
         "stac_version": STAC,
         "stac_extensions": [],
-        "id": name_of(dataset),
-        "title": name_of(dataset),
+        "id": dataset_name(dataset),
+        "title": dataset_name(dataset),
         "description": f"{DESCRIPTION} {count:,} images: "
-        + "; ".join(f"{one.name}, {credit_of(one.images)}" for one in parts)
+        + "; ".join(f"{one.name}, {credit_line(one.images)}" for one in parts)
         + ". The terms are those of who made the imagery.",
         "license": "other",
         "providers": [

@@ -62,7 +62,7 @@ def write_parquet(
     OutputError
         A folder that cannot be written or is not empty, or no pyarrow.
     """
-    arrow = pyarrow_for("parquet")
+    arrow = import_pyarrow("parquet")
     dataset = read_dataset(folder)
     sets = chosen_sets(dataset, map_type).values()
     root = dataset.folder if is_same(dataset.folder, target) else new_folder(target)
@@ -105,12 +105,12 @@ def is_same(folder: Path, other: Address) -> bool:
     return resolved(folder) == resolved(store_path(other))
 
 
-def stem_of(name: str) -> str:
+def image_stem(name: str) -> str:
     """Name of an image without its ending: what `Path.stem` gives, in a fraction of its time."""
     return name.rpartition(".")[0] or name
 
 
-def pyarrow_for(kind: str) -> Any:
+def import_pyarrow(kind: str) -> Any:
     """Return pyarrow with its Parquet; raises OutputError where it is not installed."""
     try:
         import pyarrow as pa
@@ -126,7 +126,7 @@ def pyarrow_for(kind: str) -> Any:
     return pa
 
 
-def groups_of(count: int) -> Iterator[slice]:
+def row_groups(count: int) -> Iterator[slice]:
     """Rows of each row group of a table; one without rows has one of none."""
     for start in range(0, max(count, 1), _ROWS_A_GROUP):
         yield slice(start, min(start + _ROWS_A_GROUP, count))
@@ -184,7 +184,7 @@ class _Sink(io.RawIOBase):
 def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
     """File of a map type's table."""
     columns = written_columns(images.table)
-    fields = [(one.header, kind_of(arrow, one.kind)) for one in columns]
+    fields = [(one.header, arrow_type(arrow, one.kind)) for one in columns]
     shown = FootprintGeometries.read(images.folder.parent)
     about: dict[str, Any] = {}
     places = None if shown is None else shown.places(images.table.img_names)
@@ -194,22 +194,22 @@ def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
             fields.append((GEOMETRY, arrow.binary()))
 
     def groups() -> Iterator[dict[str, Any]]:
-        for rows in groups_of(len(images)):
+        for rows in row_groups(len(images)):
             found = {}
             if shown is not None and places is not None:
                 found[GEOMETRY] = shown.shapes(arrow, places[rows])
-            yield {**found, **{one.header: array_of(arrow, one, rows) for one in columns}}
+            yield {**found, **{one.header: arrow_array(arrow, one, rows) for one in columns}}
 
     return parquet_blocks(arrow, arrow.schema(fields), about, groups())
 
 
-def kind_of(arrow: Any, kind: str) -> Any:
+def arrow_type(arrow: Any, kind: str) -> Any:
     """Arrow's type of a kind of columns."""
     types = {TEXT: arrow.string(), NUMBER: arrow.float64(), TIME: arrow.timestamp("us", tz="UTC")}
     return types.get(kind, arrow.int64())
 
 
-def array_of(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
+def arrow_array(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
     """Arrow array of some rows of a column, null for what is not known."""
     if isinstance(column.values, tuple):
         at = range(len(column.values))[rows] if isinstance(rows, slice) else rows.tolist()
@@ -220,7 +220,7 @@ def array_of(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
         return arrow.array(values.astype(np.float64), arrow.float64(), mask=unknown)
     scale = 1e6 if column.kind == TIME else 1.0
     whole = np.rint(np.where(unknown, 0.0, values) * scale).astype(np.int64)
-    return arrow.array(whole, arrow.int64(), mask=unknown).cast(kind_of(arrow, column.kind))
+    return arrow.array(whole, arrow.int64(), mask=unknown).cast(arrow_type(arrow, column.kind))
 
 
 class FootprintGeometries(NamedTuple):
@@ -283,7 +283,7 @@ class FootprintGeometries(NamedTuple):
 
     def places(self, img_names: Sequence[str]) -> NDArray[np.intp]:
         """Footprints (n,) of images by their names; -1 where there is none."""
-        found = (self.place_of.get(stem_of(name), -1) for name in img_names)
+        found = (self.place_of.get(image_stem(name), -1) for name in img_names)
         return np.fromiter(found, np.intp, len(img_names))
 
     def shapes(self, arrow: Any, places: NDArray[np.intp]) -> Any:
@@ -294,7 +294,7 @@ class FootprintGeometries(NamedTuple):
 
     def about(self, places: NDArray[np.intp]) -> dict[str, Any]:
         """What GeoParquet has to say of a column of them."""
-        return about_geometry(self.names_of(places), self.bounds[places[places >= 0]])
+        return geometry_metadata(self.names_of(places), self.bounds[places[places >= 0]])
 
     def names_of(self, places: NDArray[np.intp]) -> set[str]:
         """Kinds of some footprints, by GeoJSON's names."""
@@ -302,7 +302,7 @@ class FootprintGeometries(NamedTuple):
         return {"MultiPolygon" if kind == _MULTIPOLYGON else "Polygon" for kind in kinds}
 
 
-def about_geometry(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, Any]:
+def geometry_metadata(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, Any]:
     """What GeoParquet has to say of a column of geometries of some kinds, with their bounds (n, 4)."""
     whole = [*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0)] if len(bounds) else [0.0] * 4
     column = {

@@ -139,7 +139,7 @@ def camera_rotations(
     return found
 
 
-def origin_of(frame: LocalFrame) -> dict[str, object]:
+def origin_record(frame: LocalFrame) -> dict[str, object]:
     """What `ORIGIN_FILE` says of a frame, JSON-ready."""
     return {
         "lat_deg": frame.lat_deg,

@@ -289,7 +289,7 @@ class PairPlan:
         """Parts to fetch; those that satellite and drone both need are counted for each."""
         return sum(one.requests for one in self.plans.values())
 
-    def requests_of(self, view: str) -> int:
+    def count_requests(self, view: str) -> int:
         """Parts to fetch of the imagery of ``satellite`` or ``drone``."""
         return sum(
             one.requests for name, one in self.plans.items() if (name == SATELLITE) == (view == SATELLITE)

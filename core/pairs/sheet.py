@@ -53,8 +53,8 @@ def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]
     """
     path, file = Path(folder), Path(target)
     check_sheet(file)
-    rows = _by_place(path)
-    chosen = [_even(one) for one in _in_turn(rows)[:PLACES]]
+    rows = _read_places(path)
+    chosen = [_even(one) for one in _alternate_parts(rows)[:PLACES]]
     step = _CELL_PX + _GAP_PX
     height = _CELL_PX + _CAPTION_PX + _GAP_PX
     columns = max(map(len, chosen))
@@ -77,7 +77,7 @@ def check_sheet(target: str | os.PathLike[str]) -> None:
         raise InvalidInput("sheet {0!r}: must end in .jpg", os.fspath(target))
 
 
-def _by_place(folder: Path) -> list[list[Row]]:
+def _read_places(folder: Path) -> list[list[Row]]:
     """Rows of the images of each place that are there, the satellite's first."""
     try:
         text = decoded(read_limited(folder / TABLE_FILE, MAX_MISSION_BYTES))
@@ -94,7 +94,7 @@ def _by_place(folder: Path) -> list[list[Row]]:
     return list(places.values())
 
 
-def _in_turn(places: list[list[Row]]) -> list[list[Row]]:
+def _alternate_parts(places: list[list[Row]]) -> list[list[Row]]:
     """Places of all parts in turn, so that a few show each of them."""
     met: dict[str, int] = {}
     order = []

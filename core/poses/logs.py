@@ -308,7 +308,7 @@ def read_dataflash(
         raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as DataFlash ({1})", path, wrong) from wrong
-    places = (_with_fix(read[name]) for name in _PLACES if name in read)
+    places = (_fixed_rows(read[name]) for name in _PLACES if name in read)
     place = next((one for one in places if len(one["TimeUS"])), None)
     if place is None:
         raise InvalidInput("log {0}: has no positions ({1})", path, ", ".join(_PLACES))
@@ -439,12 +439,12 @@ class _Log(NamedTuple):
         count, clock_s = len(flights), place["clock_s"]
         attitude = None
         if self.attitude is not None:
-            turned = _of_flight(self.attitude, which, count)
+            turned = _select_flight(self.attitude, which, count)
             if turned is None:
                 _log.warning("log %s: left out the attitudes, whose clock restarts at other times", path)
             else:
                 quaternions = np.stack([turned[axis] for axis in _QUATERNION], axis=1)
-                attitude = _attitude_at(clock_s, turned["clock_s"], quaternions)
+                attitude = _interpolate_attitude(clock_s, turned["clock_s"], quaternions)
         ground_m = self.ground_m
         if ground_m is None:
             above_home_m = np.nan_to_num(place.get("above_home", np.zeros(1)))
@@ -466,7 +466,7 @@ class _Log(NamedTuple):
     def _utc_less_clock_s(self, flight: int, count: int) -> float:
         """Seconds from the log's clock to UTC by the first receiver that knows it, 0 where none does."""
         for receiver in self.receivers:
-            timed = _of_flight(receiver, flight, count)
+            timed = _select_flight(receiver, flight, count)
             if timed is not None and (known := is_dated(timed["utc_s"])).any():
                 return float(np.median((timed["utc_s"] - timed["clock_s"])[known]))
         return 0.0
@@ -501,7 +501,7 @@ def _chosen(flights: list[NDArray[np.intp]], path: str | os.PathLike[str], fligh
     return (flight or 1) - 1
 
 
-def _of_flight(columns: _Columns, flight: int, count: int) -> _Columns | None:
+def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | None:
     """Rows of one of so many flights; None where the topic does not tell them apart."""
     columns = _rows(columns, np.isfinite(columns["clock_s"]))
     clock_s = columns["clock_s"]
@@ -539,14 +539,14 @@ def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
             report(progress, log.percent / 100.0)
         name = message.get_type()
         if name not in columns:
-            columns[name] = _columns_there(name, message.get_fieldnames())
+            columns[name] = _existing_columns(name, message.get_fieldnames())
         if columns[name]:
             row = [times * float(getattr(message, one)) for one, times in columns[name].values()]
             rows.setdefault(name, []).append(row)
     return {name: dict(zip(columns[name], np.array(held).T)) for name, held in rows.items()}
 
 
-def _columns_there(name: str, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
+def _existing_columns(name: str, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
     """Columns of a message as they are called in the log, and their units; none where one is missing."""
     needed, others = _COLUMNS[name]
     found = {one: (one, 1.0) for one in (*needed, *others) if one in fields}
@@ -557,7 +557,7 @@ def _columns_there(name: str, fields: Sequence[str]) -> dict[str, tuple[str, flo
     return found if found.keys() >= set(needed) else {}
 
 
-def _with_fix(place: _Columns) -> dict[str, Floats]:
+def _fixed_rows(place: _Columns) -> dict[str, Floats]:
     """Rows of a DataFlash log that have a place: before the first fix places are zeros."""
     there = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
     if "Status" in place:
@@ -577,7 +577,7 @@ def _valid(columns: _Columns, flag: str) -> NDArray[np.bool_]:
     return columns[flag] != 0.0 if flag in columns else np.ones(len(columns["timestamp"]), np.bool_)
 
 
-def _attitude_at(
+def _interpolate_attitude(
     clock_s: Floats, times_s: Floats, quaternions: Floats
 ) -> tuple[Floats, Floats, Floats] | None:
     """Yaw, tilt and roll (n,) at moments, of quaternions (m, 4) of the body to north, east, down at other ones.

@@ -72,7 +72,7 @@ def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) ->
     return lost
 
 
-def errors_of(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, NDArray[np.bool_]]:
+def draw_errors(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, NDArray[np.bool_]]:
     """Errors (n, 4) of east, north, up and heading at rising times (n,), and whether the receiver has a fix (n,)."""
     first, second = (np.random.PCG64(one) for one in np.random.SeedSequence(seed).spawn(2))
     count = len(times_s)
@@ -122,7 +122,7 @@ def _fixed(gaps_s: Floats, sensors: Sensors, chance: Floats) -> NDArray[np.bool_
 def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[object, ...]], int]:
     """Rows of the table of priors, and how many of them have no place."""
     table = images.table
-    errors, fixed = errors_of(_times_s(images), sensors, seed)
+    errors, fixed = draw_errors(_times_s(images), sensors, seed)
     lat, lon = table.pose_lat_deg, table.pose_lon_deg
     north = np.degrees(errors[:, 1] / WGS84.meridional_radius_m(lat))
     east = np.degrees(errors[:, 0] / (WGS84.normal_radius_m(lat) * np.cos(np.radians(lat))))

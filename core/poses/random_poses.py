@@ -153,7 +153,7 @@ def _kept(
     drawn = count
     while True:
         points = random_poses(area, drawn, distributions, seed)
-        at = np.flatnonzero(keep(_poses_of(points)))[:count].tolist()
+        at = np.flatnonzero(keep(_make_poses(points)))[:count].tolist()
         if len(at) == count:
             break
         if drawn == MAX_POSES or (drawn >= _TRIES and len(at) < _LEAST_SHARE * drawn):
@@ -170,7 +170,7 @@ def _kept(
     return Points(tuple(points.poses[one] for one in at), **angles)
 
 
-def _poses_of(points: Points) -> Poses:
+def _make_poses(points: Points) -> Poses:
     lat, lon, agl = np.array(points.poses, np.float64).T
     return Poses(lat, lon, agl, *(np.array(points.stated_deg(name), np.float64) for name in ANGLES))
 

@@ -59,7 +59,7 @@ class ReadPoses(NamedTuple):
         return {reason: count for reason, count in found.items() if count}
 
 
-def format_of(path: str | os.PathLike[str]) -> str | None:
+def log_format(path: str | os.PathLike[str]) -> str | None:
     """Format that a file's ending tells; None where it tells none."""
     return (
         "litchi"
@@ -70,7 +70,7 @@ def format_of(path: str | os.PathLike[str]) -> str | None:
 
 def likely_format(path: str | os.PathLike[str]) -> str | None:
     """Format that a file's ending tells, else the numbers of its first line; None where neither does."""
-    found = format_of(path)
+    found = log_format(path)
     if found is not None:
         return found
     try:
@@ -122,7 +122,7 @@ def read_poses_file(
 
 
 def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -> Track:
-    file_format = how.format or format_of(path)
+    file_format = how.format or log_format(path)
     if file_format is None:
         raise InvalidInput(
             "trajectory {0}: its ending does not tell its format", path, remedy="give --format"

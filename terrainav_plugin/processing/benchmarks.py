@@ -398,7 +398,7 @@ class ScoreBenchmark(Algorithm):
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Answer, and judge."""
         from ...core.benchmark.folder import Benchmark
-        from ...core.benchmark.page import MAP_FILE, rows_of
+        from ...core.benchmark.page import MAP_FILE, figure_rows
         from ...core.benchmark.running import scores_folder
 
         folder, predictions, part = Path(run.text("BENCHMARK")), run.text("PREDICTIONS"), run.choice("PART")
@@ -411,7 +411,7 @@ class ScoreBenchmark(Algorithm):
 
         benchmark, scores, page = off_main_thread(work, run.feedback)
         figures = next(iter(scores.groups.values()))
-        for title, *values, definition in rows_of(scores.groups):
+        for title, *values, definition in figure_rows(scores.groups):
             values_text = ", ".join(f"{group} {value}" for group, value in zip(scores.groups, values))
             run.feedback.pushInfo(f"{title}: {values_text} ({definition})")
         results = {"FOLDER": str(target), "HTML": str(page), **_numbers(figures)}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pyproj import Geod
 from terrainav.core.benchmark import correlation, features
-from terrainav.core.benchmark.answers import Answer, Query, query_of
+from terrainav.core.benchmark.answers import Answer, Query, visible_query
 from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings
 from terrainav.core.benchmark.running import method_named, middle, run_method
@@ -107,7 +107,7 @@ def test_one_colour_agrees_with_nothing():
 
 def test_queries_come_with_priors_of_the_stated_errors(benchmark):
     queries = benchmark.queries
-    asked = [query_of(benchmark, at) for at in range(len(queries))]
+    asked = [visible_query(benchmark, at) for at in range(len(queries))]
     lat, lon, agl, yaw = (
         np.array([getattr(query, f"prior_{name}") for query in asked])
         for name in ("lat_deg", "lon_deg", "agl_m", "yaw_deg")
@@ -128,13 +128,13 @@ def test_queries_without_priors_have_none(benchmark, tmp_path):
     shutil.copytree(benchmark.folder, tmp_path / "bare")
     for path in (tmp_path / "bare").rglob("priors.csv"):
         path.unlink()
-    query = query_of(Benchmark.read(tmp_path / "bare"), 0)
+    query = visible_query(Benchmark.read(tmp_path / "bare"), 0)
     assert math.isnan(query.prior_lat_deg)
     assert math.isnan(query.prior_yaw_deg)
 
 
 def test_a_query_wider_than_the_reference_has_no_answer(benchmark):
-    query = query_of(benchmark, 0)
+    query = visible_query(benchmark, 0)
     high = Query(**{**vars(query), "height_m": query.ground_m + 5_000.0})
     answer = correlation.correlation(benchmark, benchmark.gallery(""))(high)
     # Numbers that are not there are NaN, which equals nothing.
@@ -181,7 +181,7 @@ def test_the_middle_is_what_others_have_to_beat(benchmark):
 
 
 def test_queries_do_not_tell_where_they_were_taken(benchmark):
-    query = query_of(benchmark, 0)
+    query = visible_query(benchmark, 0)
     secret = {round(float(angle[0]), 4) for angle in (benchmark.queries.lat_deg, benchmark.queries.lon_deg)}
     told = {name: value for name, value in vars(query).items() if isinstance(value, float)}
     assert not secret & {round(value, 4) for name, value in told.items() if not name.startswith("prior")}

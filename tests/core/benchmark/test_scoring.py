@@ -48,7 +48,7 @@ def truth(benchmark, **changes):
             )
         )
     rows = range(len(queries))
-    return Predictions.of(benchmark, rows, answers, [0.25] * len(queries))
+    return Predictions.from_answers(benchmark, rows, answers, [0.25] * len(queries))
 
 
 def test_a_file_whose_column_is_there_twice_is_refused(benchmark, tmp_path):
@@ -163,7 +163,7 @@ def test_ranks_and_distances_are_those_of_the_tiles(benchmark):
     tiles = benchmark.references
     order = np.random.default_rng(9).permutation(len(tiles))[:20]
     answers = [Answer([tiles.id[at] for at in order])] * len(benchmark.queries)
-    predictions = Predictions.of(benchmark, range(len(answers)), answers, [math.nan] * len(answers))
+    predictions = Predictions.from_answers(benchmark, range(len(answers)), answers, [math.nan] * len(answers))
     errors = score(benchmark, predictions).errors
     positives = benchmark.positives()
     for at in range(len(benchmark.queries)):
@@ -251,7 +251,7 @@ def test_tiles_of_another_part_are_no_answer(benchmark):
     other = type(tiles)(**{**{name: getattr(tiles, name) for name in vars(tiles)}, "part": parts})
     cut = Benchmark(**{**vars_of(benchmark), "references": other})
     answers = [Answer([tiles.id[1]])] * len(benchmark.queries)
-    predictions = Predictions.of(cut, range(len(answers)), answers, [math.nan] * len(answers))
+    predictions = Predictions.from_answers(cut, range(len(answers)), answers, [math.nan] * len(answers))
     with pytest.raises(InvalidInput, match=r"^predictions: rank .* of another part than the queries"):
         score(cut, predictions, "test")
 
@@ -293,7 +293,7 @@ def test_failures_are_told_by_their_ids(benchmark, monkeypatch):
 def test_a_page_without_positions_has_no_map_of_them(benchmark, tmp_path):
     first = benchmark.references.id[0]
     answers = [Answer([first])] * 24
-    predictions = Predictions.of(benchmark, range(24), answers, [math.nan] * 24)
+    predictions = Predictions.from_answers(benchmark, range(24), answers, [math.nan] * 24)
     page = write_scores(benchmark, score(benchmark, predictions), tmp_path, "tiles")
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["recall.png"]
     assert "map.png" not in page.read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.poses.priors import Sensors, errors_of, write_priors
+from terrainav.core.poses.priors import Sensors, draw_errors, write_priors
 
 from tests.support.command import command
 from tests.support.datasets import write_dataset
@@ -33,7 +33,7 @@ def lagged(values, lag):
 
 def test_errors_have_the_stated_deviations_and_half_of_them_wanders():
     sensors = Sensors(2.0, 1.5, 4.0, drift_s=20.0)
-    errors, fixed = errors_of(SECONDS, sensors, 5)
+    errors, fixed = draw_errors(SECONDS, sensors, 5)
     assert fixed.all()
     # Some thousand independent stretches: four per cent are two standard deviations and more.
     np.testing.assert_allclose(errors.std(axis=0), (2.0, 2.0, 1.5, 4.0), rtol=0.04)
@@ -41,7 +41,7 @@ def test_errors_have_the_stated_deviations_and_half_of_them_wanders():
         for lag in (1, 10, 20):
             assert lagged(errors[:, axis], lag) == pytest.approx(0.5 * math.exp(-lag / 20.0), abs=0.05)
     assert np.abs(np.corrcoef(errors.T) - np.eye(4)).max() < 0.06
-    white, _ = errors_of(SECONDS, Sensors(2.0, drift_s=0.0), 5)
+    white, _ = draw_errors(SECONDS, Sensors(2.0, drift_s=0.0), 5)
     assert abs(lagged(white[:, 0], 1)) < 0.03
     assert white[:, 0].std() == pytest.approx(2.0, rel=0.02)
 
@@ -49,7 +49,7 @@ def test_errors_have_the_stated_deviations_and_half_of_them_wanders():
 def test_uneven_gaps_forget_as_much_as_they_last():
     gaps = np.tile((1.0, 30.0), COUNT // 2)
     sensors = Sensors(2.0, drift_s=20.0, outage_share=0.3, outage_s=20.0)
-    errors, fixed = errors_of(np.cumsum(gaps), sensors, 3)
+    errors, fixed = draw_errors(np.cumsum(gaps), sensors, 3)
     for first, gap in ((1, 1.0), (0, 30.0)):
         before, after = errors[first:-1:2, 0], errors[first + 1 :: 2, 0]
         wanted = 0.5 * math.exp(-gap / 20.0)
@@ -61,7 +61,7 @@ def test_uneven_gaps_forget_as_much_as_they_last():
 
 def test_outages_are_as_often_and_as_long_as_stated():
     for step in (1.0, 4.0):
-        _, fixed = errors_of(SECONDS * step, Sensors(outage_share=0.2, outage_s=5.0), 9)
+        _, fixed = draw_errors(SECONDS * step, Sensors(outage_share=0.2, outage_s=5.0), 9)
         assert (~fixed).mean() == pytest.approx(0.2, abs=0.03)
         begins = np.flatnonzero(fixed[:-1] & ~fixed[1:])
         lasts = (~fixed).sum() * step / len(begins)
@@ -127,6 +127,6 @@ def test_what_cannot_be_is_refused(run, flown, tmp_path):
 
 
 def test_drift_of_next_to_no_time_is_white():
-    errors, _ = errors_of(SECONDS[:2000], Sensors(2.0, drift_s=5e-324), 5)
+    errors, _ = draw_errors(SECONDS[:2000], Sensors(2.0, drift_s=5e-324), 5)
     assert np.isfinite(errors).all()
     assert abs(lagged(errors[:, 0], 1)) < 0.1
