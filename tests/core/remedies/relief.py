@@ -156,7 +156,7 @@ def _no_data(case: Case) -> None:
 
 
 @remedy(
-    "mission/relief/modelled.py",
+    "mission/relief/ground.py",
     "no height at latitude {}, longitude {}: the elevation ends there, or has a hole; name a further source that fills "
     "it (--elevation), or have holes interpolated (--holes)",
 )
