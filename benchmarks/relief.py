@@ -37,7 +37,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import sighting
-from terrainav.core.picture.shot import draw, parts_of, shot_of, walls_of
+from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMERA, SIZE = Camera(78.8, 4.0 / 3.0), (640, 480)
@@ -209,9 +209,9 @@ def shot(
     )
     opened = open_source(source)
     made = plan(mission, opened.grid, heights_of(mission))
-    parts, walls = parts_of(made, opened, 0), walls_of(made, opened, "satellite")
+    parts, walls = picture_parts(made, opened, 0), wall_colours(made, opened, "satellite")
     pixels = {part.window: opened.fetch("satellite", part.window) for part in parts}
-    picture = draw(shot_of(made, 0), parts, pixels, walls=walls).pixels[..., :3]
+    picture = draw(make_shot(made, 0), parts, pixels, walls=walls).pixels[..., :3]
     return picture, sighting(made, 0, made.frames.largest_px)
 
 

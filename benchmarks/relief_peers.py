@@ -170,7 +170,7 @@ def hills(agl: float) -> tuple[Surface, Ground, float]:
 
 def of_file(path: str) -> tuple[Surface, Ground, float]:
     """A surface model: TerrAInav's surface, the same told by rasterio and PROJ, and the size of its cells."""
-    ground = ground_of(path)
+    ground = ground_ellipsoid(path)
     rows, columns = (min(side, CELLS) for side in ground.heights_m.shape)
     ground = Ground(ground.plane, ground.x, ground.y, ground.step, ground.heights_m[:rows, :columns])
     lon, lat = ground.places()
@@ -186,7 +186,7 @@ def of_file(path: str) -> tuple[Surface, Ground, float]:
     return cut, ground, ground.step
 
 
-def ground_of(path: str) -> Ground:
+def ground_ellipsoid(path: str) -> Ground:
     """A surface model in a projected CRS in metres, as rasterio reads it."""
     import rasterio
 
@@ -474,7 +474,7 @@ def compare_with_colmap(dsm: str | None, keep: Path | None) -> None:
         return
     print("| images of | tilt | points | off in the images | median height error | 90 % | median | 90 % |")
     print("| --- " * 8 + "|")
-    ground = ground_of(dsm)
+    ground = ground_ellipsoid(dsm)
     for tilt, level in [*((tilt, False) for tilt in TILTED), (0.0, True)]:
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)

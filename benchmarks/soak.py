@@ -45,7 +45,7 @@ from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
-from terrainav.core.picture.map_frame import window_of
+from terrainav.core.picture.map_frame import capture_window
 from terrainav.core.storage.files import write_whole
 
 from tests.support.faults import flat_placeholder
@@ -260,7 +260,7 @@ def checked(worked_out: Plan, folder: Path) -> dict[str, Any]:
             reasons[re.sub(r"tile [\d/]+: ", "", reason)] += 1
             continue
         pictures += 1
-        window = window_of(worked_out, index)
+        window = capture_window(worked_out, index)
         with Image.open(path) as image:
             columns, rows = decode_position(np.asarray(image))
         right = (np.arange(window.width_px) + int(window.left_px)) % MODULUS

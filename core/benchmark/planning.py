@@ -19,7 +19,7 @@ from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..mission.areas.area import Box, Points
 from ..mission.imageries import NamedImagery
-from ..mission.inside import captures_inside, of_captures
+from ..mission.inside import captured_points, captures_inside
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
 from ..mission.relief.ground import Heights
@@ -188,7 +188,7 @@ def plan_benchmark(
         asked = len(queries[settings.imageries[0].name])
         # In wind those that are left are moved otherwise.
         while not (kept := _inside(settings, queries, grids)).all():
-            mission = of_captures(mission, queries[settings.imageries[0].name], kept)
+            mission = captured_points(mission, queries[settings.imageries[0].name], kept)
             queries = plan_imageries(mission)
         left_out = asked - len(kept)
     first = queries[settings.imageries[0].name]

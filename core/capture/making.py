@@ -24,7 +24,7 @@ from ..mission.plan import Plan
 from ..picture.camera_frame import parts_of_tiles
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
-from ..picture.shot import parts_of, tiles_of
+from ..picture.shot import picture_tiles
 from ..storage.files import write_whole
 from .journal import FAILED, Outcome
 from .pipeline import Pipeline, sweep
@@ -148,7 +148,7 @@ class ImageParts:
         if self.plan.relief.is_level:
             return parts_of(self.plan, self.source, index)
         if index not in self._tiles:
-            self._tiles[index] = np.array(tiles_of(self.plan, index), np.int32).reshape(-1, 3)
+            self._tiles[index] = np.array(picture_tiles(self.plan, index), np.int32).reshape(-1, 3)
         return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
 
     def find_images(

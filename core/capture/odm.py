@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..arrays import Numbers
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
-from ..picture.optics import Optics, body_of, optics_of
+from ..picture.optics import Optics, camera_body, plan_optics
 from ..storage.files import json_bytes, write_whole
 from .metadata import DEGREE_DECIMALS, MAKE, FocalTags, accuracy, degrees, figure
 
@@ -42,7 +42,7 @@ def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
     ------
     OutputError
     """
-    optics = optics_of(plan, at)
+    optics = plan_optics(plan, at)
     write_whole(folder / GEO_FILE, _geo_blocks(plan, at, optics))
     write_whole(folder / CAMERAS_FILE, json_bytes(odm_cameras(plan, optics)))
 
@@ -80,7 +80,7 @@ def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
     lengths along rows and columns. Both are relative to the longer side, and midway between the extremes of the images
     that share a name.
     """
-    body = body_of(plan.mission.camera)
+    body = camera_body(plan.mission.camera)
     found: dict[str, list[tuple[float, ...]]] = {}
     for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
         ratio = FocalTags.from_lengths(body.focal_length_mm, focal_x, focal_y).ratio(int(width))

@@ -23,9 +23,9 @@ from ..mission.export.rows import clock
 from ..mission.parts import INTERPOLATE
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
-from ..picture.optics import Exposures, optics_of
+from ..picture.optics import Exposures, plan_optics
 from ..picture.products import BANDS, products
-from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
+from ..picture.shot import MapShot, Shot, Walls, draw, make_shot, wall_colours
 from ..storage.files import write_whole
 from .georeference import ControlPoints, Georeference
 from .journal import FAILED, Outcome
@@ -164,7 +164,7 @@ def image_job(
     width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
         width, height = mission.output.img_size[:2]
-    shot = shot_of(plan, index)
+    shot = make_shot(plan, index)
     place: Place
     if plan.frames.on_map:
         west, south, east, north = (float(edges[index]) for edges in plan.edges)
@@ -196,7 +196,7 @@ def image_job(
         bands_of(source),
         ranges_of(source),
         None if products_in is None else (plan, products_in),
-        walls_of(plan, source, map_type),
+        wall_colours(plan, source, map_type),
         write,
     )
 
@@ -331,7 +331,7 @@ def write_tables(
 
 def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
     """Columns of focal lengths and principal points, to the decimals in which all processors agree."""
-    columns = (np.round(values, 6) for values in optics_of(plan, at)[2:])
+    columns = (np.round(values, 6) for values in plan_optics(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
 

@@ -1,4 +1,4 @@
-"""Frames of pictures on the map: rectangles of source pixels, each edge rounded on its own."""
+"""Frames of pictures on the map: rectangles of source pixels, with rounded edges."""
 
 from __future__ import annotations
 
@@ -226,7 +226,7 @@ def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
 def windows_of(
     edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int
 ) -> Windows:
-    """Frames on a source's pixel grid, each edge rounded on its own.
+    """Frames on a source's pixel grid, with rounded edges.
 
     Parameters
     ----------

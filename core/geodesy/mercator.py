@@ -186,7 +186,7 @@ class PixelGrid:
         Corners, one after the other around, of the convex ground that the source has imagery of, as world fractions;
         u may lie beyond 0 or 1 across the antimeridian. None where nothing is known to end.
     plane : WebMercator or ProjectedPlane
-        What the world is that the pixels divide: the whole map, or the rectangle about a raster in a CRS of its own. At
+        The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At
         a zoom as large as the raster's native one a pixel is one of the raster's, and twice as large at each below.
     """
 
@@ -222,7 +222,7 @@ class PixelGrid:
 
     @property
     def own(self) -> ProjectedPlane | None:
-        """Plane of a CRS of its own; None for the Web-Mercator map, which goes around the Earth."""
+        """Plane of another CRS than Web Mercator; None for the map."""
         return self.plane if isinstance(self.plane, ProjectedPlane) else None
 
     def pixel_size(self, zoom: int) -> tuple[float, float]:
@@ -234,7 +234,7 @@ class PixelGrid:
         return self.plane.meridian_u(lon_deg)
 
     def wrapped(self, column: Whole, zoom: int) -> Whole:
-        """Columns of tiles within the world, which the map goes on around, and a plane of its own does not."""
+        """Columns of tiles within the world; only the map goes on around it."""
         return self.plane.wrapped(column, 1 << zoom)
 
     def wrapped_px(self, left_px: Floats | Numbers, zoom: int) -> Floats | Numbers:

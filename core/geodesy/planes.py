@@ -150,7 +150,7 @@ class ProjectedPlane:
         return bearing
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Metres of ground that u and v of 1 span at positions (any shape), each along its own axis."""
+        """Metres of ground that u and v of 1 span at positions (any shape), each along its axis."""
         inverse = np.linalg.inv(self._slopes(lat_deg, lon_deg))
         per_unit = np.sqrt(np.sum(inverse * inverse, axis=-2))
         return per_unit[..., 0] * self.width, per_unit[..., 1] * self.height

@@ -35,7 +35,7 @@ _KEYS_AT_ONCE = 1 << 20
 _MOST_COUNTED = 1 << 22
 #: Rays traced in one go.
 _BATCH = 1 << 17
-#: Sides of the cells begun with, and of those below which every pixel gets a ray of its own, px.
+#: Sides of the first cells, and of those below which every pixel is traced, px.
 _LARGEST_PX, _SMALLEST_PX = 160, 8
 #: Cells along each side of an image at which it is looked whether a mesh has any.
 _CELLS_TRIED = 24
@@ -52,7 +52,7 @@ _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
 
 class Detail(NamedTuple):
-    """What a part of the image is sampled from: zoom, and samples along x and y for each pixel; (k,) each."""
+    """Detail that parts of an image are sampled at: zoom, and samples along x and y for each pixel; (k,) each."""
 
     zoom: Numbers
     samples_x: Numbers
@@ -342,7 +342,7 @@ def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[
 def _loose(
     rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
 ) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Samples of the pixels that need rays of their own; the masks of the sky and of ground without a map."""
+    """Samples of the pixels that are traced one by one; masks of the sky and of ground without a map."""
     width, height = rays.scene.one_size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
@@ -500,7 +500,7 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
     rays : ImageRays
         Of one pose.
     tolerance_px : float
-        What a cell's bound must not exceed; 0 leaves every pixel that sees the Earth to a ray of its own.
+        Largest bound of a cell; with 0 every pixel that sees the Earth is traced.
     """
     box = _first_boxes(*rays.scene.one_size_px)
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []

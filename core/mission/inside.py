@@ -24,7 +24,7 @@ _AT_ONCE = 20_000
 
 
 def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
-    """Which rims of images (n, k) lie on a source's imagery, as far as its extent tells."""
+    """Which rims of images (n, k) lie on the extent of a source's imagery."""
     whole: Flags = seen.hit.all(axis=1)
     lat, lon = seen.lat_deg, seen.lon_deg
     with np.errstate(invalid="ignore"):
@@ -42,7 +42,7 @@ def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
     for (corner_u, corner_v), (side_u, side_v) in zip(corners, along):
         length = max(float(np.hypot(side_u, side_v)), 1e-300)
         with np.errstate(invalid="ignore"):
-            # Distance inward of the side; of no finite place it is none.
+            # Distance inward of the side; not finite where the place is not.
             inward = (side_u * (v - corner_v) - side_v * (u - corner_u)) / length
             whole &= (inward >= room).all(axis=1)
     return whole
@@ -82,7 +82,7 @@ def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
     return np.concatenate(found)
 
 
-def of_captures(mission: Mission, plan: Plan, kept: Flags) -> Mission:
+def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
     """Mission of some of the captures of its plan, as points with the attitudes that they have there.
 
     Raises

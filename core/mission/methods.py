@@ -25,7 +25,7 @@ from .layout.framing import (
     check_sizes,
     check_windows,
     framed,
-    ground_of,
+    ground_ellipsoid,
 )
 from .layout.rotated import is_rotated
 from .layout.rows import point_angles_deg
@@ -358,7 +358,7 @@ def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
     first, _ = flown.frames.runs(runs_on(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)
-    return Scene(mission.camera, width, height, flown.poses.take(first), ground_of(mission))
+    return Scene(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
 
 
 def _resolved(scene: Scene) -> Scene:
@@ -393,7 +393,7 @@ def _ends(mission: Mission) -> Scene:
         1.0,
         1.0,
         Poses(lat, np.zeros_like(lat), agl, *attitude),
-        ground_of(mission),
+        ground_ellipsoid(mission),
     )
 
 

@@ -1,4 +1,4 @@
-"""What is drawn of a plan: pictures, footprints and lines, cut at the antimeridian and at the ends of the map.
+"""Geometries of a plan: pictures, footprints and lines, cut at the antimeridian and at the ends of the map.
 
 The preview, Processing's layers and the exported files draw what is worked out here. Degrees are for files (RFC 7946),
 metres of EPSG:3857 for maps. Rings run counter-clockwise and are not closed.
@@ -40,7 +40,7 @@ def metres(lon_deg: Floats, lat_deg: Floats) -> Ring:
 
 
 def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
-    """What each picture shows, in the plan's CRS (EPSG:3857, or the source's own): a map frame, or a footprint.
+    """Outline of each picture in the CRS of the plan's grid: a map frame, or a footprint.
 
     Map frames are as their files state them. What a footprint has beyond the map is cut off; it may leave nothing.
 
@@ -196,6 +196,6 @@ def _rectangle(west: float, south: float, east: float, north: float) -> Ring:
 
 
 def _clipped_to_map(lon_deg: Floats, lat_deg: Floats) -> Ring:
-    """What a ring has within the latitudes of the map; nothing where it lies beyond."""
+    """Part of a ring within the latitudes of the map; empty where it lies beyond."""
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     return cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)

@@ -20,8 +20,8 @@ from .flight.legs import intervals_s, legs
 from .flight.path import FlightPath, flight_path
 from .layout.coverage import Coverage, ImageryShare, Overlap, Rectangles, coverage, imagery_share, overlap
 from .layout.frames import Frames
-from .layout.framing import ground_of, nominal_poses
-from .layout.rotated import Pass, rotated_coverage, rotated_overlap, share_on
+from .layout.framing import ground_ellipsoid, nominal_poses
+from .layout.rotated import Pass, plane_share, rotated_coverage, rotated_overlap
 from .layout.rows import Layout, sees_below
 from .methods import ChosenMethods, choose_methods
 from .mission import Mission
@@ -160,7 +160,7 @@ class Plan:
 
     @cached_property
     def views(self) -> CameraViews:
-        """What the cameras see."""
+        """Ground that the cameras see."""
         return CameraViews(
             self.mission,
             self.grid,
@@ -234,7 +234,7 @@ class Plan:
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
         if own is None or extent is None or not self.mission.area.covers_ground:
             return found
-        return found._replace(share=share_on(self.mission.area, own, extent))
+        return found._replace(share=plane_share(self.mission.area, own, extent))
 
     @cached_property
     def overlap(self) -> Overlap:
@@ -360,7 +360,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
         np.diff(stated) if stated is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
     )
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
-    lat, ground = nominal.lat_deg, ground_of(mission)
+    lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(off.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
     agl = nominal.agl_m + off.up_m

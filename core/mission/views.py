@@ -36,7 +36,7 @@ _OUTLINED = 128
 
 @dataclass(frozen=True, eq=False)
 class CameraViews:
-    """What the cameras of n captures see.
+    """Ground that the cameras of n captures see.
 
     Attributes
     ----------

@@ -52,11 +52,6 @@ _EACH_PX, _NODES, _ON_EDGE = 2, 5, 1.0 + 1e-9
 _BOXED = 2048
 #: Cells of the relief that one block of a mosaic is looked at through, at most.
 _MOST_CELLS = 1 << 20
-#: What ground may lie behind the first point that a ray to it meets, in cells of the relief: rounding, and what a ray
-#: that grazes the ground makes of it.
-_SAME_PLACE = 0.02
-#: Share by which distances on the map are taken for less than they are.
-_UNEVEN = 0.97
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 
 
@@ -130,7 +125,7 @@ class CameraImages:
         return len(self.paths)
 
     @classmethod
-    def of_plan(cls, plan: Plan, index: int, path: Path) -> CameraImages:
+    def from_plan(cls, plan: Plan, index: int, path: Path) -> CameraImages:
         """The image of one of a plan's captures, as far as it sees the ground."""
         poses = plan.poses.take(slice(index, index + 1))
         if not plan.relief.is_level:
@@ -338,14 +333,14 @@ class CameraImages:
         box = np.stack([west - more_x, south - more_y, east + more_x, north + more_y])
         return np.where(there, box, np.nan)
 
-    def ground_of(self, block: PixelBlock, candidates: Numbers) -> BlockGround:
+    def block_ground(self, block: PixelBlock, candidates: Numbers) -> BlockGround:
         """Ground of a block, which some images may show."""
         if self.relief is None:
             return BlockGround.level(block, self.ground)
         known = np.isfinite(block.lat_deg)
         lat = np.concatenate([block.lat_deg[known], self.poses.lat_deg[candidates]])
         lon = np.concatenate([block.lon_deg[known], self.poses.lon_deg[candidates]])
-        return BlockGround.over(block, self._surface(lat, lon))
+        return BlockGround.from_surface(block, self._surface(lat, lon))
 
     def _surface(self, lat_deg: Floats, lon_deg: Floats) -> Surface:
         """Relief over the box about places, of a bounded number of cells."""
@@ -387,7 +382,8 @@ class CameraImages:
         )
         met = geocentric(lat, pose.lon_deg + dlon, height)
         cell = float(surface.grid.ground_m_per_px(pose.lat_deg[:1], pose.lon_deg[:1], surface.zoom)[0])
-        seen = ~(hit & (np.linalg.norm(met - points, axis=-1) > _SAME_PLACE * cell))
+        # Rounding and grazing rays leave ground this share of a cell behind the point that a ray meets.
+        seen = ~(hit & (np.linalg.norm(met - points, axis=-1) > 0.02 * cell))
         found = which.copy()
         found[which] = seen
         return found
@@ -450,7 +446,7 @@ class MapImages:
         west, south, east, north = boxes
         return Ends(*map(float, (west.min(), south.min(), east.max(), north.max())))
 
-    def ground_of(self, block: PixelBlock, candidates: Numbers) -> BlockGround:  # noqa: ARG002  as of camera frames
+    def block_ground(self, block: PixelBlock, candidates: Numbers) -> BlockGround:  # noqa: ARG002  as of camera frames
         """Ground of a block: none, as images show the map itself."""
         none = np.zeros((*block.lat_deg.shape, 0))
         return BlockGround(none, none)
@@ -480,7 +476,7 @@ class MapImages:
 PlacedImages = Union[CameraImages, MapImages]
 
 
-def frames_of(
+def place_images(
     folder: Path, map_type: str | None = None, open_heights: OpenHeights = heights_of
 ) -> tuple[PlacedImages, ImageSet, Numbers]:
     """Images of a dataset's map type, of its first one for None, without those that failed or are rejected.
@@ -515,7 +511,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     Raises
     ------
     InvalidInput
-        A folder that has no mission, which tells the camera.
+        A folder without a mission file, which has the camera.
     SourceError
         Heights that cannot be had.
     """
@@ -547,15 +543,15 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
         relief,
         tuple(images.path(row) for row in rows.tolist()),
         sizes.astype(np.int64),
-        _plane_of(table, rows),
+        _table_plane(table, rows),
     )
 
 
 def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     check_poses(images, rows, needed=False)
-    table, plane = images.table, _plane_of(images.table, rows)
+    table, plane = images.table, _table_plane(images.table, rows)
     paths = tuple(images.path(row) for row in rows.tolist())
-    affines = np.array([_affine_of(path) for path in paths])
+    affines = np.array([_read_affine(path) for path in paths])
     sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
     sizes = sizes.astype(np.int64)
     lat, lon = table.pose_lat_deg[rows], table.pose_lon_deg[rows]
@@ -565,7 +561,7 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     x, y = positions(plane, lat, lon)
     if isinstance(plane, WebMercator):
         middle = affines[:, 0] + affines[:, 1] * sizes[:, 0] / 2.0 + affines[:, 2] * sizes[:, 1] / 2.0
-        # A camera and its image may be told on either side of the antimeridian.
+        # A camera and its image may be given on different sides of the antimeridian.
         x = x + np.rint((middle - x) / plane.width) * plane.width
         turns = np.rint((x - x[0]) / plane.width) * plane.width
         affines[:, 0] -= turns
@@ -575,7 +571,7 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     return MapImages(affines, sizes, (x, y), gsd, paths, plane)
 
 
-def _affine_of(path: Path) -> tuple[float, ...]:
+def _read_affine(path: Path) -> tuple[float, ...]:
     """GDAL's six numbers of a captured map frame, as its file or the world file beside it says."""
     try:
         if path.suffix not in _WORLD_FILES:
@@ -593,7 +589,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
     return found
 
 
-def _plane_of(table: Table, rows: Numbers) -> Plane:
+def _table_plane(table: Table, rows: Numbers) -> Plane:
     """Plane of the CRS that images of a table have."""
     return image_plane(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
 
@@ -610,7 +606,7 @@ def _away(block: PixelBlock, x: Floats, y: Floats) -> Floats:
     """Distances (k,) from places to a block, in the unit of the CRS; a little less, as maps stretch ground unevenly."""
     off_x = np.maximum(np.maximum(block.x[0] - x, x - block.x[-1]), 0.0)
     off_y = np.maximum(np.maximum(block.y[-1] - y, y - block.y[0]), 0.0)
-    away: Floats = _UNEVEN * np.hypot(off_x, off_y)
+    away: Floats = 0.97 * np.hypot(off_x, off_y)
     return away
 
 

@@ -29,7 +29,7 @@ from ..errors import Cancelled, InvalidInput
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .bigtiff import TILE_PX, packed_tile, write_tiles
-from .frames import CameraImages, ImageBoxes, OpenHeights, PlacedImages, frames_of, unit_m
+from .frames import CameraImages, ImageBoxes, OpenHeights, PlacedImages, place_images, unit_m
 from .raster import PixelBlock, Raster, places
 
 #: Takes the share done, 0 to 1; an answer of False stops.
@@ -41,7 +41,6 @@ _BLOCK_PX = 2 * TILE_PX
 _KEPT_BYTES = 1 << 28
 #: Threads, each of which works on a block, and blocks begun ahead of the one that is written next, for each.
 _MOST_THREADS, _AHEAD = 8, 2
-_OPAQUE = 255
 #: Of an image alone: the widest pixel of its map in pixels of the camera straight below it, and the flattest view,
 #: degrees.
 _COARSEST, _LEVEL_DEG = 8.0, 89.99
@@ -53,7 +52,7 @@ _MOST_PX = 1 << 22
 
 @dataclass(frozen=True)
 class Orthomosaic:
-    """What has been made.
+    """A mosaic that has been written.
 
     Parameters
     ----------
@@ -102,18 +101,18 @@ def make_orthomosaic(
     Raises
     ------
     InvalidInput
-        As `frames.frames_of` does; a ground sample distance that is none.
+        As `frames.place_images` does; a ground sample distance that is none.
     OutputError, SourceError, Cancelled
     """
     if gsd_m is not None and not (math.isfinite(gsd_m) and gsd_m > 0.0):
         raise InvalidInput("ground sample distance {0} m: must be a number above 0", gsd_m, field="gsd_m")
     path = Path(folder)
-    frames, images, rows = frames_of(path, map_type, open_heights)
-    raster, boxes = raster_of(frames, gsd_m)
+    frames, images, rows = place_images(path, map_type, open_heights)
+    raster, boxes = mosaic_raster(frames, gsd_m)
     count = raster.width_px * raster.height_px
     if most_px is not None and count > most_px:
         gsd_m = (gsd_m or frames.gsd_m) * math.sqrt(count / most_px)
-        raster, boxes = raster_of(frames, gsd_m)
+        raster, boxes = mosaic_raster(frames, gsd_m)
     aim = path / f"{images.map_type}.tif" if target is None else Path(target)
     owed = dict.fromkeys(images.table.attribution[row] for row in rows.tolist())
     used, shown = write_orthomosaic(
@@ -138,7 +137,7 @@ def check_ending(path: str | os.PathLike[str]) -> None:
         raise InvalidInput("mosaic {0}: must end in {1}", path, " or ".join(_ENDINGS))
 
 
-def raster_of(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Raster, ImageBoxes]:
+def mosaic_raster(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Raster, ImageBoxes]:
     """Pixels about all that images show, and the boxes of that.
 
     Their edges are whole multiples of a pixel, so that mosaics of one ground sample distance fit each other; those of
@@ -272,7 +271,7 @@ class _Made(NamedTuple):
 
 
 def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]]) -> Iterator[_Made]:
-    """What is made of blocks, in their order, some at a time."""
+    """Make blocks, some at a time; yields them in order."""
     threads = min(os.cpu_count() or 1, _MOST_THREADS)
     left = iter(blocks)
     with ThreadPoolExecutor(threads, thread_name_prefix="terrainav-mosaic") as pool:
@@ -301,7 +300,7 @@ def _made(
         image, _ = images.of(index)
         x, y = choice.x[at] * image.shape[1], choice.y[at] * image.shape[0]
         pixels[at, :-1] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
-    pixels[..., -1] = there * np.uint8(_OPAQUE)
+    pixels[..., -1] = there * np.uint8(255)
     tiles = [
         ((left + across) // TILE_PX, (top + down) // TILE_PX, packed_tile(part))
         for down in range(0, pixels.shape[0], TILE_PX)
@@ -340,7 +339,7 @@ def chosen(
     candidates = np.flatnonzero(near).astype(np.int64)
     if not len(candidates):
         return found
-    ground = frames.ground_of(block, candidates)
+    ground = frames.block_ground(block, candidates)
     bounds = frames.steepest(block, ground, candidates)
     order = np.lexsort((candidates, -bounds))
     for candidate, bound in zip(candidates[order].tolist(), bounds[order].tolist()):
@@ -398,13 +397,13 @@ class _Images:
             raise
         future.set_result(image)
         with self._lock:
-            self._bytes += _bytes_of(image)
+            self._bytes += _byte_count(image)
             for old, other in list(self._kept.items()):
                 if self._bytes <= _KEPT_BYTES:
                     break
                 if old != index and other.done():
                     del self._kept[old]
-                    self._bytes -= _bytes_of(other.result())
+                    self._bytes -= _byte_count(other.result())
         return image
 
     def shows(self, index: int, x: Floats, y: Floats, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -414,7 +413,7 @@ class _Images:
             return which
         found = which.copy()
         column, row = x[which] * image.shape[1], y[which] * image.shape[0]
-        found[which] = sample(mask[..., np.newaxis], column, row, "bilinear")[:, 0] > _OPAQUE / 2
+        found[which] = sample(mask[..., np.newaxis], column, row, "bilinear")[:, 0] > 127.5
         return found
 
     def _read(self, path: Path) -> tuple[Bytes, Bytes | None]:
@@ -434,5 +433,5 @@ class _Images:
         return reduced.reshape(*reduced.shape[:2], -1), mask
 
 
-def _bytes_of(image: tuple[Bytes, Bytes | None]) -> int:
+def _byte_count(image: tuple[Bytes, Bytes | None]) -> int:
     return image[0].nbytes + (0 if image[1] is None else image[1].nbytes)

@@ -95,7 +95,7 @@ class BlockGround(NamedTuple):
         return cls(geocentric(block.lat_deg, block.lon_deg, 0.0, ground), _normals(block))
 
     @classmethod
-    def over(cls, block: PixelBlock, surface: Surface) -> BlockGround:
+    def from_surface(cls, block: PixelBlock, surface: Surface) -> BlockGround:
         """Of relief; NaN where it has no height."""
         lat, lon = block.lat_deg.ravel(), block.lon_deg.ravel()
         heights = surface.heights(*surface.position(lat, lon)).reshape(block.lat_deg.shape)

@@ -20,8 +20,6 @@ from .resampling import sample
 #: Channels of a picture that Pillow keeps as red, green and blue.
 _COLOURS = 3
 
-#: Pillow's mode of values of more than 8 bits.
-_FLOATS = "F"
 #: Samples of single pixels gathered in one go.
 _BATCH = 1 << 16
 
@@ -153,7 +151,7 @@ def _warp(
                 seen = seen.reduce((wide, high))
             values = np.asarray(seen)
             picture[top:bottom, left:right, channels] = (
-                values if image.mode != _FLOATS else fitted(values, picture.dtype)
+                values if image.mode != "F" else fitted(values, picture.dtype)
             )
         if absent is not None:
             hole = absent.transform(size, Image.PERSPECTIVE, coefficients, Image.BILINEAR)

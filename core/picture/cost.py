@@ -1,4 +1,4 @@
-"""What the chosen methods cost on this machine: timed on a plan's own captures, with blank tiles."""
+"""Cost of the chosen methods on this machine, timed on captures of the plan, with blank tiles."""
 
 from __future__ import annotations
 
@@ -16,14 +16,10 @@ from ..imagery.source import Part, Window, tile_parts
 from ..mission.plan import Plan
 from ..timing import clock_step_s
 from .camera_frame import camera_parts, render
-from .map_frame import assemble, window_of
+from .map_frame import assemble, capture_window
 
-#: Captures whose footprints are timed; a million cost no more per capture.
-_FOOTPRINTS_TIMED = 10_000
 #: Runs, at least, and steps of the clock that they take together: some systems' are of 16 ms.
 _RUNS, _LEAST_STEPS = 3, 10
-#: Times that a capture over relief is traced.
-_VIEWS_OVER_RELIEF = 2
 
 
 class Cost(NamedTuple):
@@ -52,12 +48,13 @@ def _time_text(seconds: float) -> Message:
 
 def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     """Time the chosen methods on captures of the plan, with the bands of their source: some ten pictures' worth."""
-    few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
+    # More cost no more per capture.
+    few = plan.poses.take(np.arange(min(len(plan), 10_000)))
     camera, ground = plan.mission.camera, plan.ground
     footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
     index = len(plan) // 2
     if plan.frames.on_map:
-        window = window_of(plan, index)
+        window = capture_window(plan, index)
         parts = tile_parts(
             window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid
         )
@@ -68,10 +65,10 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
     seeing_s = 0.0
     if not plan.relief.is_level:
-        # Over relief a capture has a view of its own, made to know its tiles and made again to draw it.
+        # Over relief the view of each capture is made to find its tiles, and again to draw it.
         start = time.thread_time()
         plan.views.view(index)
-        seeing_s = _VIEWS_OVER_RELIEF * (time.thread_time() - start)
+        seeing_s = 2.0 * (time.thread_time() - start)
     return Cost(footprints_s, seeing_s + _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 
 

@@ -15,11 +15,9 @@ from ..imagery.source import Part, Window
 from ..mission.plan import Plan
 
 _COLOURS = 3
-#: ITU-R 601, in the parts of 65536 that Pillow counts in.
-_GREY_OF_COLOURS = np.array([19595, 38470, 7471]) / 65536.0
 
 
-def window_of(plan: Plan, index: int) -> Window:
+def capture_window(plan: Plan, index: int) -> Window:
     """Window of one capture; its left and top are int where the source's grid is."""
     left, top, width, height = (values[index].item() for values in plan.windows)
     return Window(plan.zoom, left, top, width, height)
@@ -149,7 +147,8 @@ def _resized_bands(picture: PixelValues, img_size: tuple[int, int, int], bands: 
     width, height, channels = img_size
     shown: NDArray[Any] = picture[..., list(bands.shown)]
     if channels == 1 and len(bands.shown) == _COLOURS:
-        shown = (shown @ _GREY_OF_COLOURS)[..., np.newaxis]
+        # ITU-R 601, in the parts of 65536 that Pillow counts in.
+        shown = (shown @ (np.array([19595, 38470, 7471]) / 65536.0))[..., np.newaxis]
     if shown.shape[:2] != (height, width):
         images = (Image.fromarray(np.ascontiguousarray(one, np.float32)) for one in np.moveaxis(shown, 2, 0))
         shown = np.stack(

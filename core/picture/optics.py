@@ -1,4 +1,4 @@
-"""What a picture's camera was at the moment it was taken: its optics in px and mm, its height, and the time.
+"""The camera of a picture when it was taken: its optics in px and mm, its height, and the time.
 
 The pinhole of a picture as it is written, its focal length and principal point in px, follows from the plan.
 Millimetres need a sensor: that of the data sheet where the mission's camera is one of those that ship, else one whose
@@ -43,7 +43,7 @@ class Body(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def body_of(camera: Camera) -> Body:
+def camera_body(camera: Camera) -> Body:
     """Body of a mission's camera; the model says that it is simulated.
 
     The user's own cameras are not looked at: the same mission gives the same files everywhere.
@@ -85,7 +85,7 @@ class Optics(NamedTuple):
         return FINEST_ACCURACY_M + across, FINEST_ACCURACY_M + in_height
 
 
-def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
+def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
     """Optics of some of a plan's pictures, by their indices (k,)."""
     width, height = (
         np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
@@ -130,7 +130,7 @@ def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats,
     # Pixels of the map for each radian that the camera's ground moves along: a metre is 1/N cos or 1/M of one.
     px_per_rad = plan.agl_m[at] * world_px / (2.0 * math.pi * np.cos(np.radians(lat)))
     left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])
-    # A camera and its window may be told on either side of the antimeridian.
+    # A camera and its window may be given on different sides of the antimeridian.
     across = np.mod(lon_to_u(plan.lon_deg[at]) * world_px - left + world_px / 2.0, world_px) - world_px / 2.0
     down = lat_to_v(lat) * world_px - top
     return (
@@ -143,7 +143,7 @@ def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats,
 
 @dataclass(frozen=True)
 class Exposure:
-    """What a picture's tags say of its camera beyond the pose.
+    """Data of the camera in a picture's tags, beyond the pose.
 
     Parameters
     ----------
@@ -173,9 +173,9 @@ class Exposures:
     """Exposures of a plan's captures; what they have in common is worked out once."""
 
     def __init__(self, plan: Plan) -> None:
-        optics = optics_of(plan, np.arange(len(plan)))
+        optics = plan_optics(plan, np.arange(len(plan)))
         self._columns = np.stack([*optics, *optics.accuracy_m(plan.agl_m)], axis=1)
-        self._body = body_of(plan.mission.camera)
+        self._body = camera_body(plan.mission.camera)
         self._height_m, self._start, self._times_s = (
             plan.height_m,
             utc_time(plan.direct.start),

@@ -1,4 +1,4 @@
-"""What there is to say of every pixel of a picture: depth, ground point, normal, and faces that no map shows."""
+"""Products of every pixel of a picture: depth, ground point, normal, and faces that no map shows."""
 
 from __future__ import annotations
 
@@ -26,10 +26,6 @@ BANDS = {
     "normals": Bands(("east", "north", "up"), "float32", (0,)),
     "facades": Bands(("face",), "uint8", (0,)),
 }
-_FACE = 255
-#: What depths and places are rounded to, as a share of a pixel on the ground, and normals: digits behind are noise of
-#: sines.
-_SHARE_OF_PIXEL, _OF_NORMALS = 2.0**-13, 2.0**-21
 
 
 def products(
@@ -56,21 +52,22 @@ def products(
     there = np.isfinite(seen.depth_m)
     for name in wanted:
         if name == "facades":
-            yield name, (seen.steep * np.uint8(_FACE))[..., np.newaxis]
+            yield name, (seen.steep * np.uint8(255))[..., np.newaxis]
             continue
         if name == "depth":
             values = seen.depth_m[..., np.newaxis]
         elif name == "points":
             values = np.stack([wrap_lon_deg(seen.lon_deg), seen.lat_deg, seen.height_m], axis=-1)
         else:
-            values = _rounded(seen.normals, _OF_NORMALS)
+            # Digits behind are the noise of sines.
+            values = _rounded(seen.normals, 2.0**-21)
         yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
 
 
 def sighting(
     plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
 ) -> Sighting:
-    """What the pixels of one capture's picture see, were it of some size, without digits that mean nothing.
+    """Ground that the pixels of one capture's picture see, for some size of it, without digits that mean nothing.
 
     Parameters
     ----------
@@ -82,9 +79,10 @@ def sighting(
     elif not plan.relief.is_level:
         seen = plan.views.tracing(index, size_px).sighting
     else:
-        seen = _over_level(plan, index, size_px)
+        seen = _level_sighting(plan, index, size_px)
     pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
-    metre = power_of_two(pixel_m * _SHARE_OF_PIXEL)
+    # Digits behind this share of a pixel on the ground are the noise of sines.
+    metre = power_of_two(pixel_m * 2.0**-13)
     degree = power_of_two(math.degrees(metre / WGS84.a_m))
     return seen._replace(
         depth_m=_rounded(seen.depth_m, metre),
@@ -99,8 +97,8 @@ def _rounded(values: Floats, step: float) -> Floats:
     return found
 
 
-def _over_level(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
-    """What the pixels of a picture see of level ground."""
+def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
+    """Level ground that the pixels of a picture see."""
     pose = plan.poses.take(np.array([index]))
     camera, (width, height) = plan.mission.camera, size_px
     lat, lon, agl = (float(values[0]) for values in pose[:3])

@@ -1,4 +1,4 @@
-"""What the picture of a capture is made from, and the picture itself."""
+"""Shots, from which pictures of captures are made, and the pictures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
-from .map_frame import assemble, turned, window_of
+from .map_frame import assemble, capture_window, turned
 
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
 Walls = Callable[..., NDArray[np.float32]]
@@ -25,7 +25,7 @@ Walls = Callable[..., NDArray[np.float32]]
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A camera frame of a plan, its view made where it is drawn: over relief each has a costly one of its own."""
+    """A camera frame of a plan. Its view is made where it is drawn, as over relief each picture has a costly one."""
 
     plan: Plan
     index: int
@@ -51,7 +51,7 @@ class Shot:
 
     @property
     def kernel(self) -> str:
-        """What it is resampled with."""
+        """Resampling kernel."""
         return self.plan.mission.accuracy.resampling
 
 
@@ -74,27 +74,27 @@ class Picture(NamedTuple):
     facade_share: float = 0.0
 
 
-def shot_of(plan: Plan, index: int) -> MapShot | Shot:
-    """What the picture of one capture is made from: a map frame's window, or a camera frame's view."""
+def make_shot(plan: Plan, index: int) -> MapShot | Shot:
+    """Shot of one capture: the window of a map frame, or the view of a camera frame."""
     if plan.frames.on_map:
-        return MapShot(window_of(plan, index), int(plan.frames.quarter_turns[index]))
+        return MapShot(capture_window(plan, index), int(plan.frames.quarter_turns[index]))
     return Shot(plan, index)
 
 
-def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
+def picture_parts(plan: Plan, source: Source, index: int) -> list[Part]:
     """Parts of a source that the picture of one capture is made of."""
     if plan.frames.on_map:
-        return source.parts(window_of(plan, index))
+        return source.parts(capture_window(plan, index))
     return camera_parts(plan.views.view(index), float(plan.lon_deg[index]))
 
 
-def tiles_of(plan: Plan, index: int) -> list[tuple[int, int, int]]:
+def picture_tiles(plan: Plan, index: int) -> list[tuple[int, int, int]]:
     """Zoom, column and row, not wrapped, of each tile that a camera frame is made of."""
     return plan.views.view(index).tiles(float(plan.lon_deg[index]))
 
 
-def walls_of(plan: Plan, source: Source, map_type: str) -> Walls | None:
-    """What knows the walls in pictures of a map type: a source whose own heights cameras see; None for all others."""
+def wall_colours(plan: Plan, source: Source, map_type: str) -> Walls | None:
+    """Colours of walls in pictures of a map type, from a source whose heights cameras see; None for others."""
     terrain = plan.mission.terrain
     seen = next(iter((*terrain.surface, *terrain.elevation)), "")
     if seen.lower() != source.name or not hasattr(source, "walls"):
@@ -116,7 +116,7 @@ def draw(
     Parameters
     ----------
     parts : sequence of Part
-        As `parts_of` gave them.
+        As `picture_parts` gave them.
     pixels : mapping of Window to array
         Of each part.
     masked : bool
@@ -124,7 +124,7 @@ def draw(
     bands : Bands
         Of the source.
     walls : callable or None
-        Colours of walls by what `Walled.walls` takes behind the map type, see `walls_of`.
+        Colours of walls by what `Walled.walls` takes behind the map type, see `wall_colours`.
 
     Raises
     ------

@@ -25,7 +25,7 @@ from ..imagery.source import Part, Source, Window, tile_parts
 from ..mission.layout.frames import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.camera_frame import camera_parts, render
-from ..picture.map_frame import assemble, resized, turned, window_of
+from ..picture.map_frame import assemble, capture_window, resized, turned
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
@@ -181,7 +181,7 @@ class Bench:
         pose = plan.poses.take(np.array([self.index]))
         turns, (width, height) = int(quarter_turns(pose, plan.grid.plane)[0]), self.size_px
         if plan.frames.on_map:
-            window = window_of(plan, self.index)
+            window = capture_window(plan, self.index)
         else:
             windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, plan.ground)
             window = Window(plan.zoom, *(part[0].item() for part in windows))

@@ -28,7 +28,7 @@ from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.georeference import named_crs
 from ...core.limits import MAX_VRT_BYTES
 from ...core.mosaic.frames import CameraImages
-from ...core.mosaic.orthomosaic import raster_of
+from ...core.mosaic.orthomosaic import mosaic_raster
 from ...core.storage.files import open_foreign, partial_file, read_limited, write_whole
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
@@ -178,7 +178,7 @@ def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
 def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
     """Why an image shows nothing that a mosaic could be made of; None where it does."""
     try:
-        raster_of(CameraImages.of_plan(plan, index, Path(plan.names[index])))
+        mosaic_raster(CameraImages.from_plan(plan, index, Path(plan.names[index])))
     except InvalidInput as wrong:
         return wrong
     return None

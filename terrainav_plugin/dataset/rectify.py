@@ -53,7 +53,7 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
     InvalidInput, OutputError
         Where a file cannot be read or written, or the image shows nothing of the map.
     """
-    _lay_on_map(CameraImages.of_plan(plan, 0, picture), target)
+    _lay_on_map(CameraImages.from_plan(plan, 0, picture), target)
 
 
 def lay_image_on_map(

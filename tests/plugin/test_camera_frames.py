@@ -15,7 +15,7 @@ from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
-from terrainav.core.mission.layout.framing import ground_of
+from terrainav.core.mission.layout.framing import ground_ellipsoid
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
@@ -46,7 +46,7 @@ def seen_points(planned, index=0, count=21, margin=0.99):
     x, y = (v.ravel() for v in np.meshgrid(*[np.linspace(-margin, margin, count)] * 2))
     pose = planned.poses.take(np.array([index]))
     image = tuple(zip(x.tolist(), y.tolist()))
-    ground = exact(planned.mission.camera, pose, image, ground_of(planned.mission))
+    ground = exact(planned.mission.camera, pose, image, ground_ellipsoid(planned.mission))
     hit = ground.hit[0]
     east, north = metres(ground.lon_deg[0][hit], ground.lat_deg[0][hit])
     return np.stack([east, north], axis=1), np.stack([x, y], axis=1)[hit]

@@ -14,7 +14,7 @@ from ...geodesy.mercator import PixelGrid
 from ...geodesy.projections import LocalPlane
 from ..areas.area import Box, Polygon
 from ..estimate import length_text
-from ..layout.framing import ground_of
+from ..layout.framing import ground_ellipsoid
 from ..layout.rotated import is_rotated, lay_out_rotated
 from ..mission import Mission
 from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
@@ -205,7 +205,7 @@ class _Flights:
         from_positions = self._from_positions and self._heights is None and self._grid.plane.wraps
         if along_axes or not from_positions or not is_rotated(mission):
             return flown_m(self.plan(azimuth_deg))
-        layout, _ = lay_out_rotated(mission, ground_of(mission))
+        layout, _ = lay_out_rotated(mission, ground_ellipsoid(mission))
         return float(np.sum(legs(layout.lat_deg, layout.lon_deg).distance_m))
 
     def _length_m(self, azimuth_deg: float) -> float:

@@ -1,4 +1,4 @@
-"""What pictures show of an area, what neighbours share, and what the source has imagery of."""
+"""Coverage of an area by pictures, overlap of neighbours, and the extent of the source's imagery."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _NO_GROUND_M2 = 1e-6
 _ROUNDED_PX = 0.5
 #: Share of the area below which nothing is missing: the noise of areas worked out along two ways.
 _NOTHING_MISSING = 1e-9
-#: Share of the area outside no-fly areas below which there is none.
+#: Share of the area outside no-fly areas that counts as nothing.
 _NOTHING_LEFT = 1e-8
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """What pictures show of an area, but for its no-fly areas.
+    """Coverage of an area by pictures, without its no-fly areas.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]
 
 
 def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
-    """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own.
+    """Gaps that rectangles leave in ``within`` (x0, y0, x1, y1), as rectangles.
 
     Found cell by cell of a grid whose cells are as large as the rectangles are on average, so that the work grows with
     their number where no place is in more than some of them. Nothing is rounded: the cells' own edges are cuts.
@@ -234,7 +234,7 @@ class _Cells(NamedTuple):
         )
 
     def gaps(self, rectangles: Rectangles) -> Iterator[Rectangles]:
-        """What the rectangles leave of the cells that they share ground with, some cells at a time."""
+        """Gaps that rectangles leave in the cells that they meet, some cells at a time."""
         new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
         cell = np.cumsum(new) - 1
         column, row = self.column[new], self.row[new]
@@ -284,7 +284,7 @@ def _spread(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: Numbers) -> Rectangles:
-    """What parts leave of their cells, each cut into strips at its parts' own tops and bottoms.
+    """Gaps that parts leave in their cells, each cell cut into strips at the tops and bottoms of its parts.
 
     Parameters
     ----------
@@ -336,7 +336,7 @@ def coverage(
     zoom: int,
     no_fly: Sequence[Polygon] = (),
 ) -> Coverage:
-    """What windows show of an area outside no-fly areas; exact on the pixel grid for a box.
+    """Coverage of an area outside no-fly areas by windows; exact on the pixel grid for a box.
 
     Images over a polygon count for others, too.
     """
@@ -344,7 +344,7 @@ def coverage(
     several = isinstance(area, Polygons)
     found = []
     for part, placed in zip(area.parts, area.placed() if isinstance(area, Polygons) else area.parts):
-        whole = _coverage_of(
+        whole = _polygon_coverage(
             part.area_m2(),
             placed,
             placed.edges_deg if isinstance(placed, PlacedRings) else placed.bounds.edges_deg,
@@ -353,7 +353,7 @@ def coverage(
             others=several,
         )
         held = [
-            _coverage_of(
+            _polygon_coverage(
                 WGS84.ring_area_m2(*ring),
                 PlacedRings((ring,)),
                 PlacedRings((ring,)).edges_deg,
@@ -367,7 +367,7 @@ def coverage(
     return summed(found)
 
 
-def _coverage_of(
+def _polygon_coverage(
     total_m2: float,
     placed: Box | Rings,
     edges_deg: tuple[float, float, float, float],
@@ -376,7 +376,7 @@ def _coverage_of(
     *,
     others: bool = False,
 ) -> Coverage:
-    """What rectangles of pixels show of a box or polygon, placed between longitudes that are continuous with theirs.
+    """Coverage of a box or polygon, in longitudes continuous with those of the windows, by rectangles of pixels.
 
     ``others`` says that most of them may lie elsewhere.
     """
@@ -441,10 +441,10 @@ def overlap(
             own = slice(first, end)
             own_rectangles = Rectangles(*(edge[own] for edge in rectangles))
             found.append(shares(column[own], row[own], own_rectangles, rows_are_level))
-    return overlap_of(*(np.concatenate(values) for values in zip(*found)))
+    return summarize_overlap(*(np.concatenate(values) for values in zip(*found)))
 
 
-def overlap_of(along: Floats, across: Floats) -> Overlap:
+def summarize_overlap(along: Floats, across: Floats) -> Overlap:
     """Least and median of the shares of neighbours along and across rows."""
     return Overlap(*_least_and_median(along), *_least_and_median(across))
 
@@ -470,7 +470,7 @@ def shares(
     shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
         left[neighbours], left[neighbours + 1]
     )
-    along = _of_smaller(shared, width[neighbours], width[neighbours + 1])
+    along = _smaller_shares(shared, width[neighbours], width[neighbours + 1])
 
     # Where in its row each one is: its column, or its middle as a share of what all of them span.
     place = column.astype(np.float64)
@@ -488,10 +488,10 @@ def shares(
     here = np.flatnonzero(np.isfinite(apart) if rows_are_level else apart == 0.0)
     below = np.where(off_before <= off_behind, before, behind)[here]
     shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
-    return along, _of_smaller(shared, height[here], height[below])
+    return along, _smaller_shares(shared, height[here], height[below])
 
 
-def _of_smaller(shared: Floats, one: Floats, other: Floats) -> Floats:
+def _smaller_shares(shared: Floats, one: Floats, other: Floats) -> Floats:
     """Shares of the smaller of two extents, (n,).
 
     Gusts may turn an image so far that no rectangle lies in it: its gap is a share of the other one, and a whole one
@@ -525,14 +525,14 @@ class ImageryShare(NamedTuple):
 def imagery_share(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> ImageryShare:
     """Shares of an area, and of pictures over it, that lie on the extent of the source's imagery.
 
-    The share of the area is None where that lies in a plane of its own (see `rotated.share_on`).
+    The share of the area is None on another plane than the map (see `rotated.plane_share`).
     """
     whole = 1.0 if area.covers_ground else None
     if grid.extent is None:
         return ImageryShare(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
-    outside, partly = _pictures_beyond(windows, extent, grid, zoom)
+    outside, partly = _count_beyond(windows, extent, grid, zoom)
     share = _share(area, extent) if area.covers_ground and grid.plane.wraps else None
     return ImageryShare(share, outside, partly)
 
@@ -550,7 +550,7 @@ def _turns(u: Floats, extent: Floats) -> Floats:
     return np.arange(first, last + 1.0)
 
 
-def _pictures_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) -> tuple[int, int]:
+def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) -> tuple[int, int]:
     """Pictures outside an extent (positively oriented), and partly so."""
     world_px = grid.world_px(zoom)
     left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
@@ -585,14 +585,14 @@ def _share(area: Area, extent: Floats) -> float:
         total += sign * WGS84.ring_area_m2(lon, lat)
         on_map = np.stack([lon_to_u(lon), lat_to_v(lat)], axis=1)
         for turn in _turns(on_map[:, 0], extent):
-            part = within(on_map, extent + np.array([turn, 0.0]))
+            part = clip_ring(on_map, extent + np.array([turn, 0.0]))
             if len(part) > 2:
                 held += sign * WGS84.ring_area_m2(u_to_lon(part[:, 0]), v_to_lat(part[:, 1]))
     share = held / total if total > 0.0 else 1.0
     return 1.0 if share > 1.0 - _NOTHING_MISSING else max(share, 0.0)
 
 
-def within(ring: Floats, convex: Floats) -> Floats:
+def clip_ring(ring: Floats, convex: Floats) -> Floats:
     """Ring inside a convex one that is positively oriented (Sutherland and Hodgman's clipping)."""
     for corner, following in zip(convex, np.roll(convex, -1, axis=0)):
         along = following - corner

@@ -42,7 +42,7 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
     yaw = layout.yaw_deg
     for start, end in zip(starts, [*starts[1:], len(layout.row)]):
         found = _ways(layout, slice(start, end), mission.flight.order)
-        # Cameras that see aside along their track stand where their own way of flying needs them.
+        # Captures of cameras that look aside along the track are placed for the way that the row is flown.
         found = [one for one in found if not (one.turned and keeps_ways(mission))]
         ways = [one.order + start for one in found]
         begins = place[[one[0] for one in ways]]

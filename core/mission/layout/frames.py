@@ -18,7 +18,7 @@ from ...geodesy.planes import TurnedPlane
 from ..mission import Mission
 from ..relief.ground import Flown, Relief
 from .coverage import Rectangles, unique_tiles
-from .rotated import Pass, rectangles_within, rotated_rectangles
+from .rotated import Pass, inner_rectangles, rotated_rectangles
 
 #: First captures of runs of poses, (k,), and the run of each, (n,): see `Poses.runs`.
 Runs = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -125,7 +125,7 @@ class MapFrames:
     quarter_turns: Numbers
 
     @classmethod
-    def of_windows(cls, windows: Windows, poses: Poses, grid: PixelGrid) -> MapFrames:
+    def from_windows(cls, windows: Windows, poses: Poses, grid: PixelGrid) -> MapFrames:
         """Frames of windows (n,), turned as their cameras are."""
         turns = quarter_turns(poses, grid.plane)
         wide, high = windows.width_px, windows.height_px
@@ -155,7 +155,7 @@ class MapFrames:
     def scene_sizes_px(self, windows: Windows, first: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Widths and heights of the pictures of runs that begin at ``first``, (k,), at most.
 
-        Pictures of one row differ by a pixel, as each edge is rounded on its own.
+        Rounding of the edges makes pictures of one row differ by a pixel.
         """
         sizes = (np.asarray(size[first], np.float64) + 1.0 for size in (windows.width_px, windows.height_px))
         return swapped(self.quarter_turns[first], *sizes)
@@ -198,7 +198,7 @@ class MapFrames:
         if not isinstance(plane, TurnedPlane):
             world = plan.grid.world_px(plan.zoom)
             left, top, right, bottom = (edge[at] / world for edge in plan.windows.bounds_px)
-            return rectangles_within(plane, u_to_lon(left), v_to_lat(bottom), u_to_lon(right), v_to_lat(top))
+            return inner_rectangles(plane, u_to_lon(left), v_to_lat(bottom), u_to_lon(right), v_to_lat(top))
         west, south, east, north = (edge[at] for edge in plan.edges)
         (x0, y0), (x1, y1) = plane.of_crs(west, south), plane.of_crs(east, north)
         return Rectangles(np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1))
@@ -315,12 +315,12 @@ def camera_gsd_m_per_px(mission: Mission, poses: Poses, frames: Frames) -> float
     return float(np.median(width_m * poses.agl_m / frames.width_px))
 
 
-def finest_zoom_of(mission: Mission, grid: PixelGrid) -> int:
+def highest_zoom(mission: Mission, grid: PixelGrid) -> int:
     """Highest zoom that a mission may show: that of the source's own pixels, unless it allows enlarged ones."""
     return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
 
 
 def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
     """Lowest and highest zoom that camera frames take their pixels from."""
-    highest = finest_zoom_of(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
+    highest = highest_zoom(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
     return grid.min_zoom, max(highest, grid.min_zoom)

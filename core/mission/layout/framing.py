@@ -35,7 +35,7 @@ from ..mission import Mission
 from ..parts import FIRST, TRACK
 from ..relief.ground import Flown, Relief
 from .entry import from_entry
-from .frames import CameraFrames, Frames, MapFrames, finest_zoom_of
+from .frames import CameraFrames, Frames, MapFrames, highest_zoom
 from .no_fly import left_out
 from .parallels import lay_out
 from .polygons import lay_out_polygons
@@ -45,20 +45,10 @@ from .rows import Layout, bounds_with_margin, lay_out_points, point_angles_deg, 
 #: Places and nominal poses to the poses that are flown.
 Disturbed = Callable[[Layout, Poses], Poses]
 
-#: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
-_SAME_SIZE = 0.995
-#: Captures that tell a median which hardly varies.
-_SOME = 1000
-#: What a raster's pixels may be larger than the distance asked for, by the rounding of its file.
-_SAME_PIXEL = 1e-9
 #: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
 #: stretching a frame may move it by beyond their first order.
 _NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
-#: World fraction that stands for frames without extent: far below a pixel.
-_SMALLEST = 1e-12
-#: Points along each side of an image at which it is looked whether it shows the map.
-_POINTS_LOOKED_AT = 33
-#: By how much a picture's side may differ from its frame's, as each edge is rounded on its own.
+#: Most that rounding its edges changes the side of a picture.
 _ROUNDED_PX = 1.0
 
 
@@ -101,7 +91,7 @@ class Framing(Protocol):
         ...
 
 
-def ground_of(mission: Mission) -> Ellipsoid:
+def ground_ellipsoid(mission: Mission) -> Ellipsoid:
     """The ground of a mission, as an ellipsoid."""
     return WGS84.raised(mission.flight.ground_height_m) if mission.flight.ground_height_m else WGS84
 
@@ -124,7 +114,7 @@ def framed(
         As `plan` does.
     """
     zoom_of = partial(_zoom, framing, relief)
-    rows = _rows_of(mission, grid, framing, relief)
+    rows = _placing(mission, grid, framing, relief)
     placed = rows.first
     zoom = zoom_of(placed.layout)
     if rows.needs_room:
@@ -185,7 +175,7 @@ class _SinglePoints:
     @cached_property
     def first(self) -> PlacedCaptures:
         """Captures at the points; yaws that the mission gives them count from grid north."""
-        return PlacedCaptures(_from_grid_north(self.mission, self.grid.plane, lay_out_points(self.mission)))
+        return PlacedCaptures(_grid_north_yaws(self.mission, self.grid.plane, lay_out_points(self.mission)))
 
     def place(self, _zoom: int, /) -> PlacedCaptures:
         """The same at every zoom."""
@@ -216,13 +206,13 @@ class _RowsAlongParallels:
         relief = self.relief
         frames = partial(self._common_frames, pixel)
 
-        def of_one(part: Mission) -> tuple[Layout, tuple[Pass, ...]]:
+        def lay_out_part(part: Mission) -> tuple[Layout, tuple[Pass, ...]]:
             return lay_out(part, frames, pixel, relief), ()
 
-        placed = PlacedCaptures(*lay_out_polygons(self.mission, of_one))
+        placed = PlacedCaptures(*lay_out_polygons(self.mission, lay_out_part))
         if relief.covers(placed.layout.lat_deg, placed.layout.lon_deg):
             return placed
-        return PlacedCaptures(*lay_out_polygons(self.mission, of_one))
+        return PlacedCaptures(*lay_out_polygons(self.mission, lay_out_part))
 
     def _common_frames(self, pixel: float, lat_deg: Floats, agl_m: Floats) -> FrameEdges:
         """Edges that frames of rows flown to and fro have in common, (n,)."""
@@ -269,8 +259,8 @@ class _RowsInPlane:
 
     def _placed(self, **room: float) -> PlacedCaptures:
         # Turned rows are all alike, as tight as the highest ground needs.
-        least = _over_highest(self.mission, self.relief)
-        lower, ground = _deepest_share(least, self.relief), ground_of(self.mission)
+        least = _highest_mission(self.mission, self.relief)
+        lower, ground = _deepest_share(least, self.relief), ground_ellipsoid(self.mission)
         return PlacedCaptures(
             *lay_out_polygons(
                 least, lambda part: lay_out_rotated(part, ground, self.grid.plane, lower=lower, **room)
@@ -278,7 +268,7 @@ class _RowsInPlane:
         )
 
 
-def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief) -> Placing:
+def _placing(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief) -> Placing:
     """Way of placing a mission's captures."""
     if isinstance(mission.area, Points):
         return _SinglePoints(mission, grid)
@@ -288,12 +278,12 @@ def _rows_of(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief
 
 
 def _laid_out_first(mission: Mission, layout: Layout) -> int:
-    """Index of the capture that a flight as laid out begins with: frames are told from it wherever a flight begins."""
+    """Index of the first capture as laid out, whose frame is the reference wherever the flight begins."""
     return 0 if mission.route.entry == FIRST else int(np.lexsort((layout.column, layout.row))[0])
 
 
 def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: int | None) -> Windows:
-    """Windows of captures; those that are nearly alike, as is told from the one by this index, share theirs."""
+    """Windows of captures; captures nearly like the one with the index ``alike`` share theirs."""
     pixel = 1.0 / grid.world_px(zoom)
     if alike is not None:
         edges, run = _rounded_edges(framing, poses, pixel, alike), np.arange(len(poses.lat_deg))
@@ -303,7 +293,7 @@ def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: 
     return windows_of(edges, run, poses.lon_deg, grid, zoom)
 
 
-def _from_grid_north(mission: Mission, plane: Plane, layout: Layout) -> Layout:
+def _grid_north_yaws(mission: Mission, plane: Plane, layout: Layout) -> Layout:
     """Points whose yaw counts from the plane's north, as in rows; yaws of a table and of a track are true."""
     north_deg = plane.north_deg(layout.lat_deg, layout.lon_deg)
     with np.errstate(invalid="ignore"):
@@ -322,12 +312,12 @@ def _zoom(framing: Framing, relief: Relief, layout: Layout) -> int:
     return framing.zoom(relief.zoomed(layout))
 
 
-def _over_highest(mission: Mission, relief: Relief) -> Mission:
+def _highest_mission(mission: Mission, relief: Relief) -> Mission:
     """A mission as high above level ground as it is above the highest that it sees of the relief."""
     if relief.is_level:
         return mission
     box = bounds_with_margin(mission, mission.area)
-    least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
+    least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, 1000))
     return mission.with_(agl_m=float(least.min()))
 
 
@@ -341,28 +331,30 @@ def _deepest_share(least: Mission, relief: Relief) -> float:
 def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int) -> FrameEdges:
     """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
 
-    How nearly is told from the frame of one of them.
+    The frame of one of them decides how nearly.
 
     A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
     stretched by a share, where it is smaller by r times that angle or share on every side.
     """
 
-    def far_and_near(edges: FrameEdges, lat_deg: Floats) -> tuple[Floats, Floats]:
+    def extents(edges: FrameEdges, lat_deg: Floats) -> tuple[Floats, Floats]:
         v = lat_to_v(lat_deg)
         across = np.maximum(np.abs(edges.west_u), np.abs(edges.east_u))
         down = np.maximum(np.abs(edges.top_v - v), np.abs(edges.bottom_v - v))
         return np.hypot(across, down), np.minimum(*edges.size) / 2.0
 
     one = slice(reference, reference + 1)
-    (far,), (near,) = far_and_near(framing.edges(poses.take(one), pixel), poses.lat_deg[one])
-    turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), _SMALLEST) / max(float(far), _SMALLEST))
+    (far,), (near,) = extents(framing.edges(poses.take(one), pixel), poses.lat_deg[one])
+    # World fraction that stands for frames without extent: far below a pixel.
+    least = 1e-12
+    turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), least) / max(float(far), least))
     step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
     lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)
     cells, cell = np.unique(lat + 1j * yaw, return_inverse=True)
     same = poses.take(np.zeros(len(cells), np.intp))
     shared = same._replace(lat_deg=cells.real * step_deg, yaw_deg=cells.imag * turn_deg)
     west, east, top, bottom = edges = framing.edges(shared, pixel)
-    far, _ = far_and_near(edges, shared.lat_deg)
+    far, _ = extents(edges, shared.lat_deg)
     # Half a step of latitude stretches, and half a step of yaw turns.
     room = far * math.radians(turn_deg) * _BEYOND_FIRST_ORDER
     across, down = (np.minimum(room, size / 2.0) for size in edges.size)
@@ -381,7 +373,8 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     if isinstance(area, Points):
         # Points are their columns; those over no-fly areas are left out.
         tilt, roll = (
-            of_points(point_angles_deg(mission, area, name), layout.column) for name in ("tilt", "roll")
+            select_by_column(point_angles_deg(mission, area, name), layout.column)
+            for name in ("tilt", "roll")
         )
     else:
         tilt, roll = (
@@ -391,7 +384,7 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
 
-def of_points(values: Floats, column: Numbers) -> Floats:
+def select_by_column(values: Floats, column: Numbers) -> Floats:
     """Values of some of the points, by their columns; what is the same for all takes no memory."""
     return values[column] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
 
@@ -441,12 +434,12 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
         else float(np.median(grid.plane.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
     )
     span = float(np.median(px_m / np.maximum(stretch, 1.0)))
-    return fitting_detail(span, grid, (grid.min_zoom, finest_zoom_of(mission, grid)))
+    return fitting_detail(span, grid, (grid.min_zoom, highest_zoom(mission, grid)))
 
 
 def _some(*values: Floats) -> tuple[Floats, ...]:
-    """Every so manieth of arrays (n,), a thousand at most."""
-    return tuple(value[:: -(-len(value) // _SOME)] for value in values)
+    """Every n-th value of arrays (n,), a thousand at most: their median hardly differs."""
+    return tuple(value[:: -(-len(value) // 1000)] for value in values)
 
 
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
@@ -454,7 +447,7 @@ def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
         raise InvalidInput(
             "zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom"
         )
-    if zoom > finest_zoom_of(mission, grid):
+    if zoom > highest_zoom(mission, grid):
         raise InvalidInput(
             "zoom {0}: the source's own pixels end at zoom {1}",
             zoom,
@@ -476,11 +469,11 @@ class MapFraming:
 
     def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
         """Edges through the midpoints of the images' edges, whatever the pixel."""
-        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.plane)
+        return map_frame_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), self.grid.plane)
 
     def frames(self, _layout: Layout, windows: Windows, poses: Poses, /) -> MapFrames:
         """Frames as large as their windows."""
-        return MapFrames.of_windows(windows, poses, self.grid)
+        return MapFrames.from_windows(windows, poses, self.grid)
 
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
@@ -488,7 +481,7 @@ class MapFraming:
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
         if mission.pixels.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, finest_zoom_of(mission, grid))
+            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, highest_zoom(mission, grid))
         camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         level = np.broadcast_to(np.float64(0.0), layout.lat_deg.shape)
@@ -506,7 +499,7 @@ class MapFraming:
         Where none is, the lowest.
         """
         grid, limit = self.grid, _limit_px(self.mission, self.grid)
-        # Edges are rounded each on its own: a picture has at most one pixel more than its frame.
+        # Edges are rounded one by one: a picture has at most one pixel more than its frame.
         most = max(float(size.max()) for size in edges.size)
 
         def fits(zoom: int) -> bool:
@@ -531,7 +524,9 @@ class CameraFraming:
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
         """Edges of the rectangles inside, with room for their rounding."""
-        return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel, self.grid.plane)
+        return inscribed_edges(
+            self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane
+        )
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
         """Frames of `sizes`."""
@@ -550,17 +545,17 @@ class CameraFraming:
         if mission.output.img_size is not None:
             most = min(most, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
         width = np.broadcast_to(np.float64(most), layout.lat_deg.shape)
-        ground_m = mission.camera.ground_size_m(1.0)[0] * self._of_each(layout.agl_m)
+        ground_m = mission.camera.ground_size_m(1.0)[0] * self._each_or_median(layout.agl_m)
         if mission.pixels.gsd_m_per_px is not None:
-            finest_m = float(np.median(self._pixels_m(layout, finest_zoom_of(mission, grid))))
-            if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
+            finest_m = float(np.median(self._pixels_m(layout, highest_zoom(mission, grid))))
+            if mission.pixels.gsd_m_per_px < finest_m * 0.995:  # people give three digits
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
         elif mission.pixels.zoom is not None:
             zoom = _checked_zoom(mission.pixels.zoom, mission, grid)
             width = ground_m / self._pixels_m(layout, zoom)
         elif not mission.pixels.upsample:
-            shown = ground_m / self._pixels_m(layout, finest_zoom_of(mission, grid))
+            shown = ground_m / self._pixels_m(layout, highest_zoom(mission, grid))
             width = np.minimum(width, np.maximum(shown, max(1.0, aspect)))
         sizes = Sizes.of(width, aspect)
         least = float(width.min())
@@ -571,9 +566,9 @@ class CameraFraming:
 
     def _pixels_m(self, layout: Layout, zoom: int) -> Floats:
         """Sizes of the source's pixels that captures count with, metres, (n,)."""
-        return self._of_each(self.grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom))
+        return self._each_or_median(self.grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom))
 
-    def _of_each(self, values: Floats) -> Floats:
+    def _each_or_median(self, values: Floats) -> Floats:
         """Values of captures (n,) as they are for points, and their median for a flight over an area."""
         if self.mission.area.covers_ground:
             return np.broadcast_to(np.median(values), values.shape)
@@ -626,11 +621,11 @@ def _zoom_for_size(size: tuple[int, int, int], sizes: tuple[Floats, Floats], gri
 def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest: int) -> int:
     """Return the lowest zoom whose pixels are nowhere larger than asked for.
 
-    Those of a CRS of its own are as large as it says: its scale is not held against them.
+    In another CRS than Web Mercator pixels count with their nominal size, whatever the scale of the projection.
     """
     for zoom in range(grid.min_zoom, highest + 1):
         pixel_m = grid.pixel_size(zoom)[0] * grid.plane.unit_m
-        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + _SAME_PIXEL):
+        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + 1e-9):  # the rounding of a file
             return zoom
         if float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom).max()) <= gsd_m_per_px:
             return zoom
@@ -653,10 +648,10 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
 
 def _sees_the_map(mission: Mission, poses: Poses) -> NDArray[np.bool_]:
     """Whether images show any ground of the map, (n,), as far as points spread over them tell."""
-    steps = np.linspace(-1.0, 1.0, _POINTS_LOOKED_AT)
+    steps = np.linspace(-1.0, 1.0, 33)
     points = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     rays = mission.camera.rays_enu(points, *poses.attitude)
-    seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, ground_of(mission))
+    seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, ground_ellipsoid(mission))
     with np.errstate(invalid="ignore"):
         return np.asarray((seen.hit & (np.abs(seen.lat_deg) <= MAX_LAT_DEG)).any(axis=1))
 

@@ -32,7 +32,7 @@ def left_out(
     Returns
     -------
     layout, passes, parts
-        Passes without captures are none any more; parts are kept, and may be empty.
+        Without passes that have lost all captures; parts are kept, and may be empty.
     int
         How many were left out.
 

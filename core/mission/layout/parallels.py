@@ -64,12 +64,12 @@ class Below(Protocol):
 
     @property
     def is_level(self) -> bool:
-        """Whether there is none."""
+        """Whether the ground is level."""
         ...
 
     @property
     def within_m(self) -> float:
-        """Distance within which places are not told apart."""
+        """Distance within which places count as one."""
         ...
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
@@ -359,7 +359,7 @@ class _ParallelRows:
                 np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.flight.overlap_along))
             )
             images = half * float(np.sum(weights / step * (columns + 1.0)))
-            # The last row ends with the area: those that only its own height has room for are not flown.
+            # The last row ends with the area: rows that fit only its height are not flown.
             images *= max(
                 1.0
                 - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,

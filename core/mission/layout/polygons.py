@@ -90,7 +90,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     found = list(_laid_out(mission, area, laid_out))
-    # Cameras that see aside along their track stand where their own way of flying needs them.
+    # Captures of cameras that look aside along the track are placed for the way that the row is flown.
     kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
     ways = [
         _ways(layout, passes, _KEPT_TURNS if kept else tuple(range(len(_TURNS)))) for layout, passes in found
@@ -118,7 +118,7 @@ def _laid_out(
         count += len(layout.row)
         refuse_too_many(count, mission.output.max_images)
         west, _, east, _ = placed.edges_deg
-        # On a CRS of the source's own they count from a turn of its own.
+        # On another CRS longitudes begin with another turn of the world.
         turn = 360.0 * round(((west + east) / 2.0 - float(np.mean(layout.lon_deg))) / 360.0)
         yield (
             layout._replace(lon_deg=layout.lon_deg + turn) if turn else layout,
@@ -137,7 +137,7 @@ def _joined(layouts: Sequence[Layout]) -> Layout:
 
 
 def _slices(layout: Layout, passes: tuple[Pass, ...]) -> list[slice]:
-    """Captures of each pass; all of them where there are none."""
+    """Captures of each pass; all captures where rows have no passes."""
     firsts = [one.first for one in passes] or [0]
     return [slice(*ends) for ends in zip(firsts, [*firsts[1:], len(layout.row)])]
 
@@ -279,7 +279,7 @@ def _improved(gaps: Numbers) -> list[int]:
 def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
     """Order with stretches turned round as long as that makes it shorter."""
     count = len(order)
-    # Before the first polygon and after the last there is no way to fly.
+    # Nothing is flown before the first polygon and after the last.
     wide = np.zeros((count + 1, count + 1), np.int64)
     wide[:count, :count] = gaps
     way = np.array([count, *order, count])

@@ -35,13 +35,13 @@ from .coverage import (
     Coverage,
     Overlap,
     Rectangles,
+    clip_ring,
     gaps,
     joined,
-    overlap_of,
     shares,
+    summarize_overlap,
     summed,
     twice_area,
-    within,
 )
 from .rows import (
     Layout,
@@ -64,18 +64,6 @@ _PLACES = 9
 #: Sides of the area bend between its corners, in the plane; they are cut into pieces that leave them by no more than
 #: this share of a rectangle, or have been halved so many times.
 _BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
-#: Shares of a piece at which it is looked how far it leaves its chord: one that bends both ways does not in its middle.
-_LOOKED_AT = (0.25, 0.5, 0.75)
-_ACROSS_DEG = 90.0
-#: Directions in which a margin is measured on a plane, and what it may be more between them.
-_MARGIN_STEP_DEG, _MARGIN_ROOM = 15.0, 1.001
-#: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
-#: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
-_PIECES = 512
-#: Points along each side of an area that say what it spans on a plane.
-_MIDDLE_POINTS = 8
-#: Share of the images that an area's ground asks for which are needed in any case.
-_SURELY = 0.95
 
 
 class Pass(NamedTuple):
@@ -104,7 +92,7 @@ class Pass(NamedTuple):
     first_row: int = 0
     area: Polygon | None = None
 
-    def sides_of(self, row: Numbers) -> Sides:
+    def row_sides(self, row: Numbers) -> Sides:
         """Rectangles of captures by the numbers of their rows (n,): one for all, or one for each."""
         return (
             self.sides
@@ -186,13 +174,13 @@ def lay_out_rotated(
         refuse_beyond_mercator(bounds_with_margin(mission, area))
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
     turned_deg = mission.flight.row_azimuth_deg - EASTWARD_DEG
-    angles = [turned_deg, turned_deg + _ACROSS_DEG][: 1 + mission.flight.crosshatch]
+    angles = [turned_deg, turned_deg + 90.0][: 1 + mission.flight.crosshatch]
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
         plane: RowsPlane = LocalPlane(*middle, angle)
         if isinstance(source, ProjectedPlane):
-            plane = source.turned(*_middle_on(source, area), angle)
+            plane = source.turned(*_plane_middle(source, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
         part, sides, back = _laid_out(mission, area, plane, ground, flown, (room_m, narrowed_m), lower)
         parts.append(part._replace(row=part.row + rows))
@@ -205,10 +193,10 @@ def lay_out_rotated(
     )
 
 
-def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
+def _plane_middle(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
     """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
     lon, lat = (np.concatenate(values) for values in zip(*area.arrays()))
-    ends = np.linspace(0.0, 1.0, _MIDDLE_POINTS, endpoint=False)
+    ends = np.linspace(0.0, 1.0, 8, endpoint=False)
     lon, lat = (
         (part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel()
         for part in (lon, lat)
@@ -239,7 +227,7 @@ def _laid_out(
     """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
     extent, out, back = _shape(area, plane, _EXTENT_M), False, None
     # Images stand beyond the area by its margin, too.
-    extent = extent._replace(bend_m=extent.bend_m + _margin_on(mission, area, plane))
+    extent = extent._replace(bend_m=extent.bend_m + _plane_margin(mission, area, plane))
     sides = _common(mission, extent, plane, ground, out)
     room_m, narrowed_m = rooms_m
     if mission.flight.turns_about:
@@ -254,11 +242,13 @@ def _laid_out(
     refuse_no_step(steps[:1] - _MEETING_M, mission.flight.overlap_along, mission)
     refuse_no_step(steps[1:] - _MEETING_M, mission.flight.overlap_across, mission)
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
-    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
+    refuse_too_many(flown + 0.95 * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
     left_m, bottom_m, right_m, top_m = (float(side[0]) for side in sides)
     aside_m = max(left_m, bottom_m, -right_m, -top_m, 0.0)
-    margin = shape.bend_m + _MEETING_M + room_m + (lower - 1.0) * aside_m + _margin_on(mission, area, plane)
+    margin = (
+        shape.bend_m + _MEETING_M + room_m + (lower - 1.0) * aside_m + _plane_margin(mission, area, plane)
+    )
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
@@ -289,18 +279,18 @@ def _laid_out(
     return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides, back
 
 
-def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float:
+def _plane_margin(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float:
     """Most that a mission's margin measures on a plane, which enlarges most far from its middle."""
     margin = mission.flight.margin_m
     if not margin:
         return 0.0
     lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*area.arrays()))
-    azimuths = np.arange(0.0, 360.0, _MARGIN_STEP_DEG)
+    azimuths = np.arange(0.0, 360.0, 15.0)
     to_lat, to_lon, _ = geodesic_ends(*np.broadcast_arrays(lat, lon, azimuths, margin))
     to_lon = lon + wrap_lon_deg(to_lon - lon)
     ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
     (x, y), (to_x, to_y) = ends
-    return float(np.hypot(to_x - x, to_y - y).max()) * _MARGIN_ROOM
+    return float(np.hypot(to_x - x, to_y - y).max()) * 1.001  # between the azimuths
 
 
 def _narrower(sides: Sides, by_m: float) -> Sides:
@@ -316,7 +306,7 @@ def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
 
 
 def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
-    """What rectangles of rows flown to and fro have in common when one is turned by half a turn, and that turned."""
+    """Common part of the rectangles of rows flown out and, turned by half a turn, back; and that part turned."""
     left, bottom, right, top = (
         pick(here, -there)
         for pick, here, there in (
@@ -435,7 +425,7 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> t
     for halvings in range(_MOST_HALVINGS + 1):
         x, y = plane.forward(lat_deg, lon_deg)
         off = np.zeros(len(x))
-        for share in _LOOKED_AT:
+        for share in (0.25, 0.5, 0.75):  # a side that bends both ways does not in its middle
             lon, lat, *chord = (
                 part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y)
             )
@@ -463,11 +453,11 @@ def rotated_rectangles(
     # A row is level but for the noise that the rectangles leave room for.
     new = np.append(True, row[1:] != row[:-1])
     y = y[new][np.cumsum(new) - 1]
-    left, bottom, right, top = part.sides_of(row)
+    left, bottom, right, top = part.row_sides(row)
     return Rectangles(x + left, y + bottom, x + right, y + top)
 
 
-def rectangles_within(
+def inner_rectangles(
     plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats
 ) -> Rectangles:
     """Rectangles along a plane's axes inside those along the map's, by their edges in degrees, (n,) each.
@@ -481,7 +471,8 @@ def rectangles_within(
 
 def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
     """Rectangles on a lattice of pieces of a size, inside others."""
-    across, up = (size / _PIECES for size in size_m)
+    # About pixels of a picture: the sides of a million images in wind are too many to be counted as they are.
+    across, up = (size / 512 for size in size_m)
     left, bottom = np.ceil(own.left_m / across) * across, np.ceil(own.bottom_m / up) * up
     right, top = np.floor(own.right_m / across) * across, np.floor(own.top_m / up) * up
     # Images that show no whole ground have none that lies between two lines of the lattice.
@@ -491,9 +482,9 @@ def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
 def rotated_coverage(
     mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
 ) -> Coverage:
-    """What rectangles show of the mission's area; what is missing in true m².
+    """Coverage of the mission's area by rectangles, in m² of ground.
 
-    Of several polygons each is looked at by itself, in the rectangles of its own passes.
+    Each of several polygons counts with the rectangles of its passes.
     """
     area = mission.area
     found = []
@@ -504,12 +495,12 @@ def rotated_coverage(
             Polygon((tuple(zip(lon.tolist(), lat.tolist())),))
             for lon, lat in shared_rings(part, mission.no_fly)
         ]
-        found.append(_coverage_of(part, *of_part).without([_coverage_of(one, *of_part) for one in held]))
+        found.append(_pass_coverage(part, *of_part).without([_pass_coverage(one, *of_part) for one in held]))
     return summed(found)
 
 
-def _coverage_of(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequence[Rectangles]) -> Coverage:
-    """What rectangles show of an area, in the plane of the first pass."""
+def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequence[Rectangles]) -> Coverage:
+    """Coverage of an area by rectangles, in the plane of the first pass."""
     if not passes:
         return Coverage(area.area_m2(), area.area_m2(), complete=False)
     plane = passes[0].plane
@@ -524,30 +515,28 @@ def _coverage_of(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequen
         # Those of a second pass are turned back by its quarter turn.
         shown = (*shown, Rectangles(own.y0, -own.x1, own.y1, -own.x0) if shown else joined(own))
         missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
-        missing = _near(shape, missing)
+        missing = _candidates(shape, missing)
         if not len(missing.x0):
             break
     lost = (
-        _ground_on(plane, shape, missing)
+        _plane_ground_m2(plane, shape, missing)
         if isinstance(plane, TurnedPlane)
         else ground_m2(shape, *missing, plane.inverse)
     )
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
 
 
-def share_on(area: Area, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+def plane_share(area: Area, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
     """Share of an area that lies on a rectangle (its corners as fractions) of a plane, measured in the plane."""
-    shares = [_part_share_on(part, own, extent) for part in area.parts]
+    shares = [_part_share(part, own, extent) for part in area.parts]
     if len(shares) == 1 or min(shares) == 1.0:
         return min(shares)
     sizes = [part.area_m2() for part in area.parts]
     return sum(size * share for size, share in zip(sizes, shares)) / sum(sizes)
 
 
-def _part_share_on(
-    area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]
-) -> float:
-    plane = own.turned(*_middle_on(own, area), 0.0)
+def _part_share(area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+    plane = own.turned(*_plane_middle(own, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T
     x, y = plane.of_crs(own.west + u * own.width, own.north - v * own.height)
@@ -566,12 +555,12 @@ def _around(points: Floats) -> Floats:
 
 def _clipped_m2(shape: PlaneArea, rectangle: Floats) -> list[float]:
     """Areas in the plane of a shape's rings inside a rectangle (4, 2), holes negative."""
-    parts = [within(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
+    parts = [clip_ring(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
     areas = [abs(twice_area(part)) / 2.0 for part in parts]
     return [area if number == 0 else -area for number, area in enumerate(areas)]
 
 
-def _ground_on(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) -> Floats:
+def _plane_ground_m2(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) -> Floats:
     """Square metres of ground of a shape inside rectangles, (n,): their areas in the plane by its scale there.
 
     A plane may hold a pole, about which longitudes have no order that an area could be worked out by.
@@ -587,7 +576,7 @@ def _ground_on(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) -> Float
     return ground[ground > 0.0]
 
 
-def _near(shape: PlaneArea, found: Rectangles) -> Rectangles:
+def _candidates(shape: PlaneArea, found: Rectangles) -> Rectangles:
     """Rectangles that may share ground with what a shape stands for."""
     x0, y0, x1, y1 = found
     bend = shape.bend_m
@@ -598,10 +587,10 @@ def _near(shape: PlaneArea, found: Rectangles) -> Rectangles:
 def rotated_overlap(
     column: Numbers, row: Numbers, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
 ) -> Overlap:
-    """What neighbours of the same pass share: along its rows, and from one of its rows to the next."""
+    """Overlap of neighbours in the same pass, along its rows and from row to row."""
     ends = [*(part.first for part in passes[1:]), len(row)]
     found = [
         shares(column[part.first : end], row[part.first : end], sides, rows_are_level=True)
         for part, end, sides in zip(passes, ends, rectangles)
     ]
-    return overlap_of(*(np.concatenate(values) for values in zip(*found)))
+    return summarize_overlap(*(np.concatenate(values) for values in zip(*found)))

@@ -25,9 +25,9 @@ RowFrames = Callable[[Floats], FrameEdges]
 #: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
 #: beyond the area.
 ROUNDING_PX = 0.5
-#: Points this near to each other are one place, from which there is no way to go.
+#: Points nearer to each other than this count as one place, without a heading to the next.
 _NO_LEG_M = 1e-6
-#: Angles of margins are so much larger than on a sphere of the Earth's least radius, for what the Earth is none.
+#: Safety factor for margin angles computed on a sphere.
 _MARGIN_SHARE = 1.01
 
 
@@ -91,7 +91,7 @@ def lay_out_points(mission: Mission) -> Layout:
 
 
 def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
-    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; what is the same for all takes no memory."""
+    """Yaw, tilt or roll of each point, (n,): the table's, or the mission's; one value for all takes no memory."""
     own = area.stated_deg(name)
     if own:
         return np.array(own, np.float64)

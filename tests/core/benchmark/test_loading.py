@@ -14,7 +14,7 @@ from terrainav.core.benchmark.loading import Pairs
 from terrainav.core.dataset.loading import Batches
 from terrainav.core.errors import InvalidInput
 
-from tests.core.benchmark.test_making import ground_of
+from tests.core.benchmark.test_making import ground_ellipsoid
 
 SIZE = (16, 12, 3)
 
@@ -42,7 +42,7 @@ def test_pairs_have_the_intersection_over_union_that_gdal_finds(benchmark):
         along = np.linspace(0.0, 1.0, 30)
         x = np.concatenate([along, np.ones(30), along[::-1], np.zeros(30)]) * width
         y = np.concatenate([np.zeros(30), along, np.ones(30), along[::-1]]) * height
-        footprints[name] = polygon(*ground_of(row, x, y))
+        footprints[name] = polygon(*ground_ellipsoid(row, x, y))
     squares = {}
     for name, row in tiles.items():
         west, south, east, north = (float(row[edge]) for edge in ("west", "south", "east", "north"))

@@ -37,7 +37,9 @@ def table(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def ground_of(query: dict[str, str], x_px: np.ndarray, y_px: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def ground_ellipsoid(
+    query: dict[str, str], x_px: np.ndarray, y_px: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """UTM of the ground at image points, from ``queries.csv`` alone: rays met with the ellipsoid in geocentric axes."""
     value = {
         name: float(text) for name, text in query.items() if name not in ("id", "file", "imagery", "part")
@@ -94,7 +96,7 @@ def test_labels_say_where_every_pixel_was_taken(tmp_path, tilt_deg):
         with Image.open(folder / row["file"]) as image:
             seen = np.asarray(image, float)
         down, across = np.mgrid[4 : seen.shape[0] - 4 : 5, 4 : seen.shape[1] - 4 : 5]
-        east, north = ground_of(row, across.ravel() + 0.5, down.ravel() + 0.5)
+        east, north = ground_ellipsoid(row, across.ravel() + 0.5, down.ravel() + 0.5)
         px = east - WEST, NORTH - north
         # Of each band the place along its own axis, where pixels that are mixed lie on one straight line.
         waves = (*px, px[0] + px[1])
@@ -172,7 +174,7 @@ def test_positives_are_tiles_that_show_the_same_ground(benchmark):
         edge_y = np.concatenate(
             [np.zeros(20), np.linspace(0, high, 20), np.full(20, high), np.linspace(high, 0, 20)]
         )
-        ring = np.stack(ground_of(row, edge_x, edge_y), axis=1)
+        ring = np.stack(ground_ellipsoid(row, edge_x, edge_y), axis=1)
         low, top = ring.min(axis=0), ring.max(axis=0)
         x, y = np.meshgrid(np.arange(low[0], top[0], step), np.arange(low[1], top[1], step))
         inside = _inside(ring, x, y)
@@ -210,7 +212,9 @@ def test_cross_area_parts_share_no_ground(tmp_path):
     found = made(folder, settings).benchmark
     parts, boxes = [], []
     for row in table(folder / "queries.csv"):
-        east, north = ground_of(row, np.array([0.0, 64.0, 64.0, 0.0]), np.array([0.0, 0.0, 48.0, 48.0]))
+        east, north = ground_ellipsoid(
+            row, np.array([0.0, 64.0, 64.0, 0.0]), np.array([0.0, 0.0, 48.0, 48.0])
+        )
         parts.append(row["part"])
         boxes.append((east.min(), north.min(), east.max(), north.max()))
     from_map = Transformer.from_crs(3857, EPSG, always_xy=True)
@@ -270,7 +274,9 @@ def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_pat
     counts = {name: found.benchmark.queries.imagery.count(name) for name in dates}
     assert set(counts.values()) == {24 - worked_out.left_out}
     for row in table(tmp_path / "inside" / "queries.csv"):
-        east, north = ground_of(row, np.array([0.0, 79.0, 79.0, 0.0]), np.array([0.0, 0.0, 59.0, 59.0]))
+        east, north = ground_ellipsoid(
+            row, np.array([0.0, 79.0, 79.0, 0.0]), np.array([0.0, 0.0, 59.0, 59.0])
+        )
         assert WEST < east.min() < east.max() < WEST + WIDTH
         assert NORTH - HEIGHT < north.min() < north.max() < NORTH
     # Settings of before are those that leave none out.

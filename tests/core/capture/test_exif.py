@@ -21,7 +21,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.optics import body_of
+from terrainav.core.picture.optics import camera_body
 from terrainav.core.storage.config import FOLDER_ENV
 
 from tests.support.photos import SIXTH_DIGIT, exiftool, focal_ratio, ground_seen, position
@@ -237,7 +237,7 @@ def test_a_camera_of_the_users_own_does_not_change_the_tags(monkeypatch, tmp_pat
     facts = {"fov_deg": 61.0, "aspect_ratio": [5, 4]}
     camera = Camera(61.0, 1.25)
     assert add_camera("Mine", facts).camera == camera_named("Mine").camera == camera
-    assert body_of(camera).model == "FOV 61 deg, 1.25 to 1 (simulated)"
+    assert camera_body(camera).model == "FOV 61 deg, 1.25 to 1 (simulated)"
 
 
 @pytest.mark.parametrize(

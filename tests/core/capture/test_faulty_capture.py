@@ -26,7 +26,7 @@ from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.map_frame import window_of
+from terrainav.core.picture.map_frame import capture_window
 
 from tests.core.imagery.test_faults import BROKEN, PASSING, REFUSED, SPOILT
 from tests.support.caches import check_cache
@@ -38,7 +38,7 @@ from tests.support.waiting import PATIENCE_S, wait_until
 
 MISSION = Mission(Box(35.16, -89.90, 35.1568, -89.8963), 120.0, overlap_along=0.1, zoom=18)
 PLAN = plan(MISSION, PixelGrid())
-WINDOWS = [window_of(PLAN, index) for index in range(len(PLAN))]
+WINDOWS = [capture_window(PLAN, index) for index in range(len(PLAN))]
 NEEDED = [
     {
         (part.window.zoom, int(part.window.left_px) // 256, int(part.window.top_px) // 256)

@@ -145,9 +145,9 @@ def test_only_images_that_are_there_are_listed_until_all_are(tmp_path):
 
 
 def _window(worked_out, index):
-    from terrainav.core.picture.map_frame import window_of
+    from terrainav.core.picture.map_frame import capture_window
 
-    return window_of(worked_out, index)
+    return capture_window(worked_out, index)
 
 
 def test_a_run_of_which_nothing_came_lists_nothing(tmp_path):

@@ -23,7 +23,7 @@ from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.map_frame import window_of
+from terrainav.core.picture.map_frame import capture_window
 
 from tests.support.command import command
 from tests.support.faults import FAULTS, flat_placeholder
@@ -37,7 +37,7 @@ PLAN = plan(MISSION, PixelGrid())
 NEEDED = [
     {
         (part.window.zoom, int(part.window.left_px) // 256, int(part.window.top_px) // 256)
-        for part in tile_parts(window_of(PLAN, index), PLAN.grid)
+        for part in tile_parts(capture_window(PLAN, index), PLAN.grid)
     }
     for index in range(len(PLAN))
 ]

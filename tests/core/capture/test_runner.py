@@ -28,7 +28,7 @@ from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.map_frame import window_of
+from terrainav.core.picture.map_frame import capture_window
 
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import CentredSource, FailingSource, PatternSource, missing
@@ -229,7 +229,7 @@ def test_a_list_of_far_points(tmp_path):
 
 def broken(worked_out, index):
     """The parts of one capture."""
-    return [part.window for part in tile_parts(window_of(worked_out, index), worked_out.grid)]
+    return [part.window for part in tile_parts(capture_window(worked_out, index), worked_out.grid)]
 
 
 def test_failed_parts_fail_their_pictures_by_name(in_one_go, tmp_path):

@@ -24,7 +24,7 @@ from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.map_frame import window_of
+from terrainav.core.picture.map_frame import capture_window
 
 from tests.support import rasters
 from tests.support.command import command
@@ -133,7 +133,7 @@ def test_only_what_has_failed_is_made_again(tmp_path):
     mission = several("a=one", "b=two", image_format="png")
     whole = PatternSource(())
     plans = {name: plan(one, whole.grid) for name, one in mission.by_imagery.items()}
-    first_window = window_of(plans["b"], 0)
+    first_window = capture_window(plans["b"], 0)
     gone = FailingSource({tile_parts(first_window, whole.grid)[0].window: missing()}, map_types=())
     first = capture_imageries(mission, plans, {"a": whole, "b": gone}, tmp_path / "out")
     assert first.failed
@@ -169,12 +169,12 @@ def test_blocks_keep_the_ground_of_different_grids_apart(dates, tmp_path):
     for images in read_dataset(tmp_path / "out").image_sets.values():
         for row, part in enumerate(images.table.other[SPLIT]):
             if part in ground:
-                ground[part].append(ground_of(images.path(row)))
+                ground[part].append(ground_ellipsoid(images.path(row)))
     assert min(map(len, ground.values())) > 2
     assert all(not test.Intersects(train) for test in ground["test"] for train in ground["train"])
 
 
-def ground_of(path: Path) -> ogr.Geometry:
+def ground_ellipsoid(path: Path) -> ogr.Geometry:
     """Corners of a GeoTIFF in UTM, as GDAL reads them."""
     raster = gdal.Open(str(path))
     x0, dx, _, y0, _, dy = raster.GetGeoTransform()

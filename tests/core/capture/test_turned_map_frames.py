@@ -24,7 +24,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic.orthomosaic import make_orthomosaic
 from terrainav.core.picture.map_frame import turned
-from terrainav.core.picture.optics import optics_of
+from terrainav.core.picture.optics import plan_optics
 from terrainav.core.world import WorldSource
 
 from tests.support import rasters
@@ -131,7 +131,7 @@ def test_a_world_file_alone_says_the_same(tmp_path):
 
 def test_ground_points_and_optics_are_those_of_the_turned_image(tmp_path):
     made, _ = captured(tmp_path, Mission(PLACES, 60.0, CAMERA, products=("points", "depth")))
-    optics = optics_of(made, np.arange(len(made)))
+    optics = plan_optics(made, np.arange(len(made)))
     for index, yaw in enumerate(YAWS):
         name = f"{made.names[index]}.tif"
         lon, lat, _ = gdal.Open(str(tmp_path / "points" / name)).ReadAsArray()[:3]

@@ -24,7 +24,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import sighting
-from terrainav.core.picture.shot import draw, parts_of, shot_of, walls_of
+from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
 from terrainav.core.report.measure import measure
 from terrainav.core.world import World, WorldSource
 from terrainav.core.world.objects import footprints
@@ -90,9 +90,9 @@ def one(files, heights="hills", x=300.0, y=330.0, agl=90.0, photo="photo", **val
 
 
 def picture(made, source, index=0):
-    parts = parts_of(made, source, index)
+    parts = picture_parts(made, source, index)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
-    return draw(shot_of(made, index), parts, pixels, masked=True)
+    return draw(make_shot(made, index), parts, pixels, masked=True)
 
 
 def axes(made):
@@ -340,9 +340,9 @@ def test_walls_are_painted_in_satellite_images_alone_and_nothing_else_is(town):
     with (folder / "satellite" / "meta_data.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert float(rows[0]["facade_share"]) == pytest.approx(seen.steep.mean())
-    parts = parts_of(made, source, 0)
+    parts = picture_parts(made, source, 0)
     pixels = {part.window: source.fetch("roadmap", part.window) for part in parts}
-    street_map = draw(shot_of(made, 0), parts, pixels).pixels
+    street_map = draw(make_shot(made, 0), parts, pixels).pixels
     np.testing.assert_array_equal(written(town, 0, "roadmap"), street_map)
 
 
@@ -364,7 +364,7 @@ def test_the_source_paints_the_walls_of_its_own_heights(files, photo, terrain, o
     )
     source = open_source(mission.imagery.source)
     made = SimpleNamespace(mission=mission)
-    assert (walls_of(made, source, "satellite") is not None) == own
+    assert (wall_colours(made, source, "satellite") is not None) == own
 
 
 def test_what_lies_beyond_the_model_is_no_ground(files):

@@ -15,7 +15,7 @@ from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.mission.areas.area import Box, Points
-from terrainav.core.mission.layout.framing import ground_of
+from terrainav.core.mission.layout.framing import ground_ellipsoid
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.outlines import footprints_deg
 from terrainav.core.mission.plan import Plan, plan
@@ -196,7 +196,7 @@ def measured_px(made: Plan) -> float:
         if made.frames.on_map
         else tuple(map(float, made.frames.largest_px))
     )
-    scene = Scene(camera, *size, poses, ground_of(made.mission))
+    scene = Scene(camera, *size, poses, ground_ellipsoid(made.mission))
     corners = made.corners
     error = away_px(
         scene,

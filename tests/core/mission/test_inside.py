@@ -13,7 +13,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
-from terrainav.core.mission.inside import captures_inside, of_captures, poses_inside
+from terrainav.core.mission.inside import captured_points, captures_inside, poses_inside
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
@@ -152,6 +152,6 @@ def test_a_grid_of_an_area_keeps_what_lies_inside(raster, box):
     worked_out = plan(mission, source.grid)
     kept = captures_inside(worked_out, source.grid)
     assert 0 < kept.sum() < len(kept)
-    again = plan(of_captures(mission, worked_out, kept), source.grid)
+    again = plan(captured_points(mission, worked_out, kept), source.grid)
     assert captures_inside(again, source.grid).all()
     assert len(again) == kept.sum()

@@ -24,12 +24,12 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic import bigtiff
-from terrainav.core.mosaic.frames import frames_of
+from terrainav.core.mosaic.frames import place_images
 from terrainav.core.mosaic.orthomosaic import (
     chosen,
     make_orthomosaic,
+    mosaic_raster,
     orthorectify,
-    raster_of,
     write_orthomosaic,
 )
 from terrainav.core.mosaic.raster import Raster
@@ -101,7 +101,7 @@ def test_each_pixel_has_the_colour_of_the_source_there(tmp_path, changes):
     if "elevation" in changes:
         changes = {**changes, "elevation": (hills(tmp_path),)}
     made = captured(tmp_path / "set", **changes)
-    frames, _, _ = frames_of(tmp_path / "set")
+    frames, _, _ = place_images(tmp_path / "set")
     grid, zoom = SOURCE.grid, made.zoom
     across, down = grid.pixel_size(zoom)
     left, top = int(np.median(made.windows.left_px)) + 60, int(np.median(made.windows.top_px)) + 60
@@ -133,8 +133,8 @@ def test_each_pixel_has_the_colour_of_the_source_there(tmp_path, changes):
 def test_seams_are_those_of_the_nearest_nadir(tmp_path, tilt_deg):
     """All cameras fly at one height: of those that hold a place, the one counts whose nadir is nearest to it."""
     made = captured(tmp_path / "set", yaw_deg=20.0, tilt_deg=tilt_deg)
-    frames, _, _ = frames_of(tmp_path / "set")
-    raster, boxes = raster_of(frames, 2.0)
+    frames, _, _ = place_images(tmp_path / "set")
+    raster, boxes = mosaic_raster(frames, 2.0)
     random = np.random.default_rng(3)
     compared = 0
     for left, top in ((0, 0), (64, 64), (raster.width_px // 2, raster.height_px // 2)):
@@ -221,8 +221,8 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
         elevation=(elevation,),
         vertical_datum="ellipsoid",
     )
-    frames, _, _ = frames_of(tmp_path / "set")
-    raster, boxes = raster_of(frames, 1.0)
+    frames, _, _ = place_images(tmp_path / "set")
+    raster, boxes = mosaic_raster(frames, 1.0)
     with rasterio.open(elevation) as file:
         heights = file.read(1)
     block = raster.block(0, 0, 512)
@@ -248,9 +248,11 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
         inner = (np.abs(x - 239020.0) < 100.0) & (np.abs(y - 3891000.0) < 100.0)
         # Cells of two metres: what grazes an edge by centimetres is told alike by neither.
         assert clearance(index, rows[inner], columns[inner]).min() > -0.05
-    held = np.stack([frames.sight(i, block, frames.ground_of(block, np.arange(3))).inside for i in range(3)])
+    held = np.stack(
+        [frames.sight(i, block, frames.block_ground(block, np.arange(3))).inside for i in range(3)]
+    )
     steep = np.stack(
-        [frames.sight(i, block, frames.ground_of(block, np.arange(3))).steepness for i in range(3)]
+        [frames.sight(i, block, frames.block_ground(block, np.arange(3))).steepness for i in range(3)]
     )
     first = np.where(held, steep, -np.inf).argmax(axis=0)
     for index in range(3):
@@ -322,8 +324,8 @@ def test_over_relief_a_mosaic_ends_where_its_images_do(tmp_path, east):
         yaw_deg=20.0,
         tilt_deg=15.0,
     )
-    frames, _, _ = frames_of(tmp_path / "set")
-    raster, _ = raster_of(frames, 0.5)
+    frames, _, _ = place_images(tmp_path / "set")
+    raster, _ = mosaic_raster(frames, 0.5)
     with rasterio.open(elevation) as file:
         heights = file.read(1)
     pose = made.poses.take(np.array([0]))._replace(agl_m=made.height_m)
@@ -411,7 +413,7 @@ def test_large_files_are_bigtiffs(tmp_path, monkeypatch):
 
 def test_one_image_on_the_map_is_no_finer_than_half_its_own_pixels(tmp_path):
     captured(tmp_path / "set", area=Points(((35.13, -89.86, 80.0),)), image_px=80)
-    frames, _, _ = frames_of(tmp_path / "set")
+    frames, _, _ = place_images(tmp_path / "set")
     for longest_px, wanted_m in ((2000, frames.gsd_m / 2.0), (100, frames.gsd_m * 0.8)):
         orthorectify(frames, tmp_path / "on-map.tif", longest_px)
         with rasterio.open(tmp_path / "on-map.tif") as file:

@@ -498,13 +498,14 @@ def _decimals(case: Case) -> None:
     from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
-    from terrainav.core.picture.map_frame import window_of
+    from terrainav.core.picture.map_frame import capture_window
 
     mission = Mission(Points(((35.135, -89.861, 120.0),)), 120.0, frame="map", max_px=640)
     with closing(StaticMapSource("a-key")) as source:
-        case.refused(lambda: source.centre(window_of(plan(mission, PixelGrid()), 0)))
+        case.refused(lambda: source.centre(capture_window(plan(mission, PixelGrid()), 0)))
         case.follow(
-            "plan with this source's grid", lambda: source.centre(window_of(plan(mission, source.grid), 0))
+            "plan with this source's grid",
+            lambda: source.centre(capture_window(plan(mission, source.grid), 0)),
         )
 
 

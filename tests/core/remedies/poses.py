@@ -12,7 +12,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.flight.wind import Wind
-from terrainav.core.mission.inside import of_captures, poses_inside
+from terrainav.core.mission.inside import captured_points, poses_inside
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
@@ -261,7 +261,7 @@ def _beyond_the_imagery(case: Case) -> None:
 
 def _of_one(mission: Mission, kept: bool) -> Mission:
     worked_out = plan(mission, PixelGrid())
-    return of_captures(mission, worked_out, np.full(len(worked_out), kept))
+    return captured_points(mission, worked_out, np.full(len(worked_out), kept))
 
 
 @remedy(
