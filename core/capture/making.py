@@ -24,7 +24,7 @@ from ..mission.plan import Plan
 from ..picture.camera_frame import parts_of_tiles
 from ..picture.map_frame import check_size
 from ..picture.optics import Exposures
-from ..picture.shot import picture_tiles
+from ..picture.shot import picture_parts, picture_tiles
 from ..storage.files import write_whole
 from .journal import FAILED, Outcome
 from .pipeline import Pipeline, sweep
@@ -146,7 +146,7 @@ class ImageParts:
     def find(self, index: int) -> list[Part]:
         """Return the parts of an image."""
         if self.plan.relief.is_level:
-            return parts_of(self.plan, self.source, index)
+            return picture_parts(self.plan, self.source, index)
         if index not in self._tiles:
             self._tiles[index] = np.array(picture_tiles(self.plan, index), np.int32).reshape(-1, 3)
         return parts_of_tiles(self.plan.grid, self._tiles[index].tolist())
