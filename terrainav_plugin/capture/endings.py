@@ -13,7 +13,7 @@ from ...core.errors import TerrAInavError
 from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
 from ..i18n import number_text, tr, translate
 from ..paths import open_in_system
-from .run import CaptureRun, Stage, done_text, mention_kept_images
+from .run import BackgroundRun, Stage, done_text, mention_kept_images
 
 if TYPE_CHECKING:
     from ..dataset.placing import OpenProject
@@ -58,13 +58,13 @@ class Endings(QObject):
     ) -> None:
         super().__init__(parent)
         self._messages, self._open_project, self._group = messages, open_project, group
-        self._begun_in: dict[CaptureRun, int] = {}
+        self._begun_in: dict[BackgroundRun, int] = {}
 
     def close(self) -> None:
         """End for good."""
         self._begun_in.clear()
 
-    def show_failed(self, run: CaptureRun, layer: QgsVectorLayer | None) -> None:
+    def show_failed(self, run: BackgroundRun, layer: QgsVectorLayer | None) -> None:
         """Show what has failed so far."""
         if self._is_open(run) and not run.test_shot:
             group = self._open_project.mission_group(run.folder)
@@ -72,7 +72,7 @@ class Endings(QObject):
             if layer is not None:
                 group.remember_mission(run.mission.to_json())
 
-    def warn_of_mosaic(self, run: CaptureRun, reason: str) -> None:
+    def warn_of_mosaic(self, run: BackgroundRun, reason: str) -> None:
         """Say before a run captures that there will be no mosaic."""
         with self._messages.about(str(run.folder)):
             self._messages.warning(
@@ -81,17 +81,17 @@ class Endings(QObject):
                 )
             )
 
-    def begin(self, run: CaptureRun) -> None:
+    def begin(self, run: BackgroundRun) -> None:
         """Note which project a run belongs to; what was said of an earlier one of its folder no longer holds."""
         self._messages.withdraw(str(run.folder))
         self._begun_in[run] = self._open_project.number
 
-    def tell(self, run: CaptureRun) -> None:
+    def tell(self, run: BackgroundRun) -> None:
         """Show what a run has made, and say how it ended."""
         with self._messages.about(str(run.folder)):
             self._tell(run)
 
-    def _tell(self, run: CaptureRun) -> None:
+    def _tell(self, run: BackgroundRun) -> None:
         is_open = self._is_open(run)
         self._begun_in.pop(run, None)
         if run.test_shot:
@@ -112,7 +112,7 @@ class Endings(QObject):
             self._say(run, is_open)
             self._tell_repeated(run)
 
-    def _is_open(self, run: CaptureRun) -> bool:
+    def _is_open(self, run: BackgroundRun) -> bool:
         return self._open_project.shows(self._begun_in.get(run), run.folder)
 
     def _show(self, load: Callable[[], None]) -> None:
@@ -121,7 +121,7 @@ class Endings(QObject):
         except TerrAInavError as wrong:
             self._messages.error(translate(wrong))
 
-    def _load_results(self, run: CaptureRun) -> None:
+    def _load_results(self, run: BackgroundRun) -> None:
         # Images that have failed may be gone: those of tiles that count as missing by now.
         changed = run.result is None or bool(run.result.written or run.result.failed)
         show_results(self._open_project.mission_group(run.folder), run.task.opened, changed=changed)
@@ -129,13 +129,13 @@ class Endings(QObject):
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)
 
-    def _load_test_shot(self, run: CaptureRun) -> None:
+    def _load_test_shot(self, run: BackgroundRun) -> None:
         lat, lon, _ = run.mission.area.poses[0]
         lat_text, lon_text = (number_text(degrees, ".5f") for degrees in (lat, lon))
         title = tr("Test shot {lat} {lon}").format(lat=lat_text, lon=lon_text)
         self.test_shot_shown.emit(load_test_shot(self._group(), run.task.picture, title))
 
-    def _say(self, run: CaptureRun, is_open: bool) -> None:
+    def _say(self, run: BackgroundRun, is_open: bool) -> None:
         result, name = run.result, run.name
         if run.task.error:
             self._messages.failed(mention_kept_images(translate(run.task.error), result), run.task.trace)
@@ -167,7 +167,7 @@ class Endings(QObject):
             else:
                 self._messages.success(f"{name}: {text}", open_folder)
 
-    def _tell_failed(self, run: CaptureRun) -> None:
+    def _tell_failed(self, run: BackgroundRun) -> None:
         failed = run.result.failed
         reason = translate(failed[0].reason) if failed else tr("in an earlier run")
         text = tr("{name}: {failed} of {total} images could not be captured ({reason}).").format(
@@ -180,7 +180,7 @@ class Endings(QObject):
         again = (tr("Capture only the failed ones"), lambda: self.failed_wanted.emit(run))
         self._messages.warning(text, "\n".join(lines), again)
 
-    def _tell_repeated(self, run: CaptureRun) -> None:
+    def _tell_repeated(self, run: BackgroundRun) -> None:
         """Name tiles that came for places far apart, and offer to do without them."""
         # The journal has all of them.
         for repeat in run.result.repeated[:3] if run.result is not None else ():

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
     from ..messages import Messages
-    from .run import CaptureRun
+    from .run import BackgroundRun
 
 
 class Questions:
@@ -83,7 +83,7 @@ class Questions:
         self._offer_other(folder, text, may_count_on=may_count_on)
         return True
 
-    def is_queued(self, mission: Mission, folder: Path, others: list[CaptureRun]) -> bool:
+    def is_queued(self, mission: Mission, folder: Path, others: list[BackgroundRun]) -> bool:
         """Whether one of the runs that are not over captures into the folder already; says so."""
         found = next((run for run in others if path_key(run.folder) == path_key(folder)), None)
         if found is None:

@@ -21,7 +21,7 @@ from ..settings import Settings
 from ..sources import grid_finder, mission_grid, source_key
 from .endings import Endings
 from .questions import Questions
-from .run import CaptureRun
+from .run import BackgroundRun
 from .unfinished import FindTask, Left, PlanTask, Unfinished
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class Runs(QObject):
         self.questions = Questions(
             messages, window, self.refused.emit, self.other_folder_wanted.emit, lambda: self.folders
         )
-        self.runs: list[CaptureRun] = []
+        self.runs: list[BackgroundRun] = []
         self._endings = Endings(messages, open_project, group, self)
         self._endings.shown.connect(self.results_shown)
         self._endings.test_shot_shown.connect(self.test_shot_shown)
@@ -101,7 +101,7 @@ class Runs(QObject):
         self._closed = False
 
     @property
-    def waiting(self) -> list[CaptureRun]:
+    def waiting(self) -> list[BackgroundRun]:
         """Those that are not over, in their order; the first of them is at work."""
         return [run for run in self.runs if not run.has_ended]
 
@@ -178,16 +178,16 @@ class Runs(QObject):
         elif not self.questions.belongs_to_another(task.plan, left.folder):
             self._enqueue(task.plan, left.folder, left.only_failed, self._requests(task.plan))
 
-    def capture_failed(self, run: CaptureRun) -> None:
+    def capture_failed(self, run: BackgroundRun) -> None:
         """Capture the images again that have failed in a run that is over, and nothing else."""
         self._capture_again(run, run.task.failed, only_failed=True)
 
-    def treat_as_missing(self, run: CaptureRun, digest: str, images: int) -> None:
+    def treat_as_missing(self, run: BackgroundRun, digest: str, images: int) -> None:
         """Have a tile count as missing from now on, and capture the images of a run again that show it."""
         Settings().treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
-    def _capture_again(self, run: CaptureRun, images: int, *, only_failed: bool) -> None:
+    def _capture_again(self, run: BackgroundRun, images: int, *, only_failed: bool) -> None:
         share = min(images / max(len(run.plan) * len(run.mission.imagery.map_types), 1), 1.0)
         if not self.questions.has_usable_key(run.mission.imagery.source):
             return
@@ -195,7 +195,7 @@ class Runs(QObject):
         if self._enqueue(run.plan, run.folder, only_failed, requests):
             self.dismiss(run)
 
-    def resume(self, run: CaptureRun) -> None:
+    def resume(self, run: BackgroundRun) -> None:
         """Let a run that is paused go on, or put one that has ended early into the queue again."""
         if not run.has_ended:
             run.pause(False)
@@ -224,9 +224,9 @@ class Runs(QObject):
         ):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
-            self._add(CaptureRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
+            self._add(BackgroundRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
 
-    def dismiss(self, run: CaptureRun) -> None:
+    def dismiss(self, run: BackgroundRun) -> None:
         """Take a run that is over off the list."""
         if run in self.runs and run.has_ended:
             self.runs.remove(run)
@@ -261,7 +261,7 @@ class Runs(QObject):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.
-            run = CaptureRun(
+            run = BackgroundRun(
                 replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed
             )
         except TerrAInavError as wrong:
@@ -270,7 +270,7 @@ class Runs(QObject):
         self._add(run)
         return True
 
-    def _add(self, run: CaptureRun) -> None:
+    def _add(self, run: BackgroundRun) -> None:
         if self._closed:
             # Unloaded while it was asked for the terms.
             run.close()
@@ -287,7 +287,7 @@ class Runs(QObject):
         self.listed.emit(run)
         self._advance()
 
-    def _ended(self, run: CaptureRun) -> None:
+    def _ended(self, run: BackgroundRun) -> None:
         self._unfinished.forget(run)
         self._endings.tell(run)
         if run.test_shot:

@@ -35,7 +35,7 @@ class Stage(enum.Enum):
 _UNDER_WAY = (Stage.RUNNING, Stage.PAUSED, Stage.STOPPING)
 
 
-class CaptureRun(QObject):
+class BackgroundRun(QObject):
     """A capture of a plan as it was when it was asked for; what is entered later does not touch it.
 
     Parameters
@@ -195,7 +195,7 @@ class CaptureRun(QObject):
         self.changed.emit()
 
 
-def run_title(run: CaptureRun) -> str:
+def run_title(run: BackgroundRun) -> str:
     """Name that a run goes by."""
     if run.test_shot:
         return tr("Test shot")
@@ -204,7 +204,7 @@ def run_title(run: CaptureRun) -> str:
     return run.name
 
 
-def row_text(run: CaptureRun, place: int = 0) -> str:
+def row_text(run: BackgroundRun, place: int = 0) -> str:
     """How far a run is, in a line.
 
     Parameters
@@ -277,7 +277,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
     return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
 
 
-def _end_text(run: CaptureRun) -> str:
+def _end_text(run: BackgroundRun) -> str:
     result = run.result
     if run.task.error:
         return mention_kept_images(translate(run.task.error), result)

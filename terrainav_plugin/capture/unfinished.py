@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ...core.geodesy.mercator import PixelGrid
     from ...core.mission.plan import Plan
-    from .run import CaptureRun
+    from .run import BackgroundRun
 
 _NOTE, _LOCK = ".json", ".lock"
 
@@ -38,9 +38,9 @@ class Unfinished:
     """
 
     def __init__(self) -> None:
-        self._locks: dict[CaptureRun, QLockFile] = {}
+        self._locks: dict[BackgroundRun, QLockFile] = {}
 
-    def note(self, run: CaptureRun) -> None:
+    def note(self, run: BackgroundRun) -> None:
         """Note a queued run; a read-only profile does not prevent a capture."""
         if run.test_shot:
             return
@@ -60,7 +60,7 @@ class Unfinished:
         self._locks[run] = _make_lock(path)
         self._locks[run].tryLock(0)
 
-    def forget(self, run: CaptureRun) -> None:
+    def forget(self, run: BackgroundRun) -> None:
         """Take away the note of a run that has ended, however it did."""
         lock = self._locks.pop(run, None)
         if lock is not None:

@@ -19,7 +19,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..capture.run import CaptureRun, Stage, row_text, run_title
+from ..capture.run import BackgroundRun, Stage, row_text, run_title
 from ..i18n import tr
 from ..paths import icon
 from ..widgets import ElidedLabel, named, push_button, tool_button
@@ -44,14 +44,14 @@ class RunPanel(QObject):
         self,
         runs: Runs,
         shown: RunList,
-        zoom: Callable[[CaptureRun], None],
-        open_folder: Callable[[CaptureRun], None],
-        clean: Callable[[CaptureRun], None],
+        zoom: Callable[[BackgroundRun], None],
+        open_folder: Callable[[BackgroundRun], None],
+        clean: Callable[[BackgroundRun], None],
     ) -> None:
         super().__init__()
         self._runs, self._list = runs, shown
-        self._rows: dict[CaptureRun, RunRow] = {}
-        self._actions: dict[str, Callable[[CaptureRun], None]] = {
+        self._rows: dict[BackgroundRun, RunRow] = {}
+        self._actions: dict[str, Callable[[BackgroundRun], None]] = {
             RunRow.PAUSE: lambda run: run.pause(True),
             RunRow.RESUME: runs.resume,
             RunRow.CANCEL: lambda run: run.cancel(),
@@ -66,18 +66,18 @@ class RunPanel(QObject):
         runs.moved.connect(self._show_all)
         shown.clear_clicked.connect(self._clear)
 
-    def row(self, run: CaptureRun) -> RunRow:
+    def row(self, run: BackgroundRun) -> RunRow:
         """Row of a run."""
         return self._rows[run]
 
-    def _add(self, run: CaptureRun) -> None:
+    def _add(self, run: BackgroundRun) -> None:
         row = self._rows[run] = RunRow(run_title(run))
         row.asked.connect(lambda action: self._actions[action](run))
         run.changed.connect(lambda: self._show(run))
         self._show(run)
         self._list.add(row)
 
-    def _remove(self, run: CaptureRun) -> None:
+    def _remove(self, run: BackgroundRun) -> None:
         row = self._rows.pop(run, None)
         if row is not None:
             self._list.remove(row)
@@ -87,7 +87,7 @@ class RunPanel(QObject):
         for run in self._rows:
             self._show(run)
 
-    def _show(self, run: CaptureRun) -> None:
+    def _show(self, run: BackgroundRun) -> None:
         row = self._rows.get(run)
         if row is None:
             return
@@ -324,7 +324,7 @@ class RunRow(QFrame):
         layout.addWidget(self.bar)
 
 
-def _run_actions(run: CaptureRun) -> set[str]:
+def _run_actions(run: BackgroundRun) -> set[str]:
     """Actions that a run offers now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}
