@@ -26,7 +26,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 from PIL import Image, ImageDraw
 from terrainav.core.elevation.layered import open_relief
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
@@ -134,7 +134,7 @@ def timed(work: Callable[[], object], repeats: int = REPEATS) -> float:
     return float(best)
 
 
-def _traced(scene: Scene, height_m: float, relief: ElevationModel, lowest_m: float) -> Tracing:
+def _traced(scene: ImageGeometry, height_m: float, relief: ElevationModel, lowest_m: float) -> Tracing:
     found = Tracing(scene, height_m, relief, lowest_m, 0.02)
     _ = found.depth_m
     return found
@@ -156,7 +156,7 @@ def measure(name: str, relief: ElevationModel, lat: float, lon: float) -> None:
             height = ground + agl
 
             lowest = float(np.nanmin(below.heights_m)) - 20.0
-            traced = partial(_traced, Scene(CAMERA, *SIZE, pose), height, relief, lowest)
+            traced = partial(_traced, ImageGeometry(CAMERA, *SIZE, pose), height, relief, lowest)
             own, tracing = timed(traced), traced()
             surface = relief.surface(*_box(lat, lon, 3.0 * agl))
             slow = timed(partial(march, surface, tracing, height))

@@ -37,7 +37,7 @@ import pyproj
 from relief import CAMERA, HEIGHTS_M, SIZE, TILTS, Hills, march, timed
 from terrainav.core.capture.runner import capture
 from terrainav.core.elevation.layered import open_relief
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.geodesy.raytracing.tracing import Tracing
@@ -225,7 +225,7 @@ class Comparison:
         self.lon, self.lat, self.height_m = camera
         self.local = Local(*camera)
         pose = Poses(*(np.array([value]) for value in (self.lat, self.lon, 100.0, YAW, tilt_deg, 0.0)))
-        self.scene = Scene(CAMERA, *SIZE, pose)
+        self.scene = ImageGeometry(CAMERA, *SIZE, pose)
         self.tilt_deg, self.axes = tilt_deg, axes_of(YAW, tilt_deg)
         x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
         self.pixels = np.stack([x.ravel(), y.ravel()], axis=1)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Bytes, Flags, Floats
 from ..benchmark.folder import Benchmark
 from ..errors import InvalidInput
-from ..geodesy.accuracy import Scene
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import LocalFrame
 from ..geodesy.raytracing.surface import Surface
@@ -140,7 +140,7 @@ class SceneGround:
         width, height = int(queries.width_px[index]), int(queries.height_px[index])
         pose, up_m = queries.poses.take(slice(index, index + 1)), float(queries.height_m[index])
         pose = pose._replace(agl_m=np.array([up_m - self.lowest_m]))
-        scene = Scene(queries.camera(index), width, height, pose, WGS84.raised(self.lowest_m))
+        scene = ImageGeometry(queries.camera(index), width, height, pose, WGS84.raised(self.lowest_m))
         if self.relief is None:
             seen = ImageRays.of(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg

@@ -32,7 +32,7 @@ RESOLVED_M = 4e-8
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class ImageGeometry:
     """Camera, image size, poses and ground that the bounds depend on.
 
     Parameters
@@ -100,7 +100,7 @@ class Scene:
         return self.poses.agl_m / self.focal_px
 
 
-def bound_px(scene: Scene, series: Floats) -> Floats:
+def bound_px(scene: ImageGeometry, series: Floats) -> Floats:
     """Bound of a truncated series: its remainder and float64 rounding included, (n,).
 
     The remainder is at most 15 % of the series, as validated by Monte Carlo over the whole domain.
@@ -108,12 +108,12 @@ def bound_px(scene: Scene, series: Floats) -> Floats:
     return 1.15 * series + _SERIES_ROUNDING_PX + _GROUND_ROUNDING_M / scene.nadir_px_m
 
 
-def flat_bending_px(scene: Scene) -> Floats:
+def flat_bending_px(scene: ImageGeometry) -> Floats:
     """Error of a flat image over the curved Earth, ρεt²/2, (n,)."""
     return scene.half_diagonal_px * scene.height_share * scene.diagonal_tangent**2 / 2.0
 
 
-def map_frame_px(scene: Scene) -> Floats:
+def map_frame_px(scene: ImageGeometry) -> Floats:
     """Bound of the map frame through the edge midpoints, and of ignoring a small attitude, (n,).
 
     ρεt²/2 + 1.05(T/R)[W·h/4 + (W·w + H·h)/8] + ρ(max(w, h)/R)²(1 + T²) for footprints of w by h metres and images of
@@ -133,13 +133,13 @@ def map_frame_px(scene: Scene) -> Floats:
     return bound_px(scene, flat) + map_noise_px(scene) + _attitude_px(scene)
 
 
-def map_noise_px(scene: Scene) -> Floats:
+def map_noise_px(scene: ImageGeometry) -> Floats:
     """Rounding of positions on a map, in level images, (n,)."""
     noise: Floats = _MAP_ROUNDING_M / scene.nadir_px_m
     return noise
 
 
-def _attitude_px(scene: Scene) -> Floats:
+def _attitude_px(scene: ImageGeometry) -> Floats:
     """Largest difference between a level image at a quarter turn and the image of a small attitude, (n,)."""
     off_yaw, *off_level = (np.mod(angle + 180.0, 360.0) - 180.0 for angle in scene.poses.attitude)
     off_yaw = off_yaw - 90.0 * np.rint(off_yaw / 90.0)
@@ -149,7 +149,7 @@ def _attitude_px(scene: Scene) -> Floats:
     return turned
 
 
-def finest_px_m(scene: Scene) -> Floats:
+def finest_px_m(scene: ImageGeometry) -> Floats:
     """Least metres of ground spanned by a pixel of the image, (n,).
 
     A ray of length L that falls by D, both per unit along the axis, magnifies the ground in the image by up to L·D
@@ -161,7 +161,7 @@ def finest_px_m(scene: Scene) -> Floats:
     return np.asarray(scene.nadir_px_m / np.where(level, 1.0, np.maximum(spread, 1.0)), np.float64)
 
 
-def exact_px(scene: Scene) -> Floats:
+def exact_px(scene: ImageGeometry) -> Floats:
     """Bound of the exact camera in float64 at any point of the image: rounding of ground positions and of rays, (n,).
 
     A ray of length L per unit along the axis, turned by an angle, moves by up to f·L² times that angle in the image.
@@ -175,18 +175,18 @@ def exact_px(scene: Scene) -> Floats:
     return noise
 
 
-def camera_frame_px(scene: Scene) -> Floats:
+def camera_frame_px(scene: ImageGeometry) -> Floats:
     """Bound of a camera frame that traces every pixel: the exact camera's plus rounding on the map, (n,)."""
     on_map: Floats = _MAP_ROUNDING_M / finest_px_m(scene)
     return exact_px(scene) + on_map
 
 
-def mesh_noise_px(scene: Scene) -> Floats:
+def mesh_noise_px(scene: ImageGeometry) -> Floats:
     """Least bound of a cell of a mesh: rounding of the map positions of its four corners, (n,)."""
     return _SERIES_ROUNDING_PX + 4.0 * _MAP_ROUNDING_M / scene.nadir_px_m
 
 
-def outside_flat_domain(scene: Scene, bend: float | None = None) -> str:
+def outside_flat_domain(scene: ImageGeometry, bend: float | None = None) -> str:
     """Reason why the methods of flat ground have no bound, with value and limit; empty where they have one.
 
     Parameters
@@ -214,7 +214,7 @@ def outside_flat_domain(scene: Scene, bend: float | None = None) -> str:
     return ""
 
 
-def corner_angles(scene: Scene) -> tuple[Floats, Floats]:
+def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
     """Sines of the corner rays' angles below the horizontal, and squared lengths per unit along the axis, (n, 4)."""
     # Independent of yaw: poses that share tilt and roll share their corners.
     leans = scene.poses.tilt_deg, scene.poses.roll_deg
@@ -235,7 +235,7 @@ def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
     return reach * sin_below, 1.0 - reach**2 * (1.0 - sin_below**2)
 
 
-def condition_number(scene: Scene, *, on_mercator: bool = True) -> float:
+def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float:
     """Largest relative change of a ground position per relative change of its inputs.
 
     The larger of sec φ, the condition of Mercator's latitude where images lie on its map, and that of the ray that
@@ -259,7 +259,7 @@ def condition_number(scene: Scene, *, on_mercator: bool = True) -> float:
     return max(mercator, float(np.max(rays)))
 
 
-def terrain_px_per_m(scene: Scene) -> float:
+def terrain_px_per_m(scene: ImageGeometry) -> float:
     """Displacement in the image per metre of unmodelled relief, at the worst corner.
 
     A point higher by dz moves by dz·sin α·cos α / h in angle at an angle α off nadir; infinite at the horizon.
@@ -272,7 +272,7 @@ def terrain_px_per_m(scene: Scene) -> float:
     return float(np.max(angle_per_m * squared * scene.focal_column))
 
 
-def ground_m_per_px(scene: Scene) -> float:
+def ground_m_per_px(scene: ImageGeometry) -> float:
     """Most metres of ground spanned by a pixel, at the farthest corner; infinite at the horizon."""
     sin_below, squared = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
-from .accuracy import Scene, bound_px, map_noise_px
+from .accuracy import ImageGeometry, bound_px, map_noise_px
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import MERCATOR, PixelGrid, Plane, lat_to_v, lon_to_u, wrap_lon_deg
@@ -185,7 +185,7 @@ def map_frame_edges(
     return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
 
 
-def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
+def own_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floats:
     """Bound of map frames on a plane of a source's own, and of leaving a small attitude out, (n,).
 
     What convergence, scale and the Earth's bend put wrong is found at the corners of the image, at the middles of its
@@ -198,7 +198,9 @@ def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
         width, height = sizes
         parts = [
             own_frame_px(
-                Scene(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground), own, bend
+                ImageGeometry(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground),
+                own,
+                bend,
             )
             for at in (slice(start, start + _BATCH) for start in range(0, count, _BATCH))
         ]

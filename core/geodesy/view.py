@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_TILES
-from .accuracy import Scene, grazing, mesh_noise_px
+from .accuracy import ImageGeometry, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
 
@@ -260,13 +260,18 @@ def _distinct(parts: tuple[Numbers, ...], sizes: list[int]) -> Numbers:
 
 
 def view(
-    scene: Scene, grid: PixelGrid, zooms: tuple[int, int], tolerance_px: float, *, by_rays: bool = False
+    scene: ImageGeometry,
+    grid: PixelGrid,
+    zooms: tuple[int, int],
+    tolerance_px: float,
+    *,
+    by_rays: bool = False,
 ) -> View:
     """Work out how the image of a camera is made.
 
     Parameters
     ----------
-    scene : Scene
+    scene : ImageGeometry
         One pose; its image size is whole.
     grid : PixelGrid
         Of the source.
@@ -438,14 +443,14 @@ class Cells(NamedTuple):
 class ImageRays(NamedTuple):
     """Rays of one camera's image in pixels: ``origin + x·per_x + y·per_y`` from the upper left corner, y down."""
 
-    scene: Scene
+    scene: ImageGeometry
     origin: Floats
     per_x: Floats
     per_y: Floats
     plane: Plane = MERCATOR
 
     @classmethod
-    def of(cls, scene: Scene, plane: Plane = MERCATOR) -> ImageRays:
+    def of(cls, scene: ImageGeometry, plane: Plane = MERCATOR) -> ImageRays:
         """Rays of a scene of one pose, over a plane."""
         pose = scene.poses
         corner, right, below = scene.camera.rays_enu(

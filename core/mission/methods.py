@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
-from ..geodesy.accuracy import Scene
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
 from ..geodesy.frames import own_frame_px, runs_on
 from ..geodesy.mercator import PixelGrid
@@ -203,13 +203,13 @@ def bound_text(bound_px: float) -> Message:
     return Message("{0:.2g}", math.ceil(bound_px / unit * (1.0 - 1e-12)) * unit)
 
 
-def exact_footprint(scene: Scene) -> Method:
+def exact_footprint(scene: ImageGeometry) -> Method:
     """Footprints of the exact camera."""
     bound_px = float(np.max(accuracy.exact_px(scene)))
     return Method(_FOOTPRINT, "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
-def map_frame(scene: Scene, outside: str = "", own: ProjectedPlane | None = None) -> Method:
+def map_frame(scene: ImageGeometry, outside: str = "", own: ProjectedPlane | None = None) -> Method:
     """Pictures that are rectangles of the map, or of a plane of the source's own.
 
     Parameters
@@ -227,13 +227,13 @@ def map_frame(scene: Scene, outside: str = "", own: ProjectedPlane | None = None
     return Method(_PICTURE, "map", float(np.max(px)), metres)
 
 
-def camera_frame(scene: Scene, outside: str = "") -> Method:
+def camera_frame(scene: ImageGeometry, outside: str = "") -> Method:
     """Pictures as the camera sees them; ``outside`` says why there are none, or is empty."""
     traced = math.inf if outside else float(np.max(accuracy.camera_frame_px(scene)))
     return Method(_PICTURE, "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
 
 
-def mesh(scene: Scene, tolerance_px: float) -> Method:
+def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed by a mesh as coarse as a tolerance allows, or else as fine as a mesh can be."""
     finest = _ABOVE_NOISE * float(np.max(accuracy.mesh_noise_px(scene)))
     bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
@@ -244,7 +244,7 @@ def mesh(scene: Scene, tolerance_px: float) -> Method:
 _OVER_RELIEF_PX = 0.02
 
 
-def over_relief(scene: Scene, tolerance_px: float) -> Method:
+def over_relief(scene: ImageGeometry, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed by a ray each, as far as the first point of the relief that it meets."""
     bound_px = min(max(tolerance_px, 0.0), _OVER_RELIEF_PX) or _OVER_RELIEF_PX
     return Method(_PIXELS, "relief", bound_px, bound_px * accuracy.ground_m_per_px(scene))
@@ -343,7 +343,7 @@ def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
     return not grid.plane.wraps or mission.flight.facing != NORTH
 
 
-def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
+def choose_pixels(mission: Mission, scene: ImageGeometry, others_px: float) -> Choice:
     """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
     if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
@@ -354,14 +354,14 @@ def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
     return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
 
 
-def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
+def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
     first, _ = flown.frames.runs(runs_on(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)
-    return Scene(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
+    return ImageGeometry(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
 
 
-def _resolved(scene: Scene) -> Scene:
+def _resolved(scene: ImageGeometry) -> ImageGeometry:
     """A scene whose pixels float64 resolves; raises InvalidInput where they are finer."""
     finest = float(np.min(accuracy.finest_px_m(scene)))
     if finest < accuracy.RESOLVED_M:
@@ -375,8 +375,8 @@ def _resolved(scene: Scene) -> Scene:
     return scene
 
 
-def _ends(mission: Mission) -> Scene:
-    """Scene of the captures whose flat model is stretched most, before any is placed; of any image size."""
+def _ends(mission: Mission) -> ImageGeometry:
+    """ImageGeometry of the captures whose flat model is stretched most, before any is placed; of any image size."""
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
@@ -388,7 +388,7 @@ def _ends(mission: Mission) -> Scene:
             np.broadcast_to(np.float64(angle), 2)
             for angle in (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
         ]
-    return Scene(
+    return ImageGeometry(
         mission.camera,
         1.0,
         1.0,
@@ -398,7 +398,12 @@ def _ends(mission: Mission) -> Scene:
 
 
 def _accuracy(
-    mission: Mission, grid: PixelGrid, scene: Scene, footprint: Choice, picture: Choice, pixels: Choice | None
+    mission: Mission,
+    grid: PixelGrid,
+    scene: ImageGeometry,
+    footprint: Choice,
+    picture: Choice,
+    pixels: Choice | None,
 ) -> ChosenMethods:
     """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
     made = ChosenMethods(
@@ -429,7 +434,7 @@ def _accuracy(
 
 
 def _left_out(
-    mission: Mission, scene: Scene, picture: Method, pixels: Choice | None
+    mission: Mission, scene: ImageGeometry, picture: Method, pixels: Choice | None
 ) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     if picture.name == "map":
@@ -453,10 +458,10 @@ def _left_out(
     return found
 
 
-def _mesh_serves(scene: Scene, tolerance_px: float) -> bool:
+def _mesh_serves(scene: ImageGeometry, tolerance_px: float) -> bool:
     """Whether a mesh is of use in the first image at least: from very high, every pixel has a ray of its own."""
     width, height = (float(np.ravel(side)[0]) for side in (scene.width_px, scene.height_px))
-    one = Scene(scene.camera, width, height, scene.poses.take(slice(0, 1)), scene.ground)
+    one = ImageGeometry(scene.camera, width, height, scene.poses.take(slice(0, 1)), scene.ground)
     return mesh_serves(ImageRays.of(one), tolerance_px)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InvalidInput
-from ..geodesy.accuracy import Scene
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
@@ -138,7 +138,9 @@ class CameraViews:
             The ground is level.
         """
         heights, size = self.relief.heights, size_px or self.size_px(index)
-        scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        scene = ImageGeometry(
+            self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground
+        )
         # Share of the tolerance that is left to the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
@@ -186,11 +188,13 @@ class CameraViews:
         tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
         def made(pose: Poses) -> View:
-            return self._view_of_level(Scene(self.mission.camera, *size, pose, self.ground), tolerance)
+            return self._view_of_level(
+                ImageGeometry(self.mission.camera, *size, pose, self.ground), tolerance
+            )
 
         return self._kept("views", index, made)
 
-    def _view_of_level(self, scene: Scene, tolerance_px: float) -> View:
+    def _view_of_level(self, scene: ImageGeometry, tolerance_px: float) -> View:
         mission = self.mission
         by_rays = tolerance_px == 0.0 or mission.accuracy.resampling == "lanczos"
         return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)

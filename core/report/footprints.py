@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from ..arrays import Floats
-from ..geodesy.accuracy import Scene, bound_px, flat_bending_px, outside_flat_domain
+from ..geodesy.accuracy import ImageGeometry, bound_px, flat_bending_px, outside_flat_domain
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, Footprint, ImagePoints, exact
@@ -53,18 +53,18 @@ def _around(poses: Poses, dlat: Floats, dlon: Floats) -> Corners:
     return Corners(lat, poses.lon_deg[:, np.newaxis] + np.degrees(dlon), np.ones(lat.shape, bool))
 
 
-def loc1_px(scene: Scene) -> Floats:
+def loc1_px(scene: ImageGeometry) -> Floats:
     """Bound of `loc1`: that of loc2 and ρκ(T + e²), (n,)."""
     first = scene.half_diagonal_px * scene.size_share * (scene.lat_tangent + scene.ground.e2)
     return bound_px(scene, first + _second_order_px(scene))
 
 
-def loc2_px(scene: Scene) -> Floats:
+def loc2_px(scene: ImageGeometry) -> Floats:
     """Bound of `loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
     return bound_px(scene, _second_order_px(scene))
 
 
-def _second_order_px(scene: Scene) -> Floats:
+def _second_order_px(scene: ImageGeometry) -> Floats:
     laid_out = scene.size_share**2 * (0.5 + scene.lat_tangent**2)
     return flat_bending_px(scene) + scene.half_diagonal_px * laid_out
 
@@ -73,7 +73,7 @@ def _second_order_px(scene: Scene) -> Floats:
 FOOTPRINTS: dict[str, Footprint] = {"loc1": loc1, "loc2": loc2, "exact": exact}
 
 
-def footprint_methods(scene: Scene) -> list[Method]:
+def footprint_methods(scene: ImageGeometry) -> list[Method]:
     """Methods of the footprint in a scene, from cheap to exact."""
     outside = outside_flat_domain(scene)
     # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².

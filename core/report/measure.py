@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import Message
-from ..geodesy.accuracy import Scene, outside_flat_domain
+from ..geodesy.accuracy import ImageGeometry, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight.legs import intervals_s, legs
@@ -316,7 +316,7 @@ class PixelMethod(NamedTuple):
     level: bool = False
 
 
-def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
+def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
     if not plan.relief.is_level:
         return _relief_methods(plan, scene)
@@ -340,7 +340,7 @@ def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
     return [*meshes, PixelMethod(TRACED, 0.0, not own_px)]
 
 
-def _relief_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
+def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     """Level ground, which relief is not bound to stay near to, and rays over relief from coarse to fine."""
     own_px = plan.accuracy.mesh_tolerance_px
     level = Method("pixels", "level ground", math.inf, math.inf)

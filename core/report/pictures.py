@@ -18,7 +18,7 @@ from ..capture.metadata import Description
 from ..capture.records import image_job
 from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
-from ..geodesy.accuracy import Scene
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.frames import map_windows, quarter_turns, runs_on
 from ..geodesy.view import View, view
 from ..imagery.source import Part, Source, Window, tile_parts
@@ -126,7 +126,7 @@ class Bench:
         """Of the capture's camera."""
         return float(self.plan.lon_deg[self.index])
 
-    def _scene(self) -> Scene:
+    def _scene(self) -> ImageGeometry:
         width, height = self.size_px
         scene = scene_of(self.plan, np.array([self.index], np.intp))
         return replace(scene, width_px=float(width), height_px=float(height))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message
-from ..geodesy.accuracy import Scene
+from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Footprint, outline
@@ -47,19 +47,19 @@ def spread(count: int, most: int) -> NDArray[np.intp]:
     return indices
 
 
-def scene_of(plan: Plan, which: NDArray[np.intp]) -> Scene:
-    """Scene of some captures of a plan, in px of their planned images."""
+def scene_of(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
+    """ImageGeometry of some captures of a plan, in px of their planned images."""
     width, height = (
         np.asarray(size[which], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
     )
-    return Scene(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
+    return ImageGeometry(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
 
 
-def bounds_scene(plan: Plan) -> Scene:
-    """Scene whose bounds hold for all of a plan, as it was chosen by: every row once."""
+def bounds_scene(plan: Plan) -> ImageGeometry:
+    """ImageGeometry whose bounds hold for all of a plan, as it was chosen by: every row once."""
     first = np.asarray(runs_on(plan.grid, plan.poses)[0], np.intp)
     sizes = plan.frames.scene_sizes_px(plan.windows, first)
-    return Scene(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
+    return ImageGeometry(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
 
 
 def captures(plan: Plan) -> NDArray[np.intp]:
@@ -134,8 +134,8 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
     return max(found, default=None)
 
 
-def level_below(plan: Plan, index: int, scene: Scene) -> Scene:
-    """Scene of a capture over relief, its ground level and as high as it is below the camera."""
+def level_below(plan: Plan, index: int, scene: ImageGeometry) -> ImageGeometry:
+    """ImageGeometry of a capture over relief, its ground level and as high as it is below the camera."""
     height, ground = float(plan.height_m[index]), float(plan.ground_m[index])
     poses = scene.poses._replace(agl_m=np.array([height - ground]))
     return replace(scene, poses=poses, ground=WGS84.raised(ground))
@@ -172,7 +172,9 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
     return max(found, default=None)
 
 
-def _level_on_relief(plan: Plan, level: Scene, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
+def _level_on_relief(
+    plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats
+) -> tuple[Floats, Floats, Floats]:
     """Where image points see level ground, and how high the relief is there; NaN where neither is."""
     seen = ImageRays.of(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
@@ -242,7 +244,7 @@ def map_frame_problem(plan: Plan) -> str:
     return ""
 
 
-def floor_px(scene: Scene) -> float:
+def floor_px(scene: ImageGeometry) -> float:
     """Error of the reference itself in px: smaller ones cannot be told from none."""
     rounding_m = _ROUNDINGS * float(np.finfo(np.longdouble).eps) * scene.ground.a_m
     # An image coordinate also ends at float64, in which the method's own is given.
@@ -251,7 +253,7 @@ def floor_px(scene: Scene) -> float:
 
 
 def map_errors_px(
-    scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR
+    scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR
 ) -> Floats:
     """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
 
@@ -267,13 +269,13 @@ def map_errors_px(
 
 
 def errors_px(
-    scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats, height_m: Floats | float = 0.0
+    scene: ImageGeometry, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats, height_m: Floats | float = 0.0
 ) -> Floats:
     """Distances in the image between where ground points are put and where the exact camera sees them.
 
     Parameters
     ----------
-    scene : Scene
+    scene : ImageGeometry
         Of n poses.
     lat_deg, dlon_deg : array (n, k)
         Ground points: geodetic latitude, and longitude from the camera's.
@@ -297,7 +299,7 @@ def errors_px(
 
 
 def _seen(
-    scene: Scene, lat_deg: Long, dlon_deg: Long, height_m: Floats | float
+    scene: ImageGeometry, lat_deg: Long, dlon_deg: Long, height_m: Floats | float
 ) -> tuple[Long, Long, NDArray[np.bool_]]:
     """Image points of ground points, and whether they are in front of the camera."""
     a, b = np.longdouble(scene.ground.a_m), np.longdouble(scene.ground.b_m)

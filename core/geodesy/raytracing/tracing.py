@@ -12,7 +12,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
 from ...arrays import Flags, Floats, Numbers
-from ..accuracy import Scene
+from ..accuracy import ImageGeometry
 from ..camera import Poses
 from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from ..mercator import PixelGrid, wrap_lon_deg
@@ -117,8 +117,8 @@ class Faces(NamedTuple):
     north: Floats
 
 
-def settled(scene: Scene, height_m: float, tolerance_px: float) -> tuple[Scene, float]:
-    """Scene of one pose and its height, rounded so far that the last digits of a processor's sines do not count.
+def settled(scene: ImageGeometry, height_m: float, tolerance_px: float) -> tuple[ImageGeometry, float]:
+    """Geometry of one pose and its height, rounded so that the last digits of a processor's sines do not count.
 
     Which points rays meet, within what they may be off by, hangs on every digit; so images of one mission would
     differ everywhere. Rounding moves no pixel by more than the tolerance.
@@ -154,7 +154,7 @@ class Tracing:
 
     Parameters
     ----------
-    scene : Scene
+    scene : ImageGeometry
         One pose.
     height_m : float
         Of the camera over the WGS 84 ellipsoid.
@@ -165,7 +165,7 @@ class Tracing:
         What points may be off by along their rays, in pixels of the image.
     """
 
-    scene: Scene
+    scene: ImageGeometry
     height_m: float
     relief: ElevationModel
     lowest_m: float

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
-from ...geodesy.accuracy import Scene
+from ...geodesy.accuracy import ImageGeometry
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ...geodesy.frames import (
@@ -606,7 +606,7 @@ class CameraFraming:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         width, height = (np.asarray(side, np.float64) for side in self.sizes(layout))
-        scene = Scene(mission.camera, width, height, poses)
+        scene = ImageGeometry(mission.camera, width, height, poses)
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from terrainav.core.capture.runner import capture
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.mercator import v_to_lat
 from terrainav.core.geodesy.view import ImageRays, mesh
@@ -69,7 +69,7 @@ def picture_error_px(worked_out, index):
     if worked_out.frames.on_map:
         lat, dlon, wanted = map_frame_points(worked_out.mission.camera, pose)
         return max(away_px(worked_out, index, a, b, *c) for a, b, c in zip(lat[0], dlon[0], wanted))
-    scene = Scene(worked_out.mission.camera, *worked_out.frames.largest_px, pose)
+    scene = ImageGeometry(worked_out.mission.camera, *worked_out.frames.largest_px, pose)
     cells = mesh(ImageRays.of(scene), worked_out.accuracy.mesh_tolerance_px)
     rng = np.random.default_rng(4)
     which = rng.integers(0, len(cells.box), 60)

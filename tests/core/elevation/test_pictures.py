@@ -13,7 +13,7 @@ from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
@@ -547,7 +547,7 @@ def test_from_high_up_cells_are_as_large_as_what_pixels_show():
             return 0.25
 
     pose = Poses(*(np.array([value]) for value in (45.0, 7.0, 1e5, 0.0, 0.0, 0.0)))
-    tracing = Tracing(Scene(Camera(78.8, 4 / 3), 64, 48, pose), 1e5, Fine(), 0.0, 0.02)
+    tracing = Tracing(ImageGeometry(Camera(78.8, 4 / 3), 64, 48, pose), 1e5, Fine(), 0.0, 0.02)
     assert tracing.depth_m == pytest.approx(1e5 - 100.0, rel=2e-2)
     pixel_m = 1e5 * Camera(78.8, 4 / 3).ground_size_m(1.0)[0] / 64
     assert 20.0 < min(asked) <= max(asked) < pixel_m

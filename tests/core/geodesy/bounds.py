@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy import accuracy
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import CORNERS, Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.footprint import exact
@@ -94,7 +94,7 @@ def level_scene(rng, camera, count):
         return None
     lon, yaw = rng.uniform(-180, 180, len(lat)), rng.uniform(0, 360, len(lat))
     level = np.zeros(len(lat))
-    return Scene(camera, *image_size(camera), Poses(lat, lon, agl, yaw, level, level))
+    return ImageGeometry(camera, *image_size(camera), Poses(lat, lon, agl, yaw, level, level))
 
 
 def away_px(scene, lat, lon, wanted):
@@ -139,14 +139,14 @@ def level_methods(seed, draws, each) -> dict[str, Tally]:
             error = corners_away_px(scene, corners).max(axis=1)
             tallies[name].add(error / bound(scene), **facts(scene))
         poses = scene.poses
-        north_up = Scene(
+        north_up = ImageGeometry(
             camera, scene.width_px, scene.height_px, poses._replace(yaw_deg=np.zeros(len(poses.lat_deg)))
         )
         lat, dlon, wanted = map_frame_points(camera, north_up.poses)
         error = away_px(north_up, lat, dlon, wanted).max(axis=1)
         tallies["map"].add(error / accuracy.map_frame_px(north_up), **facts(north_up))
         small = poses._replace(yaw_deg=10 ** rng.uniform(-8, -0.5, len(poses.lat_deg)))
-        turned = Scene(camera, scene.width_px, scene.height_px, small)
+        turned = ImageGeometry(camera, scene.width_px, scene.height_px, small)
         error = away_px(turned, lat, dlon, wanted).max(axis=1)
         tallies["yaw left out"].add(error / accuracy.map_frame_px(turned), **facts(turned))
     return tallies
@@ -173,8 +173,8 @@ def any_pose(rng, camera, count):
     roll = np.where(rng.random(count) < 0.5, 0.0, rng.uniform(-60, 60, count))
     lat, lon = latitudes(rng, count), rng.uniform(-180, 180, count)
     poses = Poses(lat, lon, agl, rng.uniform(0, 360, count), tilt, roll)
-    resolved = accuracy.finest_px_m(Scene(camera, *image_size(camera), poses)) >= accuracy.RESOLVED_M
-    return Scene(camera, *image_size(camera), poses.take(resolved)) if resolved.any() else None
+    resolved = accuracy.finest_px_m(ImageGeometry(camera, *image_size(camera), poses)) >= accuracy.RESOLVED_M
+    return ImageGeometry(camera, *image_size(camera), poses.take(resolved)) if resolved.any() else None
 
 
 def exact_footprints(seed, draws, each) -> Tally:
@@ -204,7 +204,7 @@ def meshes(seed, draws, tolerance_px, widest=179.9, narrowest=0.01) -> tuple[Tal
         one = any_pose(rng, camera, 1)
         if one is None:
             continue
-        scene = Scene(camera, width, height, one.poses)
+        scene = ImageGeometry(camera, width, height, one.poses)
         cells = mesh(ImageRays.of(scene), tolerance_px)
         if not len(cells.box):
             continue
@@ -254,7 +254,7 @@ def camera_frames(seed, draws, each) -> tuple[Tally, Tally]:
         if some is None:
             continue
         for at in range(len(some.poses.lat_deg)):
-            scene = Scene(camera, width, height, some.poses.take(slice(at, at + 1)))
+            scene = ImageGeometry(camera, width, height, some.poses.take(slice(at, at + 1)))
             column, row = (rng.uniform(0, size, POINTS_A_FRAME) for size in (width, height))
             lon = scene.poses.lon_deg
             du, v, hit = ImageRays.of(scene).map_points(column, row)
@@ -298,7 +298,7 @@ def rectangles_inside(seed, draws, each) -> Rectangles:
             continue
         edges, at = FrameEdges(*(side[sized, np.newaxis] for side in edges)), at[sized]
         with_extent += len(at)
-        some = Scene(camera, scene.width_px, scene.height_px, scene.poses.take(at))
+        some = ImageGeometry(camera, scene.width_px, scene.height_px, scene.poses.take(at))
         seen = longdouble.look(
             *(values[:, np.newaxis] for values in (some.poses.lat_deg, some.poses.agl_m)),
             camera.fov_deg,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pyproj
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
@@ -228,7 +228,7 @@ def random_scene(seed, looked_at=16):
     height = (surface.highest_m if np.isnan(below) or rng.random() < 0.5 else float(below)) + agl
     tilt, roll = rng.uniform(0.0, 85.0), rng.uniform(-10.0, 10.0)
     pose = Poses(*(np.array([at]) for at in (lat, lon, agl, rng.uniform(0.0, 360.0), tilt, roll)))
-    scene = Scene(Camera(rng.uniform(20.0, 100.0), 4 / 3), *SIZE, pose)
+    scene = ImageGeometry(Camera(rng.uniform(20.0, 100.0), 4 / 3), *SIZE, pose)
     lowest = surface.lowest_m - rng.uniform(0.0, 20.0)
     tracing = Tracing(scene, height, Kept(surface, cell), lowest, TOLERANCE_PX)
     return judged(tracing, Truth(surface, crs, lat, lon, height), cell, rng, looked_at)

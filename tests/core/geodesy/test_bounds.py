@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from terrainav.core.geodesy import accuracy
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid, v_to_lat
 from terrainav.core.geodesy.rectangles import inscribed_edges
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_N
 
 def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), size=(640, 480)):  # noqa: B008
     one = np.array([float(lat)])
-    return Scene(
+    return ImageGeometry(
         camera, *size, Poses.from_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll)
     )
 
@@ -37,7 +37,7 @@ def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_att
         alike._replace(yaw_deg=9.0 * some, tilt_deg=2.0 * some, roll_deg=-some),
         alike._replace(roll_deg=some),
     ):
-        sin_below, squared = accuracy.corner_angles(Scene(camera, 640, 480, poses))
+        sin_below, squared = accuracy.corner_angles(ImageGeometry(camera, 640, 480, poses))
         rays = camera.rays_enu(accuracy.CORNERS, *poses.attitude)
         length = np.linalg.norm(rays, axis=-1)
         assert sin_below.shape == squared.shape == (count, 4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.raytracing.surface import Surface
@@ -52,7 +52,7 @@ def test_rays_that_cross_from_cell_to_cell_within_a_cliff_are_not_lost(crs, lat,
 
 def _rays(points):
     """Rays of an image that looks along all of some ways."""
-    tracing = Scene(
+    tracing = ImageGeometry(
         Camera(150.0, 4 / 3),
         640,
         480,
@@ -73,7 +73,7 @@ def test_a_pixel_whose_ray_steps_into_a_cliff_sees_it():
     lat, lon = surface.places(np.array([SIDE / 2 - 20.0]), np.array([SIDE / 2.0]))
     yaw, tilt, roll = rng.uniform(40, 140), rng.uniform(10, 40), rng.uniform(-10, 10)
     pose = Poses(*(np.array([value]) for value in (lat[0], lon[0], 200.0, yaw, tilt, roll)))
-    scene = Scene(Camera(60.0, 4 / 3), 640, 480, pose)
+    scene = ImageGeometry(Camera(60.0, 4 / 3), 640, 480, pose)
     depth = Tracing(scene, 200.0, Kept(surface, 2.0), surface.lowest_m - 20.0, 0.02).depth_m
     assert np.isfinite(depth).all()
     assert depth[285, 313] == pytest.approx(202.370, abs=1e-3)

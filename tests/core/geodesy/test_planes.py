@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pyproj
 import pytest
-from terrainav.core.geodesy.accuracy import Scene, camera_frame_px
+from terrainav.core.geodesy.accuracy import ImageGeometry, camera_frame_px
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.frames import map_windows, own_frame_px
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -106,7 +106,7 @@ def test_map_frames_are_within_their_bound(crs, lat, lon, agl, draws):
     plane = grid.own
     yaw = -plane.north_deg(np.array([lat]), np.array([lon]))
     pose = Poses(np.array([lat]), np.array([lon]), np.array([agl]), yaw, np.zeros(1), np.zeros(1))
-    scene = Scene(CAMERA, *SIZE, pose)
+    scene = ImageGeometry(CAMERA, *SIZE, pose)
     bound = float(own_frame_px(scene, plane, plane.greatest_bend(pose.lat_deg, pose.lon_deg))[0])
     # The window as it is before its edges are rounded: at a zoom of a millionth of a pixel.
     fine = PixelGrid(256, 0, 30, 30, plane=plane)
@@ -139,7 +139,7 @@ def test_cells_and_rays_of_camera_frames_are_within_their_bounds(crs, lat, lon, 
     plane = grid.own
     attitude = 30.0, tilt, 3.0
     pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([120.0]), *attitude)
-    scene = Scene(CAMERA, *SIZE, pose)
+    scene = ImageGeometry(CAMERA, *SIZE, pose)
     rays = ImageRays.of(scene, plane)
     cells = mesh(rays, 0.1)
     assert len(cells.box) > 0
@@ -184,7 +184,7 @@ def test_tiles_of_views_are_those_that_pixels_are_read_from():
     crs, lat, lon = "EPSG:32616", 35.1, -89.9
     grid = grid_about(crs, lat, lon)
     pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([500.0]), 20.0, 60.0, 0.0)
-    seen = view(Scene(CAMERA, *SIZE, pose), grid, (0, 7), 0.1)
+    seen = view(ImageGeometry(CAMERA, *SIZE, pose), grid, (0, 7), 0.1)
     tiles = set(seen.tiles(lon))
     keys = seen.tile_keys(np.array([lon]), np.zeros(1), np.zeros(1))
     assert len(keys) == len(tiles)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.view import ImageRays, mesh
@@ -196,7 +196,7 @@ def measured_px(made: Plan) -> float:
         if made.frames.on_map
         else tuple(map(float, made.frames.largest_px))
     )
-    scene = Scene(camera, *size, poses, ground_ellipsoid(made.mission))
+    scene = ImageGeometry(camera, *size, poses, ground_ellipsoid(made.mission))
     corners = made.corners
     error = away_px(
         scene,
@@ -208,8 +208,8 @@ def measured_px(made: Plan) -> float:
     return float(error.max()) + _picture_px(made, scene)
 
 
-def _picture_px(made: Plan, scene: Scene) -> float:
-    one = Scene(scene.camera, scene.width_px, scene.height_px, scene.poses.take(np.array([0])))
+def _picture_px(made: Plan, scene: ImageGeometry) -> float:
+    one = ImageGeometry(scene.camera, scene.width_px, scene.height_px, scene.poses.take(np.array([0])))
     if made.frames.on_map:
         lat, dlon, wanted = map_frame_points(made.mission.camera, one.poses)
         return float(away_px(one, lat, dlon, wanted).max())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.accuracy import ImageGeometry
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.report.positions import errors_px, floor_px
@@ -25,7 +25,7 @@ PLACES = [
 def scene(place, camera=Camera()):  # noqa: B008 - frozen
     lat, agl, yaw, tilt, roll, ground_m = place
     poses = Poses.from_attitude(ONE + lat, ONE, ONE + agl, yaw, tilt, roll)
-    return Scene(camera, 640.0, 480.0, poses, WGS84.raised(ground_m))
+    return ImageGeometry(camera, 640.0, 480.0, poses, WGS84.raised(ground_m))
 
 
 @pytest.mark.parametrize("place", PLACES)
