@@ -181,7 +181,7 @@ def map_frame_edges(
     beyond = np.flatnonzero(plane.lacks_frames(u, seen.dlon_deg))
     if len(beyond):
         at = int(beyond[0])
-        raise plane.frame_error(float(lat_deg[at]), float(poses.lon_deg[at]), float(agl_m[at]))
+        plane.refuse_frame(float(lat_deg[at]), float(poses.lon_deg[at]), float(agl_m[at]))
     return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, TypeVar, Union
+from typing import ClassVar, NoReturn, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,9 +142,9 @@ class WebMercator:
         """Which frames (n,) no rectangle holds, by the midpoints of their upper, right, lower and left edges (n, 4)."""
         return np.asarray((np.abs(dlon_deg[:, 0]) > 90.0) | (np.abs(dlon_deg[:, 2]) > 90.0))
 
-    def frame_error(self, lat_deg: float, _lon_deg: float, agl_m: float, /) -> InvalidInput:
-        """Error of such a frame."""
-        return InvalidInput(
+    def refuse_frame(self, lat_deg: float, _lon_deg: float, agl_m: float, /) -> NoReturn:
+        """Raise InvalidInput for such a frame."""
+        raise InvalidInput(
             "image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
             lat_deg,
             agl_m,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,9 +113,9 @@ class ProjectedPlane:
         """Which frames (n,) no rectangle holds, by the midpoints of their edges (n, 4): u, and degrees east."""
         return np.asarray(~np.isfinite(u).all(axis=1))
 
-    def frame_error(self, lat_deg: float, lon_deg: float, _agl_m: float, /) -> InvalidInput:
-        """Error of such a frame."""
-        return InvalidInput(
+    def refuse_frame(self, lat_deg: float, lon_deg: float, _agl_m: float, /) -> NoReturn:
+        """Raise InvalidInput for such a frame."""
+        raise InvalidInput(
             "image at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
             lat_deg,
             lon_deg,

@@ -21,7 +21,7 @@ from ..mission.imageries import NamedImagery
 from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
-from ..mission.relief.ground import Heights, no_ground
+from ..mission.relief.ground import Heights, refuse_hole
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import PairPlace, cartesian_m, spread_places
 from .views import PairView, reach_m, spiral, standing_poses
@@ -420,7 +420,7 @@ def _heights_of_places(places: Sequence[PairPlace], heights: Heights) -> Floats:
         surface = heights.ground.surface(*at)
         found[index] = surface.heights(*surface.position(*at))[0]
         if math.isnan(found[index]):
-            raise no_ground(place.lat_deg, place.lon_deg)
+            refuse_hole(place.lat_deg, place.lon_deg)
     return found
 
 

@@ -24,19 +24,19 @@ MOST_BYTES = 3 << 30
 #: What reads a file, by its name, and the limit of its length.
 READERS = {
     "mission.json": ("Mission.load(path)", "MAX_MISSION_BYTES"),
-    "mission.json of a run": ("holding.LocalFolder(path.parent)._read_mark()", "MAX_MISSION_BYTES"),
+    "mission.json of a run": ("folder.LocalFolder(path.parent)._read_mark()", "MAX_MISSION_BYTES"),
     "meta_data.csv": ("table.Table.load(path)", "MAX_TABLE_BYTES"),
     "meta_data.csv of others": ("table.other_columns(path)", "MAX_TABLE_BYTES"),
     "meta_data.csv described": ("croissant._headers_and_sum(path)", "MAX_TABLE_BYTES"),
     "footprints.geojson": ("next(described._features(path))", "MAX_TABLE_BYTES"),
-    "plan.csv": ("ground._corners(path, ['a'])", "MAX_TABLE_BYTES"),
+    "plan.csv": ("ground._read_corners(path, ['a'])", "MAX_TABLE_BYTES"),
     "labels.json": ("Labels.load(path)", "MAX_SETTINGS_BYTES"),
     "image.png": ("open_image(path)", "MAX_IMAGE_FILE_BYTES"),
     "image.tif": ("open_image(path)", "MAX_IMAGE_FILE_BYTES"),
-    "frame.jpg": ("frames._affine_of(path)", "MAX_SETTINGS_BYTES"),
+    "frame.jpg": ("frames._read_affine(path)", "MAX_SETTINGS_BYTES"),
     "benchmark.json": ("Benchmark.read(path.parent)", "MAX_SETTINGS_BYTES"),
     "queries.csv": ("next(read_rows(path))", "MAX_MISSION_BYTES"),
-    "pairs.csv": ("sheet._by_place(path.parent)", "MAX_MISSION_BYTES"),
+    "pairs.csv": ("sheet._read_places(path.parent)", "MAX_MISSION_BYTES"),
     "log.ulg": ("logs.read_ulog(path)", "MAX_MISSION_BYTES"),
     "config.json": ("config.read_named(path, 'things')", "MAX_SETTINGS_BYTES"),
     "vbn.txt": ("faults(lambda found: vbn._metadata(path, found))", "MAX_SETTINGS_BYTES"),
@@ -47,9 +47,9 @@ _NAMES = {"frame.jpg": "frame.jgw"}
 _PROGRAM = f"""
 import os, resource, sys
 from pathlib import Path
-from terrainav.core import config
+from terrainav.core.storage import config
 from terrainav.core.benchmark.folder import Benchmark, read_rows
-from terrainav.core.capture import folder as holding
+from terrainav.core.capture import folder
 from terrainav.core.dataset import ground, table, vbn
 from terrainav.core.dataset.dataset import open_image
 from terrainav.core.dataset.labels import Labels

@@ -238,7 +238,7 @@ def test_labels_and_depths_are_those_of_the_files(desk, window, dataset, screens
     split(dataset, how="shuffled")
     table = Table.load(dataset / "satellite" / "meta_data.csv")
     tab = go_to(desk, window, dataset, "labels")
-    labels = Labels.load(dataset / "labels.json").of(table.lat_deg, table.lon_deg)
+    labels = Labels.load(dataset / "labels.json").transform(table.lat_deg, table.lon_deg)
     for at, card in enumerate(tab.cards):
         text = card.text.text()
         assert card.name.text() == table.img_names[at]

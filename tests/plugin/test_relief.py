@@ -240,7 +240,7 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
         for broken in (b"", b"no image", whole[: len(whole) // 2]):
             path.write_bytes(broken)
             before = viewing.seen
-            viewing._look_at(seen.shot)
+            viewing._show_shot(seen.shot)
             desk.wait(lambda before=before: viewing.seen is not before and not viewing.busy)
             assert view.isVisibleTo(viewer)
             assert view.image is None
@@ -251,7 +251,7 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
         # Where none was made nothing is shown.
         path.unlink()
         seen = viewing.seen
-        viewing._look_at(seen.shot)
+        viewing._show_shot(seen.shot)
         desk.wait(lambda: viewing.seen is not seen and not viewing.busy)
         assert not view.isVisibleTo(viewer)
         assert not viewer.depth.isVisibleTo(viewer)

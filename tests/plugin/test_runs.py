@@ -112,7 +112,7 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
 @pytest.mark.parametrize(("elevation", "said"), [((), "Starting…"), (("world",), "Reading heights…")])
 def test_a_run_over_relief_says_that_it_reads_heights(elevation, said):
     mission = Mission(Box(35.15, -89.9, 35.14, -89.89), 100.0, elevation=elevation)
-    run = SimpleNamespace(stage=Stage.RUNNING, over=False, progress=None, mission=mission)
+    run = SimpleNamespace(stage=Stage.RUNNING, has_ended=False, progress=None, mission=mission)
     assert row_text(run) == said
 
 

@@ -135,7 +135,7 @@ def test_folder_of_another_machine_is_asked_nothing(prepared, server, monkeypatc
 
 def test_lock_of_a_process_that_has_died_is_free(tmp_path):
     """And one of a process that lives is not."""
-    lock = unfinished._lock_of(tmp_path / "a.json")
+    lock = unfinished._make_lock(tmp_path / "a.json")
     held = (
         "import os, sys; from PyQt5.QtCore import QCoreApplication, QLockFile; app = QCoreApplication([]); "
         f"lock = QLockFile({str(tmp_path / 'a.lock')!r}); assert lock.tryLock(0); print('held', flush=True); "

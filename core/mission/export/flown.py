@@ -24,7 +24,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..plan import Plan
-from ..relief.ground import PathGround, no_ground
+from ..relief.ground import PathGround, refuse_hole
 from .sorties import continuous
 
 #: Between two lines of places.
@@ -104,7 +104,7 @@ class Reader:
         base = self._over(lat, lon).ground_m(lat, lon)
         if np.isnan(base).any():
             lost = int(np.argmax(np.isnan(base)))
-            raise no_ground(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
+            refuse_hole(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
         return [FlownPath(names, lat, lon, height + base)]
 
     def _over(self, lat: Floats, lon: Floats) -> PathGround:

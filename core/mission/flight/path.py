@@ -20,7 +20,7 @@ from ..areas.area import Polygon
 from ..layout.no_fly import in_no_fly
 from ..mission import Mission
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief.ground import PathGround, Relief, no_ground
+from ..relief.ground import PathGround, Relief, refuse_hole
 from .direct import DirectFlight
 from .legs import legs
 
@@ -322,7 +322,7 @@ class _Maker:
     def _ground_at_home(self, home: tuple[float, float]) -> float:
         found = float(self._relief.ground_m(np.array(home[:1]), np.array(home[1:]))[0])
         if math.isnan(found):
-            raise no_ground(*home)
+            refuse_hole(*home)
         return found
 
     def _ground_m(self, lat: Floats, lon: Floats) -> Floats:

@@ -300,7 +300,7 @@ def _grid_north_yaws(mission: Mission, plane: Plane, layout: Layout) -> Layout:
         beyond = ~np.isfinite(north_deg + plane.forward(layout.lat_deg, layout.lon_deg)[0])
     if beyond.any():
         at = int(np.flatnonzero(beyond)[0])
-        raise plane.frame_error(float(layout.lat_deg[at]), float(layout.lon_deg[at]), float(layout.agl_m[at]))
+        plane.refuse_frame(float(layout.lat_deg[at]), float(layout.lon_deg[at]), float(layout.agl_m[at]))
     stated_yaws = mission.area.stated_deg("yaw")
     if stated_yaws or mission.flight.facing == TRACK or plane.wraps:
         return layout

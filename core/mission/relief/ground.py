@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -397,9 +397,9 @@ def level_ground(mission: Mission) -> LevelGround:
     return LevelGround(mission.camera, mission.flight.ground_height_m, mission.flight.agl_m)
 
 
-def no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
-    """Error of a place without a height."""
-    return InvalidInput(
+def refuse_hole(lat_deg: float, lon_deg: float) -> NoReturn:
+    """Raise InvalidInput for a position without a height."""
+    raise InvalidInput(
         "no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole",
         lat_deg,
         lon_deg,

@@ -24,7 +24,7 @@ from ..flight.legs import legs
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
-from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, no_ground
+from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
 from .overflown import Overflown, OverflownInParts, cell_size_m, highest_around, lowest_around
 
 #: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
@@ -76,12 +76,12 @@ class ModelledRelief:
             lat, lon = self._stand = _widened(lat, lon, mission.flight.margin_m)
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
-            raise no_ground(float(lat[0]), float(lon[0]))
+            refuse_hole(float(lat[0]), float(lon[0]))
         self._ground = first
         # Cameras that all fly at one height are farther above the valleys, and see more of them.
         wanted, below = self.wanted_m(lat, lon)
         if np.isnan(below).all():
-            raise no_ground(float(lat[0]), float(lon[0]))
+            refuse_hole(float(lat[0]), float(lon[0]))
         above_m = max(float(np.nanmax(wanted)) - float(np.nanmin(first.heights_m)), 1.0)
         self.radius_m = above_m * self._reach
         self._surface = first
@@ -334,7 +334,7 @@ class ModelledRelief:
             at = np.array([lat.max()]), np.array([lon.min()])
         found = float(self._ground.heights(*self._ground.position(*at))[0])
         if math.isnan(found):
-            raise no_ground(float(at[0][0]), float(at[1][0]))
+            refuse_hole(float(at[0][0]), float(at[1][0]))
         return found
 
     @cached_property
@@ -347,7 +347,7 @@ class ModelledRelief:
         found = self._ground.heights(*self._ground.position(lat_deg, lon_deg))
         missing = np.flatnonzero(np.isnan(found))
         if len(missing):
-            raise no_ground(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
+            refuse_hole(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
         return found
 
     def wanted_m(
@@ -443,7 +443,7 @@ class ModelledRelief:
         metres = np.radians(centres - centres[0]) * WGS84.b_m
         least, most = _least_along(low - tops, bins, metres), -_least_along(tops - high, bins, metres)
         if not np.isfinite(least).all():
-            raise no_ground(south, west)
+            refuse_hole(south, west)
         # Never less than so much, below which flights are refused.
         least, most = (np.maximum(over, _LEAST_SHARE * mission.flight.agl_m) for over in (least, most))
         if sees_below(mission):

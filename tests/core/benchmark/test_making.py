@@ -370,7 +370,7 @@ def test_tiles_of_a_few_pixels_are_refused(settings):
         plan_benchmark(replace(settings, tile_widths_m=(15.0,)), grids)
     assert str(refused.value) == "tiles of 15 m: the reference has pixels of 1 m; must be 16 m wide or wider"
     (tiles,) = plan_benchmark(replace(settings, tile_widths_m=(16.0,)), grids).tiles.values()
-    assert set(tiles.width_px) == {16}
+    assert set(tiles.frames.width_px) == {16}
 
 
 def test_a_reference_of_too_many_pixels_is_refused():

@@ -327,16 +327,15 @@ def test_rows_that_were_camera_frames_before_others_could_be_turned_still_are():
 
 @pytest.mark.parametrize("yaw", [1.0, 45.0, 89.0, 91.0])
 def test_other_yaws_are_camera_frames(yaw):
-    assert plan(
-        Mission(PLACES, 60.0, CAMERA).with_(area=Points(PLACES.poses[:1], yaws_deg=(yaw,))), PixelGrid()
-    ).size_px
+    area = Points(PLACES.poses[:1], yaws_deg=(yaw,))
+    assert not plan(Mission(area, 60.0, CAMERA), PixelGrid()).frames.on_map
 
 
 def test_half_turns_keep_to_the_windows_of_north_up_images():
     both = [plan(Mission(SMALL, 60.0, CAMERA, yaw_deg=yaw), PixelGrid()) for yaw in (0.0, 180.0)]
     for ours, theirs in zip(both[0].windows, both[1].windows):
         assert np.array_equal(ours, theirs)
-    assert both[1].quarter_turns.tolist() == [2] * len(both[1])
+    assert both[1].frames.quarter_turns.tolist() == [2] * len(both[1])
     assert both[1].accuracy.bound_px == pytest.approx(both[0].accuracy.bound_px, rel=1e-6)
 
 

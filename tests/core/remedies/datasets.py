@@ -823,7 +823,7 @@ def _reflections(case: Case) -> None:
     def turned(width, height):
         longest = max(width, height)
         image = Image.new("L", (width, height))
-        return augment._reflected(image, (longest - width) // 2, (longest - height) // 2)
+        return augment._add_reflections(image, (longest - width) // 2, (longest - height) // 2)
 
     case.refused(lambda: turned(4, 400))
     case.follow("take smaller", lambda: turned(1, 100))

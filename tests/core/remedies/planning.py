@@ -276,7 +276,7 @@ planned(
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
 )
 planned(
-    "layout/rows.py",
+    "layout/parallels.py",
     "rows from {} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a "
     "smaller area",
     Mission(Box(84, 0, 83, 1), 1e5, yaw_deg=180.0, tilt_deg=60.0),
@@ -287,13 +287,13 @@ planned(
     },
 )
 planned(
-    "layout/rows.py",
+    "layout/parallels.py",
     "rows from {} m cannot be placed so that their images cover this area; fly lower or take a smaller area",
     Mission(Box(84.9, 0, 0, 1), 8e5),
     {"fly lower": {"agl_m": 1e5}, "take a smaller area": {"area": Box(50, 0, 0, 1)}},
 )
 planned(
-    "layout/rows.py",
+    "layout/parallels.py",
     "rows from {} m cannot be placed so near to a pole; fly lower or farther from it",
     Mission(Box(84.9, 0, 84.4, 1), 2e6),
     {"fly lower": {"agl_m": 3e4}, "farther from it": {"area": Box(50, 0, 49.5, 1)}},
@@ -330,13 +330,13 @@ planned(
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
 )
 planned(
-    "layout/rows.py",
+    "layout/paper.py",
     "camera faces {}: the layout {} is north-up; use --layout cover",
     Mission(AREA, 120.0, facing="track", layout="paper"),
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
-    "layout/rows.py",
+    "layout/paper.py",
     "margin {} m: the layout {} has none; use --layout cover",
     Mission(AREA, 120.0, margin_m=20.0, layout="paper"),
     {"use --layout cover": {"layout": "cover"}},

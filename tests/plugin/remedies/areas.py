@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransformContext,
     QgsFeature,
     QgsGeometry,
     QgsProject,
+    QgsRasterLayer,
     QgsVectorLayer,
 )
 from qgis.PyQt.QtCore import QLocale, Qt
@@ -29,10 +31,12 @@ from terrainav.terrainav_plugin.form.area import area_of_text, entered_area
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
 from terrainav.terrainav_plugin.processing.areas import layer_crs
+from terrainav.terrainav_plugin.qgis_source.snapshot import grid_of_layers, source_name
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
 from tests.plugin.test_background import follow_hint, small_pictures  # noqa: F401  (a fixture)
+from tests.support import rasters
 from tests.support.remedies import Case, remedy
 
 CONTEXT = QgsCoordinateTransformContext()
@@ -155,24 +159,27 @@ def _no_line(case: Case) -> None:
     case.follow("take a layer of lines", lambda: lines(LINE))
 
 
-@remedy("area/layers.py", "layer “{name}” has no CRS: set it in the layer's properties")
+@remedy("tasks.py", "layer “{name}” has no CRS: set it in the layer's properties")
 def _no_crs(case: Case) -> None:
-    layer = QgsVectorLayer("Point", "mine", "memory")
-    layer.dataProvider().addFeatures([feature("Point (1 1)"), feature("Point (2 2)")])
-    layer.updateExtents()
-    layer.setCrs(QgsCoordinateReferenceSystem())
-    case.refused(lambda: layer_extent_area(layer, QgsProject.instance()))
-    layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
-    case.follow("set it in the layer's properties", lambda: layer_extent_area(layer, QgsProject.instance()))
-
-
-@remedy("processing/areas.py", "layer “{name}” has no CRS: set it in the layer's properties")
-def _no_crs_in_processing(case: Case) -> None:
-    layer = QgsVectorLayer("Point", "mine", "memory")
-    layer.setCrs(QgsCoordinateReferenceSystem())
-    case.refused(lambda: layer_crs(layer))
-    layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
-    case.follow("set it in the layer's properties", lambda: layer_crs(layer))
+    """As the extent of a layer, in Processing, and as a source."""
+    project = case.fixture("project")
+    points = QgsVectorLayer("Point", "mine", "memory")
+    points.dataProvider().addFeatures([feature("Point (1 1)"), feature("Point (2 2)")])
+    points.updateExtents()
+    utm = (465_000.0, 1.0, 0.0, 5_247_000.0, 0.0, -1.0)
+    path = rasters.write(case.tmp_path / "plain.tif", np.ones((3, 8, 8), np.uint8), utm, 32632)
+    raster = project.addMapLayer(QgsRasterLayer(str(path), "plain", "gdal"))
+    uses = (
+        (points, "EPSG:4326", lambda: layer_extent_area(points, project)),
+        (points, "EPSG:4326", lambda: layer_crs(points)),
+        (raster, "EPSG:32632", lambda: grid_of_layers(source_name(raster), project)),
+    )
+    for layer, _, use in uses:
+        layer.setCrs(QgsCoordinateReferenceSystem())
+        case.refused(use)
+    for layer, crs, use in uses:
+        layer.setCrs(QgsCoordinateReferenceSystem(crs))
+        case.follow("set it in the layer's properties", use)
 
 
 @remedy("form/area.py", "give every point a yaw, or none")

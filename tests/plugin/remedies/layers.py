@@ -284,15 +284,3 @@ def _name_is_taken(case: Case) -> None:
 
     case.follow("choose another name", accept)
     dialog.deleteLater()
-
-
-@remedy("qgis_source/snapshot.py", "layer “{name}” has no CRS: set it in the layer's properties")
-def _no_crs(case: Case) -> None:
-    project = case.fixture("project")
-    utm = (465_000.0, 1.0, 0.0, 5_247_000.0, 0.0, -1.0)
-    path = rasters.write(case.tmp_path / "plain.tif", np.ones((3, 8, 8), np.uint8), utm, 32632)
-    layer = project.addMapLayer(QgsRasterLayer(str(path), "plain", "gdal"))
-    layer.setCrs(QgsCoordinateReferenceSystem())
-    case.refused(lambda: grid_of_layers(source_name(layer), project))
-    layer.setCrs(QgsCoordinateReferenceSystem("EPSG:32632"))
-    case.follow("set it in the layer's properties", lambda: grid_of_layers(source_name(layer), project))
