@@ -145,7 +145,7 @@ def test_a_click_shows_the_image_that_is_at_an_address(
     # The one that was looked at before is asked for no more.
     server.asked.clear()
     viewing.seen = None
-    viewing._look_at(seen.shot)
+    viewing._show_shot(seen.shot)
     desk.wait(lambda: viewing.seen is not None)
     assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
     assert server.asked == []
@@ -375,7 +375,7 @@ def test_the_window_says_that_it_is_fetching_and_goes_on_to_others(desk, viewing
     assert viewing.viewer.view.image is None
     server.latency_s = 0.0
     # Not after half a minute, but now.
-    viewing._look_at(first.shot)
+    viewing._show_shot(first.shot)
     desk.wait(lambda: viewing.viewer.view.image is not None)
     assert viewing.seen.shot.name == first.shot.name
 
