@@ -300,15 +300,17 @@ def test_folder_that_the_panel_proposed_counts_on_by_itself(prepared):
     assert {path: path.read_bytes() for path in before} == before
 
 
-@pytest.mark.parametrize("in_the_way", ["file", "foreign folder"])
-def test_folder_that_cannot_be_used_is_named(prepared, in_the_way):
+@pytest.mark.parametrize(
+    ("in_the_way", "advice"), [("file", "choose another folder"), ("foreign folder", "choose another one")]
+)
+def test_folder_that_cannot_be_used_is_named(prepared, in_the_way, advice):
     prepared.folder.parent.mkdir(exist_ok=True)
     if in_the_way == "file":
         prepared.folder.write_text("mine")
     else:
         (prepared.folder / "satellite").mkdir(parents=True)
     capture(prepared)
-    assert any("choose another folder" in text for text in prepared.messages())
+    assert any(advice in text for text in prepared.messages())
     assert prepared.group() is None
     if in_the_way == "file":
         assert prepared.folder.read_text() == "mine"
