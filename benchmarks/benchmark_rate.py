@@ -39,9 +39,7 @@ def mission_of(raster: Path, grid: PixelGrid, count: int, image_px: int, agl_m: 
     u, v = np.array(grid.extent).T
     rng = np.random.default_rng(SEED)
     shares = (1.0 - INNER) / 2.0 + INNER * rng.random((2, count))
-    lat, lon = grid.plane.inverse(
-        u.min() + shares[0] * (u.max() - u.min()), v.min() + shares[1] * (v.max() - v.min())
-    )
+    lat, lon = grid.plane.inverse(u.min() + shares[0] * (u.max() - u.min()), v.min() + shares[1] * (v.max() - v.min()))
     places = tuple((a, b, agl_m) for a, b in zip(lat.tolist(), lon.tolist()))
     yaws = tuple(rng.uniform(-180.0, 180.0, count).tolist())
     return Mission(
@@ -65,9 +63,7 @@ class Clock:
 
 def main() -> None:
     """Capture, make, and print the rates."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--raster", type=Path, help="georeferenced raster file")
     parser.add_argument("--queries", type=int, default=10_000)
     parser.add_argument("--image-px", type=int, default=128)

@@ -177,18 +177,13 @@ def draw(found: Row, path: Path) -> None:
     left.barh(at + 0.2, [row["wall_s"] for row in rows], 0.38, color=BLUE, label="TerrAInav")
     for place, row in zip(at, rows):
         left.text(row["wall_s"], place + 0.2, f" {row['share']:.0%} of the floor", va="center", fontsize=9)
-    names = [
-        f"{row['pictures']:.0f} {row['image_format']}, {row['connections_asked']} connections" for row in rows
-    ]
+    names = [f"{row['pictures']:.0f} {row['image_format']}, {row['connections_asked']} connections" for row in rows]
     left.set(yticks=at, yticklabels=names, xlabel="wall time, s")
     left.set_title("Missions of 196 and 1,024 images against the floor")
     left.margins(x=0.3)
     left.legend(loc="lower right")
     rows = sorted(found["compared"], key=lambda row: float(row["wall_s"]))
-    labels = [
-        f"{TITLES[row['name']]}\n{row['connections_asked']} connections, {row['image_format']}"
-        for row in rows
-    ]
+    labels = [f"{TITLES[row['name']]}\n{row['connections_asked']} connections, {row['image_format']}" for row in rows]
     right.barh(
         labels,
         [row["wall_s"] for row in rows],

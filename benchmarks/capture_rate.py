@@ -54,9 +54,7 @@ def python_of(name: str) -> Path:
 def install_peers() -> None:
     """Make the peers' own environment."""
     venv.create(PEERS, with_pip=True)
-    subprocess.run(
-        [str(python_of("contextily")), "-m", "pip", "install", "--quiet", "contextily"], check=True
-    )
+    subprocess.run([str(python_of("contextily")), "-m", "pip", "install", "--quiet", "contextily"], check=True)
 
 
 def run(name: str, job: Job, server: LoopbackServer, *, waits: bool = True) -> dict[str, Any]:
@@ -120,9 +118,7 @@ def compare(server: LoopbackServer, folder: Path) -> list[dict[str, Any]]:
         job = Job(server.template(), str(folder / name), FEW, FEW, image_format, connections)
         found = run(name, job, server)
         if name not in errors:
-            lossless = Job(
-                server.template("positions"), str(folder / f"{name}-positions"), FEW, FEW, "tif", 16
-            )
+            lossless = Job(server.template("positions"), str(folder / f"{name}-positions"), FEW, FEW, "tif", 16)
             run(name, lossless, server, waits=False)
             errors[name] = georeferencing_error_px(Path(lossless.folder))
         found.update(name=name, connections_asked=connections, image_format=image_format, error=errors[name])
@@ -209,9 +205,7 @@ def main() -> None:
         draw(found, ROOT / "docs" / "images" / "capture_rate.png")
     low = [row for row in found["floor"] if row["share"] < AIM]
     large = [row for row in found["memory"] if row["peak_mb"] > AIM_MB]
-    print(
-        f"{time.perf_counter() - began:.0f} s; below {AIM:.0%}: {len(low)}, above {AIM_MB:.0f} MB: {len(large)}"
-    )
+    print(f"{time.perf_counter() - began:.0f} s; below {AIM:.0%}: {len(low)}, above {AIM_MB:.0f} MB: {len(large)}")
 
 
 if __name__ == "__main__":

@@ -120,9 +120,7 @@ def captured(images: int, address: str, engine: str, kills: int, seed: int, resu
     }
 
 
-def in_own_process(
-    job: dict[str, Any], watch: Callable[[dict[str, Any]], bool] | None = None
-) -> dict[str, Any]:
+def in_own_process(job: dict[str, Any], watch: Callable[[dict[str, Any]], bool] | None = None) -> dict[str, Any]:
     """Run `captured` in a process of its own; ``watch`` sees what it prints, and says whether to kill it."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, __file__, "--job", json.dumps(job)]
@@ -156,9 +154,7 @@ def with_dying_coordinator(job: dict[str, Any], images: int, kills: int, seed: i
         found["kills"] += 1
         _, alive = psutil.wait_procs(list(filter(None, map(process_of, told["workers"]))), timeout=_ORPHANS_S)
         found["orphans"] += len(alive)
-        print(
-            f"coordinator killed at {told['done']} images after {time.monotonic() - began:.0f} s", flush=True
-        )
+        print(f"coordinator killed at {told['done']} images after {time.monotonic() - began:.0f} s", flush=True)
 
 
 def is_due(until: float, told: dict[str, Any]) -> bool:
@@ -194,9 +190,7 @@ def check_images(found: dict[str, bytes], names: list[str]) -> dict[str, int]:
     for name, data in found.items():
         if name.endswith(".tar"):
             with tarfile.open(fileobj=io.BytesIO(data)) as tar:
-                keys.update(
-                    one.name.partition(".")[0] for one in tar.getmembers() if one.name.endswith(".tif")
-                )
+                keys.update(one.name.partition(".")[0] for one in tar.getmembers() if one.name.endswith(".tif"))
     if keys != Counter(f"{index:09d}" for index in range(len(names))):
         raise SystemExit(f"the shards have {sum(keys.values())} images, {len(keys)} different ones")
     for row in rows:
@@ -271,9 +265,7 @@ def main() -> None:
         ("killed", "workers", killed["killed"]),
         ("resumed", "the coordinator", resumed["kills"]),
     ):
-        rows += ROW.format(
-            what=what, times=times, objects=len(kept[name]), differ=len(differ[name]), **checked[name]
-        )
+        rows += ROW.format(what=what, times=times, objects=len(kept[name]), differ=len(differ[name]), **checked[name])
     put_in_page(
         kills=TEXT.format(
             machine=machine_text(),

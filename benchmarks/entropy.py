@@ -319,9 +319,7 @@ def main() -> None:
     text = TEXT.format(
         cores=os.cpu_count(),
         system=platform.system(),
-        own=", ".join(
-            f"{name} {value}" for name, value in versions() if name in ("Python", "numpy", "Pillow")
-        ),
+        own=", ".join(f"{name} {value}" for name, value in versions() if name in ("Python", "numpy", "Pillow")),
         peer=peer_versions(),
         load=os.getloadavg()[0],
         pairs=PAIRS,

@@ -74,9 +74,7 @@ def university1652(peer: Path, root: Path) -> None:
     names = [f"{kind}_{view}" for kind in ("gallery", "query") for view in ("satellite", "drone", "street")]
     opened = {name: datasets.ImageFolder(str(root / "test" / name)) for name in names}
     print("  test.py opens", {name: len(one) for name, one in opened.items()})
-    _score(
-        peer, opened["query_drone"], opened["gallery_satellite"], ["evaluate_gpu.py"], "pytorch_result.mat"
-    )
+    _score(peer, opened["query_drone"], opened["gallery_satellite"], ["evaluate_gpu.py"], "pytorch_result.mat")
 
 
 def denseuav(peer: Path, root: Path) -> None:
@@ -89,9 +87,7 @@ def denseuav(peer: Path, root: Path) -> None:
     found = loader.Dataloader_University(str(root / "train"), {"train": tensors, "satellite": tensors})
     satellite, drone, _ = found[len(found) - 1]
     print(f"  {len(found)} places to train on, of {tuple(satellite.shape)} and {tuple(drone.shape)}")
-    opened = [
-        datasets.ImageFolder(str(root / "test" / name)) for name in ("query_drone", "gallery_satellite")
-    ]
+    opened = [datasets.ImageFolder(str(root / "test" / name)) for name in ("query_drone", "gallery_satellite")]
     scripts = ["evaluate_gpu.py", f"evaluateDistance.py --root_dir {root}"]
     _score(peer, *opened, scripts, "pytorch_result_1.mat")
 
@@ -107,10 +103,7 @@ def _score(peer: Path, queries: object, gallery: object, scripts: list[str], res
     rng = np.random.default_rng(1)
     told = rng.normal(size=(max(asked.max(), found.max()) + 1, 64))
     for title, features in (("labels", told), ("noise", None)):
-        qf, gf = (
-            rng.normal(size=(len(some), 64)) if features is None else features[some]
-            for some in (asked, found)
-        )
+        qf, gf = (rng.normal(size=(len(some), 64)) if features is None else features[some] for some in (asked, found))
         with tempfile.TemporaryDirectory() as work:
             scipy.io.savemat(
                 Path(work) / result,
@@ -144,9 +137,7 @@ def game4loc(peer: Path, root: Path) -> None:
     for mode in ("pos", "pos_semipos"):
         pairs = gta.GTADatasetTrain(train, str(exported), mode=mode, prob_flip=0.0, shuffle_batch_size=4)
         query, tile, weight = pairs[0]
-        print(
-            f"  GTADatasetTrain, {mode}: {len(pairs)} pairs, of {query.shape} and {tile.shape}, weight {weight:.3f}"
-        )
+        print(f"  GTADatasetTrain, {mode}: {len(pairs)} pairs, of {query.shape} and {tile.shape}, weight {weight:.3f}")
     pairs.shuffle()
     queries = gta.GTADatasetEval(test, str(exported), "drone")
     gallery = gta.GTADatasetEval(test, str(exported), "sate", sate_img_dir="satellite")
@@ -157,17 +148,12 @@ def game4loc(peer: Path, root: Path) -> None:
     nearest = [np.argsort(np.hypot(*(places - one).T), kind="stable") for one in own]
     names = np.array(gallery.images_name)
     right = [
-        bool(names[one[0]] in queries.pairs_drone2sate_dict[name])
-        for one, name in zip(nearest, queries.images_name)
+        bool(names[one[0]] in queries.pairs_drone2sate_dict[name]) for one, name in zip(nearest, queries.images_name)
     ]
     sdm = np.mean([figures.sdm(one, [1, 5], index, places) for one, index in zip(own, nearest)], axis=0)
     far = np.mean([figures.get_dis(one, index, places, [1])[0] for one, index in zip(own, nearest)])
-    print(
-        f"  GTADatasetEval: {len(queries)} queries of {queries[0].shape}, {len(gallery)} tiles of {gallery[0].shape}"
-    )
-    print(
-        f"  of the nearest tile: R@1 {100 * np.mean(right):.1f} %, SDM@1, 5 {np.round(sdm, 4)}, Dis@1 {far:.2f} m"
-    )
+    print(f"  GTADatasetEval: {len(queries)} queries of {queries[0].shape}, {len(gallery)} tiles of {gallery[0].shape}")
+    print(f"  of the nearest tile: R@1 {100 * np.mean(right):.1f} %, SDM@1, 5 {np.round(sdm, 4)}, Dis@1 {far:.2f} m")
     _visloc(peer, root / "uav-visloc")
 
 
@@ -220,9 +206,7 @@ def ortholoc(peer: Path, root: Path) -> None:
             if len(pts0) > 10:
                 found["sift"] = correspondences.Correspondences2D2D(
                     pts0=pts0, pts1=pts1, confidences=np.ones(len(pts0)), is_normalized=False
-                ).normalized(
-                    w0=sample["w_query"], h0=sample["h_query"], w1=sample["w_dop"], h1=sample["h_dop"]
-                )
+                ).normalized(w0=sample["w_query"], h0=sample["h_query"], w1=sample["w_dop"], h1=sample["h_dop"])
             for kind, one in found.items():
                 lifted = one.to_2d3d(grid3d_1=sample["dsm"])
                 ok, pose, *_ = lifted.calibrate(
@@ -242,9 +226,7 @@ def ortholoc(peer: Path, root: Path) -> None:
         for kind, errors in (("its own matches", truth), ("SIFT's", sift)):
             if errors:
                 metres, degrees = np.median(errors, axis=0)
-                print(
-                    f"    pose from {kind}, {len(errors)} samples: median {metres:.3f} m, {degrees:.3f} deg"
-                )
+                print(f"    pose from {kind}, {len(errors)} samples: median {metres:.3f} m, {degrees:.3f} deg")
         print(f"    median confidence of its matches {np.median(confidences):.3f}")
 
 
@@ -270,9 +252,7 @@ def anyvisloc(peer: Path, root: Path) -> None:
         view = utils.build_anyvisloc_reference_view(sample, "aerial")
         true = utils.anyvisloc_sample_to_truepos(sample)
         # Where its formula puts the middle of the image, by xyz and euler_deg, and where the pose does.
-        col, row = utils.view_center_anyvisloc(
-            true, view["map_resolution"], view["map_origin_local"], np.eye(3)
-        )
+        col, row = utils.view_center_anyvisloc(true, view["map_resolution"], view["map_origin_local"], np.eye(3))
         pose = sample["pose_c2w"].numpy()
         ahead = pose[:3, 3] + pose[:3, 2] * (-pose[2, 3] / pose[2, 2])
         res = view["map_resolution"]
@@ -301,9 +281,7 @@ def anyvisloc(peer: Path, root: Path) -> None:
             good = off[off < _NEAR_PX]
             error = np.hypot(found["X"] - true["x"], found["Y"] - true["y"])
             told.append((len(good) / len(off), float(np.median(good)), float(error)))
-    print(
-        f"  AnyVisLocNPZDataset: {len(samples)} samples; its middle of view is {max(centred):.3f} m off at most"
-    )
+    print(f"  AnyVisLocNPZDataset: {len(samples)} samples; its middle of view is {max(centred):.3f} m off at most")
     for scene, told in by_scene.items():
         if told:
             share, px, metres = np.median(told, axis=0)
@@ -341,9 +319,7 @@ PEERS = {
 
 def main() -> None:
     """Run each peer in a process of its own, as their modules share names."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("exports", type=Path, help="folder of the exports, each named as its format")
     parser.add_argument("--alone", choices=PEERS, help=argparse.SUPPRESS)
     for name in PEERS:

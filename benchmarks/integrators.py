@@ -136,9 +136,7 @@ def one_step(method: str, system: LinearSystem, step_s: float) -> tuple[Floats, 
     return inverse @ (unit + (1.0 - share) * drift), inverse @ noise @ inverse.T
 
 
-def moments(
-    method: str, system: LinearSystem, horizon_s: float, step_s: float, start: Floats | None = None
-) -> Floats:
+def moments(method: str, system: LinearSystem, horizon_s: float, step_s: float, start: Floats | None = None) -> Floats:
     """Covariance of the state after a time, stepped there as a simulation would be.
 
     Parameters
@@ -214,9 +212,7 @@ def flight_of(plan: Plan, effort: Effort) -> Flight:
     return measure_flight(wind, plan.mission.flight.airspeed_m_per_s, _interval_s(plan), agl_m, effort)
 
 
-def measure_flight(
-    wind: Wind, airspeed_m_per_s: float, interval_s: float, agl_m: float, effort: Effort
-) -> Flight:
+def measure_flight(wind: Wind, airspeed_m_per_s: float, interval_s: float, agl_m: float, effort: Effort) -> Flight:
     """Compare the methods on one flight: gusts of a wind at a height, and an interval between exposures."""
     system = flight_system(wind.sigma_m_per_s, airspeed_m_per_s, agl_m)
     finer = LinearSystem(
@@ -354,9 +350,7 @@ def flight_diagram(found: Flight) -> bytes:
     for method, look in _METHODS.items():
         style = {"color": look.colour, "marker": look.marker, "linewidth": 1.6, "label": look.label}
         limit_s = found.limits_s[method]
-        tried = [
-            one for one in found.integrated if one.method == method and one.error and one.step_s <= limit_s
-        ]
+        tried = [one for one in found.integrated if one.method == method and one.error and one.step_s <= limit_s]
         size = 15 if look.marker == "*" else 6
         times = [found.step * one.count for one in tried]
         work.plot([one.error for one in tried], [time.median for time in times], markersize=size, **style)

@@ -73,9 +73,7 @@ def judged(folder: Path, options: tuple[str, ...]) -> dict[str, dict[str, dict[s
         text = terrainav("benchmark", "run", str(folder), "--method", method, "--json", "--quiet")
         groups = json.loads(text)["groups"]
         found[method] = {
-            name: {one["name"]: one["value"] for one in figures}
-            for name, figures in groups.items()
-            if name != "all"
+            name: {one["name"]: one["value"] for one in figures} for name, figures in groups.items() if name != "all"
         }
         print(f"{folder.name}: {method}", file=sys.stderr)
     return found
@@ -111,9 +109,7 @@ def put(page: str, mark: str, text: str) -> str:
 
 def main() -> None:
     """Make, run, judge, and write the page."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--naip", type=Path, help="folder of 20090818.tif, 20140720.tif and 20200831.tif")
     arguments = parser.parse_args()
     page = PAGE.read_text(encoding="utf-8")

@@ -79,9 +79,7 @@ def keras_training(batches: Any) -> Callable[[], object]:
     return lambda: model.fit(batches, verbose=0, shuffle=False)
 
 
-def loaders(
-    folder: Path, map_type: str | None, augment: Augmentation | None
-) -> dict[str, Callable[[], object]]:
+def loaders(folder: Path, map_type: str | None, augment: Augmentation | None) -> dict[str, Callable[[], object]]:
     """Each loader's work: all batches once."""
     from terrainav.core.dataset.loading.keras_loader import KerasDataset
     from terrainav.core.dataset.loading.torch_loader import TorchDataset
@@ -101,9 +99,7 @@ def loaders(
         f"torch, {WORKERS} processes": every(of_torch.batches(BATCH, WORKERS)),
         f"torch, {WORKERS} processes, uint8": every(of_bytes.batches(BATCH, WORKERS)),
         "keras": lambda: [of_keras[index] for index in range(len(of_keras))],
-        f"keras, fit with {WORKERS} threads": keras_training(
-            KerasDataset(dataset, BATCH, workers=WORKERS, **choice)
-        ),
+        f"keras, fit with {WORKERS} threads": keras_training(KerasDataset(dataset, BATCH, workers=WORKERS, **choice)),
     }
 
 
@@ -116,15 +112,9 @@ def stages(samples: LabelledImages, augment: Augmentation) -> list[tuple[str, fl
     works = {
         "read and decode": lambda: [open_image(samples.path(index)) for index in some],
         "resize": lambda: [image.resize(SIZE[:2], Image.BILINEAR) for image in whole],
-        "rotate, flip, zoom": lambda: [
-            augment.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)
-        ],
-        "contrast, brightness": lambda: [
-            shaded.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)
-        ],
-        "to float32": lambda: [
-            np.divide(np.asarray(one), np.float32(255), dtype=np.float32) for one in sized
-        ],
+        "rotate, flip, zoom": lambda: [augment.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
+        "contrast, brightness": lambda: [shaded.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
+        "to float32": lambda: [np.divide(np.asarray(one), np.float32(255), dtype=np.float32) for one in sized],
     }
     measured = timed_together(list(works.values()), EFFORT, time.perf_counter)
     return [(name, 1e3 * seconds.median / len(some)) for name, (_, seconds) in zip(works, measured)]
@@ -152,9 +142,7 @@ def measure(name: str, folder: Path, map_type: str | None) -> list[str]:
         f"| plain loop with Pillow | {floor:,.0f} | 100 % | | |",
     ]
     for key, plainly, augmented in zip(bare, rates[1:], rates[1 + len(bare) :]):
-        lines.append(
-            f"| {key} | {plainly:,.0f} | {plainly / floor:.0%} | {augmented:,.0f} | {augmented / floor:.0%} |"
-        )
+        lines.append(f"| {key} | {plainly:,.0f} | {plainly / floor:.0%} | {augmented:,.0f} | {augmented / floor:.0%} |")
     lines += ["", "| step | ms an image |", "| --- | ---: |"]
     lines += [f"| {step} | {ms:.2f} |" for step, ms in stages(samples, augment)]
     print("\n".join(lines), flush=True)

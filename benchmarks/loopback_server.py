@@ -214,9 +214,7 @@ def main() -> None:
     """Serve until the standard input ends."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--latency-ms", type=float, default=0.0, help="before every answer")
-    parser.add_argument(
-        "--connect-ms", type=float, default=0.0, help="before the first answer of a connection"
-    )
+    parser.add_argument("--connect-ms", type=float, default=0.0, help="before the first answer of a connection")
     asked = parser.parse_args()
     asyncio.run(_serve(_Server(asked.latency_ms / 1e3, asked.connect_ms / 1e3)))
 

@@ -112,16 +112,10 @@ class Drawn:
             *(unit, unit, unit, unit, unit, unit),
         )
         width = np.full(TILES, self.width_m)
-        references = References(
-            tiles, tiles, ("",) * TILES, width, tile_lat, tile_lon, zero, zero, zero, zero
-        )
+        references = References(tiles, tiles, ("",) * TILES, width, tile_lat, tile_lon, zero, zero, zero, zero)
         query, tile = np.nonzero(self._right)
-        right = Positives(
-            tuple(map(str, query)), tuple(map(str, tile)), (POSITIVE,) * len(query), np.ones(len(query))
-        )
-        return Benchmark(
-            Path(), {}, ReferenceMosaic("", "", 0.0, 0.0, 1.0, 1.0, 1, 1), queries, references, right
-        )
+        right = Positives(tuple(map(str, query)), tuple(map(str, tile)), (POSITIVE,) * len(query), np.ones(len(query)))
+        return Benchmark(Path(), {}, ReferenceMosaic("", "", 0.0, 0.0, 1.0, 1.0, 1, 1), queries, references, right)
 
     def distances_m(self) -> np.ndarray:
         """From queries to all tiles in the order of the ranking, (q, t), by geopy's geodesics."""
@@ -144,18 +138,14 @@ class Drawn:
 
 def main() -> None:
     """Print the largest difference of each figure."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="in which the repositories lie")
     folder = parser.parse_args().folder.resolve()
     warnings.simplefilter("ignore")
     drawn = Drawn()
     scores = drawn.scored()
     ours = {one.name: one.value for one in scores.groups["drawn"]}
-    print(
-        f"{QUERIES} queries, {TILES} tiles; {int(np.isfinite(drawn.answer[:, 0]).sum())} answered with a pose"
-    )
+    print(f"{QUERIES} queries, {TILES} tiles; {int(np.isfinite(drawn.answer[:, 0]).sum())} answered with a pose")
     largest = 0.0
     for name, figures in PEERS.items():
         if not (folder / name).is_dir():
@@ -278,9 +268,7 @@ def anyvisloc(folder: Path, drawn: Drawn, scores: Scores) -> Figures:
     retrieval = runpy.run_path(str(folder / "run_avl_retrieval_only.py"), run_name="imported")
     locating = runpy.run_path(str(folder / "run_avl.py"), run_name="imported")
     sys.path.remove(str(folder))
-    rows = [
-        retrieval["retrieval_metrics_for_ks"](one / drawn.width_m, [1, 5])[0] for one in drawn.distances_m()
-    ]
+    rows = [retrieval["retrieval_metrics_for_ks"](one / drawn.width_m, [1, 5])[0] for one in drawn.distances_m()]
     options = types.SimpleNamespace(
         retrieval_ks=[1, 5], retrieval_k=5, dataset_root="", scenes=None, reference_mode="", pose_priori=""
     )

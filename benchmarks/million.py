@@ -79,9 +79,7 @@ def measure_export() -> list[dict[str, Any]]:
             path = Path(folder) / f"plan.{ending}"
             start = time.perf_counter()
             write_plan(made, path)
-            found.append(
-                {"format": ending, "seconds": time.perf_counter() - start, "bytes": path.stat().st_size}
-            )
+            found.append({"format": ending, "seconds": time.perf_counter() - start, "bytes": path.stat().st_size})
             path.unlink()
     return found
 
@@ -151,9 +149,7 @@ def processor() -> str:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.processor() or platform.machine()
-    return next(
-        (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine()
-    )
+    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
 
 
 def draw(plans: list[dict[str, float]], path: Path) -> None:
@@ -189,12 +185,9 @@ def page(plans: list[dict[str, float]], others: list[dict[str, Any]], exports: l
         for row in plans
     )
     ways = "\n".join(
-        f"| {row['way']} | {row['timed']:,} | {row['seconds']:,.3g} | {row['seconds'] / whole:,.3g} |"
-        for row in others
+        f"| {row['way']} | {row['timed']:,} | {row['seconds']:,.3g} | {row['seconds'] / whole:,.3g} |" for row in others
     )
-    files = "\n".join(
-        f"| {row['format']} | {row['seconds']:.1f} | {row['bytes'] / 1e6:.0f} |" for row in exports
-    )
+    files = "\n".join(f"| {row['format']} | {row['seconds']:.1f} | {row['bytes'] / 1e6:.0f} |" for row in exports)
     return f"""# A million captures
 
 Made by `python benchmarks/million.py`; every figure is of one run on one machine, and only the ratios travel.

@@ -80,9 +80,7 @@ def tile_ms(crs: str, u: float, v: float, zoom: int) -> float:
 
 def main() -> None:
     """Print the table, or write the sheet."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheet", type=Path, help="file of the sheet of images")
     arguments = parser.parse_args()
     if arguments.sheet:

@@ -156,9 +156,7 @@ def _drawn(preview) -> int:
 def page(rows: list[Figures]) -> str:
     """Text of the page."""
     canvas = iface.mapCanvas()
-    machine = (
-        f"Machine: {os.cpu_count()} cores, {platform.system()}; QGIS {Qgis.QGIS_VERSION.partition('-')[0]}, "
-    )
+    machine = f"Machine: {os.cpu_count()} cores, {platform.system()}; QGIS {Qgis.QGIS_VERSION.partition('-')[0]}, "
     machine += f"virtual screen, map {canvas.width()} x {canvas.height()} px"
     load = f"; load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     heads = (
@@ -187,9 +185,7 @@ def page(rows: list[Figures]) -> str:
         f"| {' | '.join(['---:'] * len(heads))} |",
     ]
     for row in rows:
-        zoom, pan = (
-            f"{sorted(times)[len(times) // 2]:.0f}, {max(times):.0f}" for times in (row.zooms_ms, row.pans_ms)
-        )
+        zoom, pan = (f"{sorted(times)[len(times) // 2]:.0f}, {max(times):.0f}" for times in (row.zooms_ms, row.pans_ms))
         of_a_view = sorted(row.steps_ms)[len(row.steps_ms) // 2]
         cells = (
             *(f"{row.captures:,}", f"{row.plan_s:.2f}", f"{row.first_s:.2f}", zoom, pan),

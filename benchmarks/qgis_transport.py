@@ -88,9 +88,7 @@ def over_requests(connections: int) -> Iterator[Fetch]:
     """Ask a Session of requests with a pool as large as the connections."""
     with requests.Session() as session:
         session.mount("http://", HTTPAdapter(pool_maxsize=connections))
-        yield lambda urls: _on_threads(
-            connections, lambda url: session.get(url, timeout=TIMEOUT_S).content, urls
-        )
+        yield lambda urls: _on_threads(connections, lambda url: session.get(url, timeout=TIMEOUT_S).content, urls)
 
 
 @contextmanager
@@ -155,9 +153,7 @@ def beside_main(job: Callable[[], Result]) -> Result:
         return running.result()
 
 
-def measure(
-    server: LoopbackServer, way: str, connections: int, tiles: int, latency_s: float, connect_s: float
-) -> Cost:
+def measure(server: LoopbackServer, way: str, connections: int, tiles: int, latency_s: float, connect_s: float) -> Cost:
     """One job over one way."""
     server.reset(latency_s=latency_s, connect_s=connect_s)
     urls = [server.template().format(z=19, x=x, y=1) for x in range(tiles)]
@@ -191,9 +187,7 @@ def table(server: LoopbackServer, tiles: int, latency_s: float, connect_s: float
         "| ---: | --- | ---: | ---: | ---: | ---: | ---: |",
     ]
     for connections in CONNECTIONS:
-        found = in_turns(
-            {way: partial(measure, server, way, connections, tiles, latency_s, connect_s) for way in WAYS}
-        )
+        found = in_turns({way: partial(measure, server, way, connections, tiles, latency_s, connect_s) for way in WAYS})
         base = found["requests, a Session"]
         for way, cost in found.items():
             print(f"{connections} connections, {latency_s:g} s, {way}: {cost}", flush=True)
@@ -282,9 +276,9 @@ def cpu_by_thread() -> Counter[str]:
     for task in Path("/proc/self/task").iterdir():
         name, _, rest = (task / "stat").read_text().partition("(")[2].rpartition(")")
         fields = rest.split()
-        spent[MAIN if task.name == str(os.getpid()) else name] += (
-            int(fields[11]) + int(fields[12])
-        ) / os.sysconf("SC_CLK_TCK")
+        spent[MAIN if task.name == str(os.getpid()) else name] += (int(fields[11]) + int(fields[12])) / os.sysconf(
+            "SC_CLK_TCK"
+        )
     return spent
 
 

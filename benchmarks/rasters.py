@@ -130,9 +130,7 @@ def ours(job: dict[str, Any]) -> None:
         raise SystemExit(f"{result.failed} images failed")
 
 
-def in_threads(
-    job: dict[str, Any], cut: Callable[[Any, int, list[int]], None], opened: Callable[[], Any]
-) -> None:
+def in_threads(job: dict[str, Any], cut: Callable[[Any, int, list[int]], None], opened: Callable[[], Any]) -> None:
     """Cut all windows, each thread from a dataset of its own."""
     held = threading.local()
 
@@ -152,9 +150,7 @@ def by_gdal(job: dict[str, Any]) -> None:
     from osgeo import gdal
 
     gdal.UseExceptions()
-    packing = (
-        ["COMPRESS=DEFLATE", f"PREDICTOR={PREDICTOR}", f"ZLEVEL={job['level']}"] if job["packed"] else []
-    )
+    packing = ["COMPRESS=DEFLATE", f"PREDICTOR={PREDICTOR}", f"ZLEVEL={job['level']}"] if job["packed"] else []
 
     def cut(raster: Any, n: int, window: list[int]) -> None:
         gdal.Translate(
@@ -181,9 +177,7 @@ def by_rasterio(job: dict[str, Any]) -> None:
         with rasterio.open(
             f"{job['folder']}/{n}.tif",
             "w",
-            transform=Affine(
-                lies.a, 0.0, lies.c + window[0] * lies.a, 0.0, lies.e, lies.f + window[1] * lies.e
-            ),
+            transform=Affine(lies.a, 0.0, lies.c + window[0] * lies.a, 0.0, lies.e, lies.f + window[1] * lies.e),
             **profile,
         ) as written:
             written.write(pixels)

@@ -55,15 +55,11 @@ class Hills:
     def __init__(self) -> None:
         rng = np.random.default_rng(7)
         wide = sum(
-            np.kron(rng.normal(0.0, 8.0 * size / 128, (512 // size + 2,) * 2), np.ones((size, size)))[
-                :512, :512
-            ]
+            np.kron(rng.normal(0.0, 8.0 * size / 128, (512 // size + 2,) * 2), np.ones((size, size)))[:512, :512]
             for size in (128, 64, 32)
         )
         for _ in range(24):
-            wide = (
-                wide + np.roll(wide, 1, 0) + np.roll(wide, -1, 0) + np.roll(wide, 1, 1) + np.roll(wide, -1, 1)
-            ) / 5
+            wide = (wide + np.roll(wide, 1, 0) + np.roll(wide, -1, 0) + np.roll(wide, 1, 1) + np.roll(wide, -1, 1)) / 5
         grid = PixelGrid(max_zoom=17, native_zoom=17)
         u, v = grid.plane.forward(np.array([45.0]), np.array([7.0]))
         world = grid.world_px(17)
@@ -175,9 +171,7 @@ def scenes(count: int) -> None:
     from tests.core.geodesy.test_relief import random_scene
 
     rays, off, before = np.sum([random_scene(seed) for seed in range(count)], axis=0)
-    print(
-        f"{count} scenes, {rays} rays: {off} off the surface by more than the bound, {before} passed by ground"
-    )
+    print(f"{count} scenes, {rays} rays: {off} off the surface by more than the bound, {before} passed by ground")
 
 
 def cliffs(count: int) -> None:
@@ -199,14 +193,10 @@ def cliffs(count: int) -> None:
     )
 
 
-def shot(
-    source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: float, at: tuple[float, float]
-):
+def shot(source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: float, at: tuple[float, float]):
     """Picture and depth of one capture."""
     area = Points(((at[0], at[1], agl),))
-    mission = Mission(
-        area, agl, CAMERA, source=source, elevation=elevation, tilt_deg=tilt, yaw_deg=yaw, upsample=True
-    )
+    mission = Mission(area, agl, CAMERA, source=source, elevation=elevation, tilt_deg=tilt, yaw_deg=yaw, upsample=True)
     opened = open_source(source)
     made = plan(mission, opened.grid, heights_of(mission))
     parts, walls = picture_parts(made, opened, 0), wall_colours(made, opened, "satellite")
@@ -272,9 +262,7 @@ def draw_pages(folder: Path, dsm: str | None) -> None:
 
 def main() -> None:
     """Measure, or make pictures."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dsm", help="a surface in a projected CRS")
     parser.add_argument("--pictures", type=Path, help="folder to make the page's images in")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")

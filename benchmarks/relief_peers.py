@@ -102,9 +102,7 @@ class Ground:
         z = self.heights_m
         twist = np.abs(z[:-1, :-1] - z[:-1, 1:] - z[1:, :-1] + z[1:, 1:])
         padded = np.pad(twist, 1)
-        return np.max(
-            [padded[i : i + len(twist), j : j + twist.shape[1]] for i in range(3) for j in range(3)], axis=0
-        )
+        return np.max([padded[i : i + len(twist), j : j + twist.shape[1]] for i in range(3) for j in range(3)], axis=0)
 
 
 class Local:
@@ -149,9 +147,7 @@ def axes_of(yaw_deg: float, tilt_deg: float) -> np.ndarray:
     yaw, tilt = np.radians(yaw_deg), np.radians(tilt_deg)
     heading, up = np.array([np.sin(yaw), np.cos(yaw), 0.0]), np.array([0.0, 0.0, 1.0])
     right = np.array([np.cos(yaw), -np.sin(yaw), 0.0])
-    return np.stack(
-        [right, np.cos(tilt) * heading + np.sin(tilt) * up, np.sin(tilt) * heading - np.cos(tilt) * up]
-    )
+    return np.stack([right, np.cos(tilt) * heading + np.sin(tilt) * up, np.sin(tilt) * heading - np.cos(tilt) * up])
 
 
 def hills(agl: float) -> tuple[Surface, Ground, float]:
@@ -178,9 +174,7 @@ def of_file(path: str) -> tuple[Surface, Ground, float]:
     column, row = whole.position(lat[0, :1], lon[0, :1])
     left, top = round(float(column[0])), round(float(row[0]))
     if max(abs(left - column[0]), abs(top - row[0])) > 1e-4:
-        raise SystemExit(
-            f"{path}: pixels of TerrAInav's surface lie {column[0]}, {row[0]} beside the file's own"
-        )
+        raise SystemExit(f"{path}: pixels of TerrAInav's surface lie {column[0]}, {row[0]} beside the file's own")
     heights = whole.heights_m[top : top + rows, left : left + columns]
     cut = Surface(whole.grid, whole.zoom, whole.left_px + left, whole.top_px + top, heights)
     return cut, ground, ground.step
@@ -255,9 +249,7 @@ class Comparison:
         lon, lat = self.ground.places()
         self.vertices = self.local.of(lon, lat, self.ground.heights_m).reshape(-1, 3).astype(np.float32)
         number = np.arange(lon.size, dtype=np.int32).reshape(lon.shape)
-        a, b, c, d = (
-            part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:])
-        )
+        a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]))
         self.triangles = np.stack([a, c, b, b, c, d], axis=1).reshape(-1, 3)
         fresh, known = (Kept(self.surface, self.cell_m, anew=anew) for anew in (True, False))
         whole_s = timed(partial(self.traced, fresh))
@@ -341,9 +333,7 @@ class Comparison:
             above = height - self.ground.at(lon, lat)
             before = above[:-1][depths < end - TOLERANCE_PX / self.focal_px * end]
             clear = not (before < -TOUCHING_M).any()
-            meets = not np.isfinite(t[one]) or abs(above[-1]) < max(
-                TOUCHING_M, np.abs(np.diff(above[-3:])).max()
-            )
+            meets = not np.isfinite(t[one]) or abs(above[-1]) < max(TOUCHING_M, np.abs(np.diff(above[-3:])).max())
             wrong += not (clear and meets)
         return wrong
 
@@ -393,9 +383,7 @@ def flown(folder: Path, dsm: str, ground: Ground, tilt: float, *, level: bool) -
     x, y = ground.x + ground.step * columns / 2.0, ground.y - ground.step * rows / 2.0
     y -= AGL_M * np.tan(np.radians(tilt))
     places = [
-        ground.plane(x + (i - 0.5) * ACROSS_M, y + (j - 2) * ALONG_M, inverse=True)
-        for i in range(2)
-        for j in range(5)
+        ground.plane(x + (i - 0.5) * ACROSS_M, y + (j - 2) * ALONG_M, inverse=True) for i in range(2) for j in range(5)
     ]
     heights = (f"{float(np.nanmedian(ground.heights_m))}",) if level else (dsm,)
     mission = Mission(
@@ -417,9 +405,7 @@ def flown(folder: Path, dsm: str, ground: Ground, tilt: float, *, level: bool) -
     return mission.camera
 
 
-def triangulated(
-    folder: Path, camera: Camera, level_m: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def triangulated(folder: Path, camera: Camera, level_m: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """COLMAP's points: longitudes, latitudes, heights (n,), and how far they are off in the pictures, px.
 
     It gets the pictures, and of the table beside them where the camera was and how it looked;
@@ -449,9 +435,7 @@ def triangulated(
         for image in opened.read_all_images():
             row = table[image.name]
             own = _local(row, level_m)
-            right, top, axis = (
-                axes_of(float(row["yaw_deg"]), float(row["tilt_deg"])) @ own.axes @ world.axes.T
-            )
+            right, top, axis = axes_of(float(row["yaw_deg"]), float(row["tilt_deg"])) @ own.axes @ world.axes.T
             turn = np.stack([right, -top, axis])
             shift = -turn @ (world.axes @ (own.origin - world.origin))
             bare = pycolmap.Image(name=image.name, camera_id=image.camera_id, image_id=image.image_id)
@@ -482,9 +466,7 @@ def compare_with_colmap(dsm: str | None, keep: Path | None) -> None:
             camera = flown(folder, dsm, ground, tilt, level=level)
             lon, lat, height, off_px = triangulated(folder, camera, float(np.nanmedian(ground.heights_m)))
             if keep:
-                shutil.copytree(
-                    folder, keep / f"{'level' if level else 'relief'}-{tilt:g}", dirs_exist_ok=True
-                )
+                shutil.copytree(folder, keep / f"{'level' if level else 'relief'}-{tilt:g}", dirs_exist_ok=True)
         off = np.abs(height - ground.at(lon, lat))
         off = off[np.isfinite(off)]
         pixel_m = 2.0 * camera.half_tangents[0] * AGL_M / IMAGE_PX / np.cos(np.radians(tilt))
@@ -498,9 +480,7 @@ def compare_with_colmap(dsm: str | None, keep: Path | None) -> None:
 
 def main() -> None:
     """Compare with both."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--dsm", help="a surface in a projected CRS in metres")
     parser.add_argument("--only", choices=("embree", "colmap"), help="one of the peers")
     parser.add_argument("--keep", type=Path, help="folder to leave COLMAP's images and points in")

@@ -150,9 +150,7 @@ def main() -> None:
     if any(row["most"] > row["limit"] for row in rows):
         raise SystemExit("above the limit")
     if not asked.no_page:
-        head = TEXT.format(
-            machine=machine_text(), latency=LATENCY_S * 1e3, block=BLOCK_IMAGES, most=MOST_WORKERS
-        )
+        head = TEXT.format(machine=machine_text(), latency=LATENCY_S * 1e3, block=BLOCK_IMAGES, most=MOST_WORKERS)
         put_in_page(rate=head + "".join(ROW.format(**row) for row in rows))
 
 

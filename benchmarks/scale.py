@@ -312,9 +312,7 @@ def compare(source: str, images: int, rounds: int, store: ObjectStore, folder: P
             first = contents.setdefault(layout, content)
             differ = [name for name in {**first, **content} if first.get(name) != content.get(name)]
             if differ:
-                raise SystemExit(
-                    f"{destination}: {len(differ)} files differ from the first contender's, {differ[:5]}"
-                )
+                raise SystemExit(f"{destination}: {len(differ)} files differ from the first contender's, {differ[:5]}")
             found["store_cpu_s"], found["puts"] = found["store"]["cpu_s"], sum_of(found, "PUT", "POST")
             found["gets"] = sum_of(found, "GET", "HEAD", "DELETE")
             found["put_mb"] = found.pop("store")["received_bytes"] / 1e6
@@ -327,9 +325,7 @@ def compare(source: str, images: int, rounds: int, store: ObjectStore, folder: P
         # In the same round, so that what slows the machine down slows both.
         plain = [one["images"] / one["wall_s"] for one in runs[PLAIN, "folders"]]
         one_worker = [one["wall_s"] for one in runs[LOCAL.format(1), layout]]
-        row["to_plain"] = statistics.median(
-            one["images"] / one["wall_s"] / rate for one, rate in zip(each, plain)
-        )
+        row["to_plain"] = statistics.median(one["images"] / one["wall_s"] / rate for one, rate in zip(each, plain))
         row["speed_up"] = statistics.median(wall / one["wall_s"] for one, wall in zip(each, one_worker))
         rows.append(row)
     return rows
@@ -407,9 +403,7 @@ def before_and_now(commit: str, source: str, images: int, pairs: int, folder: Pa
     job = {"source": source, "images": images, "engine": PLAIN, "layout": "folders", "block": images}
     with ExitStack() as opened:
         # With keys of S3 in the environment, rasters were read more slowly then, by rasterio and boto3.
-        environment = {
-            name: value for name, value in own_environment().items() if not name.startswith("AWS_")
-        }
+        environment = {name: value for name, value in own_environment().items() if not name.startswith("AWS_")}
         sides = {
             "before": opened.enter_context(Side({**environment, "PYTHONPATH": str(other)})),
             "now": opened.enter_context(Side(environment)),
@@ -567,11 +561,7 @@ def costs_text(found: dict[str, Any]) -> str:
     costs = [found["costs"][name] for name in ("world", "raster")]
     text = COST.format(images=found["cost_images"], large=max(BLOCKS_OF), small=min(BLOCKS_OF))
     for key, title, factor, digits in COSTS:
-        cells = [
-            f"{one[f'{key}_{each}'] * factor:,.{digits}f}"
-            for one in costs
-            for each in ("a_block", "an_image")
-        ]
+        cells = [f"{one[f'{key}_{each}'] * factor:,.{digits}f}" for one in costs for each in ("a_block", "an_image")]
         text += f"| {title} | {' | '.join(cells)} |\n"
     cores = [one["workers_cpu_s_an_image"] / one["wall_s_an_image"] for one in costs]
     text += (
@@ -619,9 +609,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--images", type=int, default=512, help="of each run")
-    parser.add_argument(
-        "--before", metavar="COMMIT", help="compare plain captures with those of a commit, too"
-    )
+    parser.add_argument("--before", metavar="COMMIT", help="compare plain captures with those of a commit, too")
     parser.add_argument("--only", choices=("rates", "costs", "before"), help="one part")
     parser.add_argument("--small", action="store_true", help="one round of few images: does it work?")
     parser.add_argument("--no-page", action="store_true", help="write nothing into docs/")
@@ -653,9 +641,7 @@ def main() -> None:
         put_in_page(**parts)
 
 
-def measure(
-    found: dict[str, Any], asked: argparse.Namespace, file: str, store: ObjectStore, folder: Path
-) -> None:
+def measure(found: dict[str, Any], asked: argparse.Namespace, file: str, store: ObjectStore, folder: Path) -> None:
     """Measure what is asked for."""
     # Painting the world takes about twice as long as reading a raster.
     sources = {WORLD: asked.images // 2, file: asked.images}
@@ -673,8 +659,7 @@ def measure(
         print(json.dumps(found["costs"], indent=1), flush=True)
         share = 100 if asked.small else 1
         found["coordinated"] = [
-            in_own_process("coordinate", images // share, block, workers)
-            for images, block, workers in COORDINATED
+            in_own_process("coordinate", images // share, block, workers) for images, block, workers in COORDINATED
         ]
         print(json.dumps(found["coordinated"]), flush=True)
         found.update(in_own_process("round_trip"))

@@ -72,8 +72,7 @@ class Measured:
         costs = found["costs"][source]
         small, large, many = found["coordinated"][:3]
         handed = {
-            row["workers"]: row["handing_out_s"] / row["blocks"] + found["round_trip_cpu_s"]
-            for row in (large, many)
+            row["workers"]: row["handing_out_s"] / row["blocks"] + found["round_trip_cpu_s"] for row in (large, many)
         }
         return cls(
             costs["workers_cpu_s_an_image"],
@@ -257,9 +256,7 @@ def validation(found: dict[str, Any]) -> list[dict[str, Any]]:
     """
     rows = []
     for one in found["compared"]:
-        by_engine = {
-            (row["engine"], row["layout"]): row for row in one["rows"] if row["engine"].startswith("local:")
-        }
+        by_engine = {(row["engine"], row["layout"]): row for row in one["rows"] if row["engine"].startswith("local:")}
         for layout in ("folders", "webdataset"):
             first = by_engine["local:1", layout]
             of_one = Measured.of(found, "world" if one["source"] == WORLD else "raster")
@@ -384,9 +381,7 @@ def draw(workers: list[tuple[int, Run, Run]], rows: list[dict[str, Any]], limit:
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.25))
     counts = [each[0] for each in workers]
-    left.loglog(
-        counts, [each[1].hours for each in workers], "o-", color=BLUE, label="with the coordinator's time"
-    )
+    left.loglog(counts, [each[1].hours for each in workers], "o-", color=BLUE, label="with the coordinator's time")
     left.loglog(counts, [each[2].hours for each in workers], "--", color=GREY, label="without")
     left.axvline(limit, color=ORANGE, linewidth=1, label=f"coordinator always busy: {limit:,}")
     left.set(title="Time of 100 million images at hand", xlabel="workers", ylabel="hours")

@@ -232,16 +232,12 @@ def parts_of_an_epoch(loaders: dict[str, Callable[[], Iterable[Any]]]) -> list[s
     return [*lines, ""]
 
 
-def section(
-    works: dict[tuple[str, str], Callable[[], int]], profiled: dict[str, Callable[[], int]]
-) -> list[str]:
+def section(works: dict[tuple[str, str], Callable[[], int]], profiled: dict[str, Callable[[], int]]) -> list[str]:
     """Lines of the page."""
     measured = timed_together(list(works.values()), EFFORT, time.perf_counter)
     counts = {images for images, _ in measured}
     if len(counts) != 1:
-        raise SystemExit(
-            f"not all have delivered each image once: {dict(zip(works, (one for one, _ in measured)))}"
-        )
+        raise SystemExit(f"not all have delivered each image once: {dict(zip(works, (one for one, _ in measured)))}")
     (images,) = counts
     rate = {key: images / seconds.median for key, (_, seconds) in zip(works, measured)}
     lines = []
@@ -296,9 +292,7 @@ def main() -> None:
                     loaders[place, f"{whose}, {mode}"] = make
                     works[place, f"{whose}, {mode}"] = lambda make=make: total(make())
                 works[place, f"LitData, {mode}"] = litdatas(packed, folder / "caches", workers)
-        lines = section(
-            works, {f"`Batches` from {place}": ours(own) for place, (own, _, _) in places.items()}
-        )
+        lines = section(works, {f"`Batches` from {place}": ours(own) for place, (own, _, _) in places.items()})
         lines += parts_of_an_epoch({name: make for (place, name), make in loaders.items() if place == "S3"})
     told = ", ".join(f"{name} {value}" for name, value in [*machine(), *versions()])
     told += f", torch {torch.__version__}, webdataset {webdataset.__version__}, LitData {litdata.__version__}"

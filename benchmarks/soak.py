@@ -88,9 +88,7 @@ def plan_of(images: int) -> Plan:
     """Plan of about so many captures, in a box that is as high as wide."""
     side_deg, worked_out = 0.01 * math.sqrt(images / 100.0), None
     for _ in range(4):
-        box = Box(
-            LAT_DEG + side_deg / 2, LON_DEG - side_deg / 2, LAT_DEG - side_deg / 2, LON_DEG + side_deg / 2
-        )
+        box = Box(LAT_DEG + side_deg / 2, LON_DEG - side_deg / 2, LAT_DEG - side_deg / 2, LON_DEG + side_deg / 2)
         mission = Mission(
             box, AGL_M, max_px=LONGEST_PX, overlap_along=0.25, overlap_across=0.25, max_images=10 * images
         )
@@ -104,9 +102,7 @@ def plan_of(images: int) -> Plan:
 def run(images: int, template: str, folder: Path, cancel_after: int) -> None:
     """One run in this process; prints what became of it."""
     worked_out = plan_of(images)
-    client = Client(
-        RequestsTransport(CONNECTIONS, TIMEOUTS), "Loopback", connections=CONNECTIONS, first_wait_s=0.2
-    )
+    client = Client(RequestsTransport(CONNECTIONS, TIMEOUTS), "Loopback", connections=CONNECTIONS, first_wait_s=0.2)
     placeholder = Placeholder(sha256=(sha256(flat_placeholder()).hexdigest(),))
     source = XYZSource(
         template,
@@ -218,9 +214,7 @@ def running(arguments: argparse.Namespace, server: Server, folder: Path, cancel_
             timer.cancel()
 
 
-def finish(
-    arguments: argparse.Namespace, server: Server, folder: Path, cancel_after: int = 0
-) -> dict[str, Any]:
+def finish(arguments: argparse.Namespace, server: Server, folder: Path, cancel_after: int = 0) -> dict[str, Any]:
     """Run to the end, and return what the run told."""
     began = time.monotonic()
     with running(arguments, server, folder, cancel_after) as process:
@@ -236,9 +230,7 @@ def kill_amid(arguments: argparse.Namespace, server: Server, folder: Path, lines
     """Start a run and kill it once its journal has so many lines."""
     journal, began = folder / "out" / "journal.jsonl", time.monotonic()
     with running(arguments, server, folder) as process:
-        while process.poll() is None and not (
-            journal.exists() and journal.read_bytes().count(b"\n") >= lines
-        ):
+        while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b"\n") >= lines):
             time.sleep(0.05)
         process.kill()
     told = {"killed": process.returncode < 0, "seconds": time.monotonic() - began}
@@ -416,9 +408,7 @@ def main() -> None:
     page = document(found)
     write_whole(arguments.docs / "soak.md", page.encode("utf-8"))
     print(page)
-    wrong = [
-        found[state][what] for state in ("faulty", "healed") for what in ("wrong_px", "unnamed", "part_files")
-    ]
+    wrong = [found[state][what] for state in ("faulty", "healed") for what in ("wrong_px", "unnamed", "part_files")]
     if any(wrong) or found["healed"]["failed"]:
         raise SystemExit("not as it should be")
 

@@ -175,9 +175,7 @@ def _page(cold: list[dict[str, dict[str, object]]], warm: list[dict[str, dict[st
         "| --- | ---: | ---: |",
     ]
     steps = list(warm[0])
-    rows = [
-        (step, [[float(str(one[step]["ms"])) for one in starts] for starts in (cold, warm)]) for step in steps
-    ]
+    rows = [(step, [[float(str(one[step]["ms"])) for one in starts] for starts in (cold, warm)]) for step in steps]
     rows.append(("together, while QGIS starts", [[_total(one) for one in starts] for starts in (cold, warm)]))
     for name, columns in rows:
         cells = (f"{statistics.median(ms):.1f} ({min(ms):.1f} to {max(ms):.1f})" for ms in columns)

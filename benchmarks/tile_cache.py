@@ -29,9 +29,7 @@ ACROSS = 100
 
 def windows(count: int) -> list[Window]:
     """Tiles of a block."""
-    return [
-        Window(ZOOM, (1000 + n % ACROSS) * 256, (2000 + n // ACROSS) * 256, 256, 256) for n in range(count)
-    ]
+    return [Window(ZOOM, (1000 + n % ACROSS) * 256, (2000 + n // ACROSS) * 256, 256, 256) for n in range(count)]
 
 
 def timed(run: Callable[[], None]) -> tuple[float, float]:
@@ -72,9 +70,7 @@ def main() -> None:
     with LoopbackServer() as server:
         for connections, latency_s in ((4, 0.0), (16, 0.0), (4, 0.04), (16, 0.04)):
             server.reset(latency_s=latency_s)
-            times: dict[str, list[tuple[float, float]]] = {
-                name: [] for name in ("none", "cold", "warm", "bare")
-            }
+            times: dict[str, list[tuple[float, float]]] = {name: [] for name in ("none", "cold", "warm", "bare")}
             run = partial(capture, server.template(), count=asked.tiles, connections=connections)
             for _ in range(asked.rounds):
                 with tempfile.TemporaryDirectory() as folder:
@@ -82,9 +78,7 @@ def main() -> None:
                     times["cold"].append(timed(partial(run, cache=TileCache(folder))))
                     before = server.counts()["requests"]
                     times["warm"].append(timed(partial(run, cache=TileCache(folder))))
-                    times["bare"].append(
-                        timed(partial(read_bare, Path(folder), server.template(), asked.tiles))
-                    )
+                    times["bare"].append(timed(partial(read_bare, Path(folder), server.template(), asked.tiles)))
                     if server.counts()["requests"] != before:
                         raise RuntimeError("a warm run made requests")
             row = [

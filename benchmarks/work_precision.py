@@ -67,9 +67,7 @@ def scenes() -> list[Scene]:
         scene("8000-km", "From 8,000 km", Points(((40.1, -90.0, 8e6),)), 8e6),
         scene("tilt-60", "Tilt 60°, 120 m", AGRICENTER, 120.0, tilt_deg=60.0),
         scene("tilt-85", "Tilt 85°, 120 m", AGRICENTER, 120.0, tilt_deg=85.0),
-        scene(
-            "wind", "In wind, 120 m", AGRICENTER, 120.0, overlap_along=0.25, overlap_across=0.25, wind=WIND
-        ),
+        scene("wind", "In wind, 120 m", AGRICENTER, 120.0, overlap_along=0.25, overlap_across=0.25, wind=WIND),
     ]
 
 
@@ -106,9 +104,7 @@ def summary(results: list[Result]) -> TextTable:
                 px_text(accuracy.bound_px),
                 px_text(found.error_px) + kept,
                 seconds_text(seconds),
-                number_text(accuracy.condition)
-                if math.isfinite(accuracy.condition)
-                else "infinite (horizon)",
+                number_text(accuracy.condition) if math.isfinite(accuracy.condition) else "infinite (horizon)",
                 f"{number_text(accuracy.terrain_px_per_m)} px"
                 if math.isfinite(accuracy.terrain_px_per_m)
                 else "without limit",
@@ -221,9 +217,7 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
 
 def _integrators_text(flight: Flight) -> Iterator[str]:
     yield "## How flight in wind is worked out"
-    yield (
-        f"{integrators_text(flight)} In the last scene, by the covariance of the state at the next exposure:"
-    )
+    yield (f"{integrators_text(flight)} In the last scene, by the covariance of the state at the next exposure:")
     yield "![Error against run time and against the step of four integrators](images/accuracy-integrators.png)"
     yield markdown(flight_table(flight))
     yield (

@@ -205,9 +205,7 @@ def in_8_bits(values: Values, ranges: Sequence[Range]) -> NDArray[np.uint8]:
         scale = _BRIGHTEST / (high - low) if high > low else math.inf
         with np.errstate(invalid="ignore"):
             level = (values[..., channel].astype(np.float64) - low) * scale
-        shown[..., channel] = np.rint(
-            np.clip(np.nan_to_num(level, posinf=np.inf, neginf=-np.inf), 0, _BRIGHTEST)
-        )
+        shown[..., channel] = np.rint(np.clip(np.nan_to_num(level, posinf=np.inf, neginf=-np.inf), 0, _BRIGHTEST))
     return shown
 
 
@@ -242,9 +240,7 @@ def chosen(wanted: Sequence[str], names: Sequence[str], title: str) -> tuple[int
         number = int(one) - 1 if one.isdecimal() and one.isascii() else -1
         at = by_name.get(one.casefold(), number)
         if not 0 <= at < len(names):
-            there = ", ".join(
-                f"{1 + i}" if name == unnamed(i) else f"{1 + i} {name}" for i, name in enumerate(names)
-            )
+            there = ", ".join(f"{1 + i}" if name == unnamed(i) else f"{1 + i} {name}" for i, name in enumerate(names))
             raise InvalidInput("band {0!r}: {1} has {2}", one, title, there, field="bands")
         if at in found:
             raise InvalidInput("band {0!r}: is named twice", one, field="bands")

@@ -102,9 +102,7 @@ class TerrAInavError(Exception):
     field: str
     remedy: Message | None
 
-    def __init__(
-        self, template: object = "", *values: object, field: str = "", remedy: str | None = None
-    ) -> None:
+    def __init__(self, template: object = "", *values: object, field: str = "", remedy: str | None = None) -> None:
         if isinstance(template, TerrAInavError):
             field, remedy = field or template.field, remedy or template.remedy
             template = template.message

@@ -179,11 +179,7 @@ class Field:
             return Message("at most {0:g}", high) if self.below is None else Message("below {0:g}", high)
         if self.below is None:
             # Above something, the upper one is where the arithmetic ends, and no range to choose from.
-            return (
-                Message("from {0:g} to {1:g}", low, high)
-                if self.above is None
-                else Message("above {0:g}", low)
-            )
+            return Message("from {0:g} to {1:g}", low, high) if self.above is None else Message("above {0:g}", low)
         if self.above is None:
             return Message("at least {0:g} and below {1:g}", low, high)
         return Message("between {0:g} and {1:g}, both excluded", low, high)
@@ -204,9 +200,7 @@ class Field:
         for one in value if self.kind is tuple else (value,):
             # What a file holds there need not be hashable.
             if self.choices and one not in tuple(self.choices):
-                raise self._refused(
-                    Message(self.title), repr(one), Message("one of {0}", ", ".join(self.choices))
-                )
+                raise self._refused(Message(self.title), repr(one), Message("one of {0}", ", ".join(self.choices)))
         if self.check is not None:
             self.check(value)
         return value

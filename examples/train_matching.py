@@ -74,9 +74,7 @@ def train(images: torch.Tensor, maps: torch.Tensor, epochs: int, batch_size: int
             how = int(torch.randint(8, (), generator=generator))
             scores = likeness(towers, turned(images[some], how), turned(maps[some], how)) / TEMPERATURE
             right = torch.arange(len(some))
-            loss = (
-                nn.functional.cross_entropy(scores, right) + nn.functional.cross_entropy(scores.T, right)
-            ) / 2.0
+            loss = (nn.functional.cross_entropy(scores, right) + nn.functional.cross_entropy(scores.T, right)) / 2.0
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
@@ -95,17 +93,13 @@ def found(towers: nn.ModuleList, images: torch.Tensor, maps: torch.Tensor) -> in
 def by_chance(hits: int, count: int) -> float:
     """Probability of so many hits or more where each of so many maps is as likely as the others."""
     share = 1.0 / count
-    return sum(
-        math.comb(count, one) * share**one * (1.0 - share) ** (count - one) for one in range(hits, count + 1)
-    )
+    return sum(math.comb(count, one) * share**one * (1.0 - share) ** (count - one) for one in range(hits, count + 1))
 
 
 def main() -> int:
     """Train, judge, and say what that shows."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument(
-        "folder", metavar="OUT", help="the dataset's folder, with satellite images and roadmaps"
-    )
+    parser.add_argument("folder", metavar="OUT", help="the dataset's folder, with satellite images and roadmaps")
     parser.add_argument("--epochs", type=int, default=40)
     parser.add_argument("--batch-size", type=int, default=32)
     parser.add_argument("--img-size", type=int, nargs=3, default=(64, 64, 3), metavar=("W", "H", "C"))

@@ -47,9 +47,7 @@ if hasattr(Qgis, "LayerType"):  # QGIS 3.30
 else:
     VECTOR, RASTER = QgsMapLayerType.VectorLayer, QgsMapLayerType.RasterLayer
 
-LABELS_ALONG_LINE = (
-    Qgis.LabelPlacement.Line if hasattr(Qgis, "LabelPlacement") else QgsPalLayerSettings.Placement.Line
-)
+LABELS_ALONG_LINE = Qgis.LabelPlacement.Line if hasattr(Qgis, "LabelPlacement") else QgsPalLayerSettings.Placement.Line
 
 #: A task that can be stopped; the plugin says itself how it ended, where QGIS (3.26) lets it.
 TASK_FLAGS = QgsTask.Flag.CanCancel
@@ -57,9 +55,7 @@ if hasattr(QgsTask.Flag, "Silent"):
     TASK_FLAGS |= QgsTask.Flag.Silent
 
 #: Names of fields that were chosen: the method of an algorithm, called with it, the parameters, a name and the context.
-chosen_fields = (
-    getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
-)
+chosen_fields = getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
 
 #: Whether the log panel shows messages as they are. QGIS 3.40.6 takes them for HTML and 3.44.15 does not; in between
 #: they are escaped, as entities in a log do less harm than tags.

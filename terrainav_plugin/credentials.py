@@ -40,22 +40,16 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
     if not authcfg:
         return tr("API key: choose a configuration, or press “+” and enter it as password") if is_key else ""
     if manager.isDisabled():
-        return tr("QGIS's authentication database cannot be used: {reason}").format(
-            reason=manager.disabledMessage()
-        )
+        return tr("QGIS's authentication database cannot be used: {reason}").format(reason=manager.disabledMessage())
     if authcfg not in manager.configIds():
-        return tr("authentication configuration {id} is not there (any more): choose another").format(
-            id=authcfg
-        )
+        return tr("authentication configuration {id} is not there (any more): choose another").format(id=authcfg)
     # Where QGIS has to ask for it, this is the moment: once the run goes on nobody may be there.
     if not manager.setMasterPassword(True):
-        return tr(
-            "QGIS's authentication database is locked: press Capture again and enter its master password"
-        )
+        return tr("QGIS's authentication database is locked: press Capture again and enter its master password")
     if is_key and read_key(authcfg) is None:
-        return tr(
-            "authentication configuration {id} holds no key: choose a Basic one with the key as password"
-        ).format(id=authcfg)
+        return tr("authentication configuration {id} holds no key: choose a Basic one with the key as password").format(
+            id=authcfg
+        )
     return ""
 
 

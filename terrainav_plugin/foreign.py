@@ -51,9 +51,7 @@ def _check_path(provider: str, path: Path) -> None:
     read = QgsProviderRegistry.instance().decodeUri(provider, str(path)).get("path", "")
     if Path(read) != path:
         raise InvalidInput(
-            tr("{path}: QGIS would open {other} in its place; rename the folder").format(
-                path=path, other=read
-            )
+            tr("{path}: QGIS would open {other} in its place; rename the folder").format(path=path, other=read)
         )
 
 

@@ -117,9 +117,7 @@ class GuideWindow(QTextBrowser):
         # A new one each time: the formats of what a document held before would go over to what comes.
         document, before = QTextDocument(self), self._shown
         document.setDefaultFont(self.font())
-        document.setMarkdown(
-            path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub
-        )
+        document.setMarkdown(path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub)
         self.setDocument(document)
         self._shown = document
         if before is not None:

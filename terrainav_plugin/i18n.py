@@ -88,9 +88,7 @@ def translate(message: object) -> str:
 def option_label(name: str) -> str:
     """The panel's name of an option of a mission, quoted; empty where it has no entry for it."""
     if name == "max_images":
-        return tr(
-            "“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file"
-        )
+        return tr("“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file")
     from ..core.fields import declared_fields
     from ..core.mission.parts import FLAT_PARTS
 
@@ -189,9 +187,7 @@ def _shown(value: object) -> object:
     if isinstance(value, TerrAInavError):
         return translate(value)
     # Show a layer's title in place of QGIS's identifier.
-    return (
-        re.compile(r"qgis:layer/(?P<id>[\w-]+)").sub(_layer_title, value) if isinstance(value, str) else value
-    )
+    return re.compile(r"qgis:layer/(?P<id>[\w-]+)").sub(_layer_title, value) if isinstance(value, str) else value
 
 
 def _layer_title(found: re.Match[str]) -> str:

@@ -120,9 +120,7 @@ class Messages(QObject):
         self.withdraw_refusal()
         text = f"{reason[:1].upper()}{reason[1:].rstrip('.')}. {what}"
         short = shortened(text)
-        self._refusal = self._show(
-            short, Qgis.MessageLevel.Warning, details="" if short == text else text, logged=text
-        )
+        self._refusal = self._show(short, Qgis.MessageLevel.Warning, details="" if short == text else text, logged=text)
 
     def withdraw_refusal(self) -> None:
         """Take back the refusal that is shown, if any."""
@@ -194,9 +192,7 @@ class Messages(QObject):
         for offered in filter(None, (action, other)):
             fitting.buttons.addWidget(self._button(item, *offered))
         if details:
-            fitting.buttons.addWidget(
-                self._button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
-            )
+            fitting.buttons.addWidget(self._button(item, tr("Details"), lambda: show_log(self._iface), keep=True))
         self._shown.append(item)
         self._iface.messageBar().pushItem(item)
         return item

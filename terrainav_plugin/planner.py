@@ -89,18 +89,14 @@ class Planner(QObject):
         self.planned.emit(planned)
 
 
-def _plan(
-    mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]
-) -> PlannedMission | None:
+def _plan(mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]) -> PlannedMission | None:
     """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
     from .sources import request_costs, worked_out
 
     steps = worked_out(mission, find_grid)
     return (
-        None
-        if overtaken()
-        else PlannedMission(mission, steps, estimate(steps, request_costs(mission.imagery.source)))
+        None if overtaken() else PlannedMission(mission, steps, estimate(steps, request_costs(mission.imagery.source)))
     )
 
 

@@ -78,9 +78,7 @@ class Session(QObject):
         form = self.dock.form
         self.source_on_map = SourceOnMap(self.background, messages, form.state, form.imagery.title)
         self.memory = FormMemory(self.settings, form.state, self)
-        self.areas = AreaControl(
-            iface, self.dock, form.area, form.area_editing, messages, self.box_tool, self._draw
-        )
+        self.areas = AreaControl(iface, self.dock, form.area, form.area_editing, messages, self.box_tool, self._draw)
         self.runs = Runs(messages, window, self.open_project, self.group)
         self.run_panel = RunPanel(
             self.runs,
@@ -103,9 +101,7 @@ class Session(QObject):
         self.compare = Compare(self.project, iface)
         self.datasets = Datasets(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
-        self.source_list = SourceList(
-            self.project, form.imagery, messages, window, self.background.visible_box
-        )
+        self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.visible_box)
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()

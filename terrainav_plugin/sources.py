@@ -157,11 +157,7 @@ def mission_snapshot(mission: Mission) -> Snapshot | None:
     InvalidInput
         Where the project has no such layer.
     """
-    return (
-        take_snapshot(mission.imagery.source, QgsProject.instance())
-        if is_of_qgis(mission.imagery.source)
-        else None
-    )
+    return take_snapshot(mission.imagery.source, QgsProject.instance()) if is_of_qgis(mission.imagery.source) else None
 
 
 def open_for_capture(
@@ -209,9 +205,7 @@ def source_transport(source: str, connections: int | None = None) -> QgisTranspo
     wanted = settings.connections if connections is None else connections
     if is_connection(source):
         known = connection(source)
-        return QgisTransport(
-            wanted, authcfg=known.authcfg, headers=known.headers, home=credential_home(known.url)
-        )
+        return QgisTransport(wanted, authcfg=known.authcfg, headers=known.headers, home=credential_home(known.url))
     return QgisTransport(wanted, authcfg=authcfg_of_requests(source), home=credential_home(source))
 
 
@@ -345,21 +339,21 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
     template = templates.get(map_type) or next(iter(templates.values()))
     if "key" in template.names:
         raise InvalidInput(
-            tr(
-                "{host} needs a key, which would be written into the project file: show another source"
-            ).format(host=template.host)
+            tr("{host} needs a key, which would be written into the project file: show another source").format(
+                host=template.host
+            )
         )
     if template.plane is not None:
         raise InvalidInput(
-            tr(
-                "{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel"
-            ).format(title=entry.title, crs=template.plane.crs)
+            tr("{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel").format(
+                title=entry.title, crs=template.plane.crs
+            )
         )
     if template.levels:
         raise InvalidInput(
-            tr(
-                "{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel"
-            ).format(title=entry.title)
+            tr("{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel").format(
+                title=entry.title
+            )
         )
     grid = entry.grid()
     url = template.text

@@ -244,9 +244,7 @@ def crs_named(text: str) -> QgsCoordinateReferenceSystem:
 def required_crs(crs: QgsCoordinateReferenceSystem, layer_name: str) -> QgsCoordinateReferenceSystem:
     """CRS of a layer; raises InvalidInput where it has none."""
     if not crs.isValid():
-        raise InvalidInput(
-            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer_name)
-        )
+        raise InvalidInput(tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer_name))
     return crs
 
 

@@ -70,9 +70,7 @@ def test_links_lead_to_files_and_headings_that_are_there(page):
 
 
 def test_help_buttons_find_their_topics():
-    sources = "\n".join(
-        path.read_text(encoding="utf-8") for path in (ROOT / "terrainav_plugin").rglob("*.py")
-    )
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "terrainav_plugin").rglob("*.py"))
     asked = set(re.findall(r'add_help_button\([\w.]+, (?:tr\()?"([\w-]+)"', sources))
     assert asked >= TOPICS
     assert asked <= anchors(GUIDE)

@@ -73,9 +73,7 @@ def test_links_of_notebooks_lead_to_files_that_are_there(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_one_cell_has_the_parameters_and_the_folder_is_where_captures_are_written(name):
-    (parameters,) = [
-        cell for cell in notebook_of(name).cells if "parameters" in cell.metadata.get("tags", ())
-    ]
+    (parameters,) = [cell for cell in notebook_of(name).cells if "parameters" in cell.metadata.get("tags", ())]
     assert parameters.cell_type == "code"
     strings = [
         token.string
@@ -127,17 +125,13 @@ def execute(tmp_path, monkeypatch):
         monkeypatch.setenv("TERRAINAV_DATA_DIR", str(folder))
         notebook = notebook_of(name)
         notebook.cells = [cell for cell in notebook.cells if cells is None or cell.id in cells]
-        at = next(
-            at for at, cell in enumerate(notebook.cells) if "parameters" in cell.metadata.get("tags", ())
-        )
+        at = next(at for at, cell in enumerate(notebook.cells) if "parameters" in cell.metadata.get("tags", ()))
         changed = "\n".join(f"{name} = {value!r}" for name, value in parameters.items())
         notebook.cells.insert(at + 1, nbformat.v4.new_code_cell(changed))
         asked = ", ".join(f"{value!r}: {value}" for value in values)
         notebook.cells.append(nbformat.v4.new_code_cell(f"import json\nprint(json.dumps({{{asked}}}))"))
         resources = {"metadata": {"path": str(tmp_path / "run")}}
-        nbclient.NotebookClient(
-            notebook, timeout=TIMEOUT_S, kernel_name="python3", resources=resources
-        ).execute()
+        nbclient.NotebookClient(notebook, timeout=TIMEOUT_S, kernel_name="python3", resources=resources).execute()
         assert list((tmp_path / "home").iterdir()) == []
         assert list((tmp_path / "run").iterdir()) == []
         outputs = [output for cell in notebook.cells[:-1] for output in cell.get("outputs", ())]
@@ -244,9 +238,7 @@ def test_preprocess_comes_to_what_split_and_loader_do(execute, captured, tmp_pat
 
     labels = Labels.load(by_library / LABELS_FILE)
     used = [row for row, mark in enumerate(table.other[REJECTED]) if not mark]
-    assert np.array_equal(
-        found["values.tolist()"], labels.transform(table.lat_deg[used], table.lon_deg[used])
-    )
+    assert np.array_equal(found["values.tolist()"], labels.transform(table.lat_deg[used], table.lon_deg[used]))
     # Labels are exact to 10 nm; the geodesic's own rounding is of that size.
     assert found["there_and_back_m"] < 2e-8
 

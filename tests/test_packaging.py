@@ -58,9 +58,7 @@ def listed_packages():
 
 
 def packages_on_disk():
-    folders = [
-        path.parent for top in ("core", "terrainav_plugin") for path in (ROOT / top).rglob("__init__.py")
-    ]
+    folders = [path.parent for top in ("core", "terrainav_plugin") for path in (ROOT / top).rglob("__init__.py")]
     return {"terrainav"} | {".".join(["terrainav", *folder.relative_to(ROOT).parts]) for folder in folders}
 
 

@@ -127,14 +127,10 @@ def test_circles_are_found():
 def test_a_room_names_its_modules_in_reading_order(room):
     text = (PLUGIN / room / "__init__.py").read_text(encoding="utf-8")
     named = [line.split()[0] for line in ast.get_docstring(ast.parse(text)).splitlines()[2:]]
-    assert sorted(named) == sorted(
-        path.stem for path in (PLUGIN / room).glob("*.py") if path.stem != "__init__"
-    )
+    assert sorted(named) == sorted(path.stem for path in (PLUGIN / room).glob("*.py") if path.stem != "__init__")
 
 
-@pytest.mark.parametrize(
-    "module", [module for module in sorted(PATHS) if room_of(module) in WITHOUT_WIDGETS], ids=str
-)
+@pytest.mark.parametrize("module", [module for module in sorted(PATHS) if room_of(module) in WITHOUT_WIDGETS], ids=str)
 def test_rooms_below_the_windows_know_no_widget(module):
     tree = tree_of(PATHS[module])
     origins = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

@@ -35,9 +35,7 @@ def qt_imports(path: Path) -> Iterator[tuple[str, str, int]]:
     """Yield module below ``qgis.PyQt``, name and line of everything imported from there."""
     for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("qgis.PyQt"):
-            yield from (
-                (node.module[len("qgis.PyQt") :].lstrip("."), a.name, node.lineno) for a in node.names
-            )
+            yield from ((node.module[len("qgis.PyQt") :].lstrip("."), a.name, node.lineno) for a in node.names)
 
 
 @pytest.fixture(scope="module")

@@ -29,9 +29,7 @@ def test_the_page_states_every_limit_as_the_program_has_it():
 
 
 def test_the_page_states_every_exit_code():
-    stated = {
-        int(code) for row in re.findall(r"^\| ([\d, ]+) \|", PAGE, re.MULTILINE) for code in row.split(",")
-    }
+    stated = {int(code) for row in re.findall(r"^\| ([\d, ]+) \|", PAGE, re.MULTILINE) for code in row.split(",")}
     codes = {value for name, value in vars(exits).items() if name.isupper()}
     assert codes | {exits.exit_code(number) for number in (1, 15)} == stated
 
@@ -60,8 +58,7 @@ class Registry:
 
 
 BAD = (
-    '{"vulnerabilities": [{"id": "X-1", "aliases": ["CVE-1"], "fixed_in": ["3"]}, '
-    '{"id": "X-2", "withdrawn": "2024"}]}'
+    '{"vulnerabilities": [{"id": "X-1", "aliases": ["CVE-1"], "fixed_in": ["3"]}, {"id": "X-2", "withdrawn": "2024"}]}'
 )
 
 
@@ -85,9 +82,7 @@ def test_the_look_at_the_dependencies_says_what_it_knows_and_what_not(
 ):
     audit = tool("audit")
     pyproject = tmp_path / "pyproject.toml"
-    pyproject.write_text(
-        'dependencies = ["numpy>=1.2"]\nraster = ["nobodys-package>=3,<4"]\nlint = ["ruff>=9"]\n'
-    )
+    pyproject.write_text('dependencies = ["numpy>=1.2"]\nraster = ["nobodys-package>=3,<4"]\nlint = ["ruff>=9"]\n')
     monkeypatch.setattr(audit, "_PYPROJECT", pyproject)
     monkeypatch.setattr(audit.importlib.metadata, "version", lambda name: {"numpy": "1.2"}[name])
     monkeypatch.setattr(audit.importlib.metadata, "PackageNotFoundError", KeyError)

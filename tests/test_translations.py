@@ -100,11 +100,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
     }
     declared = _declared_with_keys(translations)
     for name, files in together.items():
-        texts = {
-            text
-            for file in files.split()
-            for text in translations.plugin_texts(ROOT / "terrainav_plugin" / file)
-        }
+        texts = {text for file in files.split() for text in translations.plugin_texts(ROOT / "terrainav_plugin" / file)}
         keys = [
             known["TerrAInav", text].partition("&")[2][0].lower()
             for text in sorted(texts)

@@ -56,9 +56,7 @@ def known(session: requests.Session, name: str, version: str) -> list[str] | Non
 
 def main(arguments: list[str] | None = None) -> int:
     """Print what is known; returns 1 where that is something, with ``--strict``."""
-    reader = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    reader = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     reader.add_argument("--strict", action="store_true", help="fail where a vulnerability is known")
     strict = reader.parse_args(arguments).strict
     unknown: list[str] = []
@@ -68,9 +66,7 @@ def main(arguments: list[str] | None = None) -> int:
             try:
                 lines = known(session, name, version)
             except requests.RequestException as wrong:
-                print(
-                    f"audit: the registry cannot be reached ({type(wrong).__name__}); nothing more is checked"
-                )
+                print(f"audit: the registry cannot be reached ({type(wrong).__name__}); nothing more is checked")
                 break
             if lines is None:
                 unknown.append(f"{name} {version}")

@@ -126,7 +126,5 @@ def _finish(job: dict[str, Any], code: int) -> None:
     QgsProject.instance().setDirty(False)
     qgis.utils.iface.newProject(False)
     # Tasks of older versions have the application's pool.
-    getattr(QgsApplication.taskManager(), "threadPool", QThreadPool.globalInstance)().waitForDone(
-        TASKS_END_MS
-    )
+    getattr(QgsApplication.taskManager(), "threadPool", QThreadPool.globalInstance)().waitForDone(TASKS_END_MS)
     QgsApplication.exit(code)

@@ -30,9 +30,7 @@ def limits() -> dict[str, tuple[float, str]]:
 
 def table() -> str:
     """The table, as it stands in the page."""
-    rows = (
-        f"| `{name}` | {_text(name, value)} | {comment} |\n" for name, (value, comment) in limits().items()
-    )
+    rows = (f"| `{name}` | {_text(name, value)} | {comment} |\n" for name, (value, comment) in limits().items())
     return _HEAD + "".join(rows)
 
 

@@ -211,10 +211,7 @@ def page() -> str:
     run = [one for one in ways if one.name in RUN_OPTIONS]
     for title, some in (("Places and cameras in other words", own), ("The run", run)):
         text += [f"## {title}", "", "| option | what it does | default |", "| --- | --- | --- |"]
-        text += [
-            f"| `--{one.name.replace('_', '-')}` | {_cell(one.help)} | {_default(one.default)} |"
-            for one in some
-        ]
+        text += [f"| `--{one.name.replace('_', '-')}` | {_cell(one.help)} | {_default(one.default)} |" for one in some]
         text.append("")
     text += [
         "## Presets",
@@ -239,9 +236,7 @@ def _row(part: str, field: Field) -> str:
     if field.choices:
         about = ", ".join(f"`{choice}`" for choice in field.choices)
     default = "needed" if field.needed else _default(field.default)
-    return (
-        f"| {_TOGETHER.get(key, usual)} | `{part}.{field.name}` | {_cell(field.help)} | {about} | {default} |"
-    )
+    return f"| {_TOGETHER.get(key, usual)} | `{part}.{field.name}` | {_cell(field.help)} | {about} | {default} |"
 
 
 def _default(value: Any) -> str:

@@ -137,9 +137,7 @@ def build(folder: Path, working: bool, search: bool = True) -> Path:
             check_metadata(whole.read(f"{NAME}/metadata.txt").decode())
             whole.extractall(unpacked)  # nosec B202
         if made.stat().st_size > MOST_BYTES:
-            raise PackageError(
-                f"zip of {made.stat().st_size:,} bytes: the plugin repository takes {MOST_BYTES:,}"
-            )
+            raise PackageError(f"zip of {made.stat().st_size:,} bytes: the plugin repository takes {MOST_BYTES:,}")
         if not search:
             print("package: not searched by bandit and detect-secrets, as it was asked for", file=sys.stderr)
         elif SCANNERS.is_file():
@@ -163,9 +161,7 @@ def main() -> int:
     parser.add_argument(
         "--unsearched", action="store_true", help="leave bandit and detect-secrets out: not for publication"
     )
-    parser.add_argument(
-        "--folder", type=Path, default=ROOT / "dist", metavar="DIR", help="where it goes (dist)"
-    )
+    parser.add_argument("--folder", type=Path, default=ROOT / "dist", metavar="DIR", help="where it goes (dist)")
     options = parser.parse_args()
     try:
         build(options.folder, options.working_tree, search=not options.unsearched)

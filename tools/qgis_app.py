@@ -335,14 +335,10 @@ def run_visible() -> None:
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument(
-        "--timeout", type=float, default=600, metavar="S", help="stop after S seconds (%(default)g)"
-    )
+    parser.add_argument("--timeout", type=float, default=600, metavar="S", help="stop after S seconds (%(default)g)")
     parser.add_argument("--size", default="1600x1000", metavar="WxH", help="screen in px (%(default)s)")
     parser.add_argument("--profiles-path", type=Path, metavar="DIR", help="keep the profile in DIR")
-    parser.add_argument(
-        "--env", action="append", default=[], metavar="K=V", help="set a variable for the application"
-    )
+    parser.add_argument("--env", action="append", default=[], metavar="K=V", help="set a variable for the application")
     parser.add_argument("--bare", action="store_true", help="without the plugin and its environment")
     parser.add_argument("--lang", default="en", metavar="LANGUAGE", help="of the application (%(default)s)")
     parser.add_argument("--visible", action="store_true", help="open QGIS on your own display instead")

@@ -110,9 +110,7 @@ NO_FLY_CORNERS = ((0.56, 0.4), (0.7, 0.38), (0.7, 0.56), (0.57, 0.58))
 TAKEOFF_AT = (0.12, 0.83)
 SLANTED_CORNERS = ((0.12, 0.62), (0.72, 0.14), (0.88, 0.34), (0.28, 0.84))
 #: A line over fields, to be flown.
-TRAJECTORY = (
-    "LineString (-89.8870 35.1322, -89.8830 35.1330, -89.8800 35.1368, -89.8740 35.1385, -89.8700 35.1362)"
-)
+TRAJECTORY = "LineString (-89.8870 35.1322, -89.8830 35.1330, -89.8800 35.1368, -89.8740 35.1385, -89.8700 35.1362)"
 #: Images after which the capture is held for its picture.
 HELD_AFTER = 500
 
@@ -578,9 +576,7 @@ def capturing(stage: Stage) -> None:
     runs = stage.session.runs
     wait(
         "images",
-        lambda: (
-            bool(runs.runs) and runs.runs[0].progress is not None and runs.runs[0].progress.done >= HELD_AFTER
-        ),
+        lambda: bool(runs.runs) and runs.runs[0].progress is not None and runs.runs[0].progress.done >= HELD_AFTER,
     )
     first = runs.runs[0]
     click(stage.session.run_panel.row(first).buttons["pause"])
@@ -721,9 +717,7 @@ def polar_mosaic(path: Path) -> None:
         for part in source.parts(Window(POLAR_ZOOM, corner, corner, POLAR_PX, POLAR_PX)):
             tile = part.window
             column, row = int(tile.left_px) - corner, int(tile.top_px) - corner
-            pixels[row : row + tile.height_px, column : column + tile.width_px] = source.fetch(
-                "satellite", tile
-            )
+            pixels[row : row + tile.height_px, column : column + tile.width_px] = source.fetch("satellite", tile)
         size_m, _ = source.grid.pixel_size(POLAR_ZOOM)
     made = gdal.GetDriverByName("GTiff").Create(str(path), POLAR_PX, POLAR_PX, 3)
     made.SetProjection(QgsCoordinateReferenceSystem(POLAR_CRS).toWkt())
@@ -779,9 +773,7 @@ def world_surface(path: Path) -> None:
     half = heights.grid.world_px(zoom) / 2.0
     made.SetGeoTransform(((left - half) * size_m, size_m, 0.0, (half - top) * size_m, 0.0, -size_m))
     made.GetRasterBand(1).WriteArray(pixels)
-    gdal.Warp(
-        str(path), made, dstSRS="EPSG:32616", xRes=0.5, yRes=0.5, resampleAlg="bilinear", dstNodata=-9999
-    )
+    gdal.Warp(str(path), made, dstSRS="EPSG:32616", xRes=0.5, yRes=0.5, resampleAlg="bilinear", dstNodata=-9999)
 
 
 # --- scenes: around the panel
@@ -790,9 +782,7 @@ def world_surface(path: Path) -> None:
 def algorithms(stage: Stage) -> None:
     """The plan's algorithm, from the toolbox."""
     stage.begin(FIRST)
-    dialog = processing.createAlgorithmDialog(
-        "terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "FRONT_OVERLAP": 25}
-    )
+    dialog = processing.createAlgorithmDialog("terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "FRONT_OVERLAP": 25})
     dialog.show()
     dialog.resize(980, 640)
     dialog.setFocus()

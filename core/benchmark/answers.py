@@ -135,10 +135,7 @@ class Predictions:
         cls, benchmark: Benchmark, index: Sequence[int], answers: Sequence[Answer], seconds: Sequence[float]
     ) -> Predictions:
         """Predictions of answers; raises InvalidInput where one names no tile, one twice, or too many."""
-        ranked = [
-            _ranked(benchmark, answer.references, benchmark.queries.id[at])
-            for at, answer in zip(index, answers)
-        ]
+        ranked = [_ranked(benchmark, answer.references, benchmark.queries.id[at]) for at, answer in zip(index, answers)]
         return cls._from_rankings(benchmark, index, ranked, answers, seconds)
 
     @classmethod
@@ -204,9 +201,7 @@ class Predictions:
                 raise InvalidInput("{0} query {1!r} is not in the benchmark", where, name)
             if met.setdefault(name, number) != number:
                 raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, met[name])
-            values = checked_pose(
-                {one: read_number(cells.get(one, ""), f"{where} {one}") for one in POSE}, where
-            )
+            values = checked_pose({one: read_number(cells.get(one, ""), f"{where} {one}") for one in POSE}, where)
             try:
                 references = tuple(cells.get("references", "").split())
                 ranked.append(_ranked(benchmark, references, name))

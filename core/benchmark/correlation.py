@@ -147,9 +147,7 @@ class _Correlation:
         return [self._ids[at] for at in np.argsort(-score, kind="stable")[:_RANKED].tolist()]
 
 
-def _seen_from_above(
-    query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int
-) -> _Patch | None:
+def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
     """A query on the reference's pixels, as if its camera stood at a place; None where it has no room on them."""
     agl = query.height_m - query.ground_m
     ground = WGS84.raised(query.ground_m)
@@ -208,9 +206,7 @@ def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.comple
     return np.fft.rfft2(around), np.fft.rfft2(around * around)
 
 
-def _agreement(
-    patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]
-) -> Floats | None:
+def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]) -> Floats | None:
     """Correlation coefficients (h, w) of a patch at each place where it lies within a reference of a shape."""
     high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
     own = float((patch.grey * patch.grey).sum())

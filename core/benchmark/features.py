@@ -63,9 +63,7 @@ class _Features:
     def __init__(self, kind: str, benchmark: Benchmark, gallery: Numbers) -> None:
         self._cv, self._kind = _opencv(), _KINDS[kind]
         self._mosaic = benchmark.mosaic
-        found = [
-            self._found(block, left, top) for block, left, top in _blocks(benchmark.grey(self._mosaic.file))
-        ]
+        found = [self._found(block, left, top) for block, left, top in _blocks(benchmark.grey(self._mosaic.file))]
         self._points = np.concatenate([points for points, _ in found])
         self._descriptors = np.concatenate([one for _, one in found if one is not None])
         self._matcher = self._cv.BFMatcher(getattr(self._cv, self._kind.norm))
@@ -148,9 +146,7 @@ def _blocks(grey: Bytes) -> Iterator[tuple[Bytes, int, int]]:
     for top in range(0, high, _BLOCK_PX):
         for left in range(0, wide, _BLOCK_PX):
             yield (
-                np.ascontiguousarray(
-                    grey[top : top + _BLOCK_PX + _SHARED_PX, left : left + _BLOCK_PX + _SHARED_PX]
-                ),
+                np.ascontiguousarray(grey[top : top + _BLOCK_PX + _SHARED_PX, left : left + _BLOCK_PX + _SHARED_PX]),
                 left,
                 top,
             )

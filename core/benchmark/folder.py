@@ -388,9 +388,7 @@ class Benchmark:
         ):
             for one in named:
                 if one not in known:
-                    raise InvalidInput(
-                        "{0}: names {1!r}, which is not there", self.folder / POSITIVES_FILE, one
-                    )
+                    raise InvalidInput("{0}: names {1!r}, which is not there", self.folder / POSITIVES_FILE, one)
 
     @cached_property
     def query_at(self) -> dict[str, int]:
@@ -504,12 +502,8 @@ def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
     for number, row in lines:
         for name, is_number in kinds.items():
             text = row[at[name]]
-            cells[name].append(
-                read_number(text, f"table {path}, line {number}: {name}") if is_number else text
-            )
-    return {
-        name: np.array(found, np.float64) if kinds[name] else tuple(found) for name, found in cells.items()
-    }
+            cells[name].append(read_number(text, f"table {path}, line {number}: {name}") if is_number else text)
+    return {name: np.array(found, np.float64) if kinds[name] else tuple(found) for name, found in cells.items()}
 
 
 def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int, list[str]]]:

@@ -112,9 +112,7 @@ class Pairs:
         queries, references = self.benchmark.queries, self.benchmark.references
         found = (
             self._pixels([files[row] for row in rows[at].tolist()], size)
-            for files, rows, size in zip(
-                (queries.file, references.file), (self.query, self.reference), self.sizes
-            )
+            for files, rows, size in zip((queries.file, references.file), (self.query, self.reference), self.sizes)
         )
         return (next(found), next(found)), self.values[at]
 

@@ -162,9 +162,7 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
         )
 
 
-def _write_truth(
-    path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: Shares
-) -> Message | None:
+def _write_truth(path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: Shares) -> Message | None:
     whole = captured(path / REFERENCE_FOLDER / MOSAIC, worked_out.mosaic)
     if not len(whole.rows):
         raise OutputError(
@@ -187,9 +185,7 @@ def _write_truth(
     references.write(path / REFERENCES_FILE)
     find_positives(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
     # Last, so that a benchmark that says where its mosaic lies is whole.
-    write_whole(
-        path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})
-    )
+    write_whole(path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)}))
     return hint
 
 
@@ -224,9 +220,7 @@ def _parts(
     sets.update((tiles_folder(width), tiles) for width, tiles in worked_out.tiles.items())
     there = {name: captured(path / name, one) for name, one in sets.items()}
     boxes, names = _ground(path, there)
-    part, _, _ = split_blocks(
-        boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m)
-    )
+    part, _, _ = split_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
     hint = _hint(worked_out, boxes, names, shares, part)

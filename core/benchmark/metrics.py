@@ -123,9 +123,7 @@ def position_figures(errors_m: Floats, within_m: Sequence[float] = WITHIN_M) -> 
     return Shares(_median(errors_m), tuple(float((errors_m <= limit).mean()) for limit in within_m))
 
 
-def pose_figures(
-    errors_m: Floats, errors_deg: Floats, within: Sequence[tuple[float, float]] = WITHIN_M_DEG
-) -> Shares:
+def pose_figures(errors_m: Floats, errors_deg: Floats, within: Sequence[tuple[float, float]] = WITHIN_M_DEG) -> Shares:
     """Median of the angles, and shares of poses (q,) whose position and attitude are both below limits (OrthoLoC)."""
     both = tuple(float(((errors_m < m) & (errors_deg < deg)).mean()) for m, deg in within)
     return Shares(_median(errors_deg), both)

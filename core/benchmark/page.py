@@ -100,9 +100,7 @@ def scores_document(scores: Scores, title: str) -> dict[str, Any]:
         "part": scores.part or ALL,
         "tiles": scores.tiles,
         "groups": {
-            name: [
-                {**one._asdict(), "value": one.value if math.isfinite(one.value) else None} for one in figures
-            ]
+            name: [{**one._asdict(), "value": one.value if math.isfinite(one.value) else None} for one in figures]
             for name, figures in scores.groups.items()
         },
     }
@@ -225,9 +223,7 @@ def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         for low, high, colour in zip(bounds, bounds[1:], _STEP_COLOURS):
             some = rows[(errors.error_m[rows] >= low) & (errors.error_m[rows] < high)]
             label = f"up to {high:g} m" if math.isfinite(high) else f"farther than {low:g} m"
-            axes.scatter(
-                x[some], y[some], s=28, color=colour, edgecolors="white", linewidths=0.6, label=label
-            )
+            axes.scatter(x[some], y[some], s=28, color=colour, edgecolors="white", linewidths=0.6, label=label)
         some = rows[~np.isfinite(errors.error_m[rows])]
         axes.scatter(x[some], y[some], s=22, color=BLACK, marker="x", linewidths=1.2, label="no answer")
         axes.set_title(label_of(name), fontsize=FONT["label"], loc="left")
@@ -284,9 +280,7 @@ def _turned(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
     return square, float(side / queries.fx_px[index] * above_m)
 
 
-def _around(
-    whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float
-) -> Image.Image:
+def _around(whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float) -> Image.Image:
     """Square of the mosaic around a place; black where there is none, as of a prediction anywhere on the Earth."""
     mosaic = benchmark.mosaic
     lat, lon = place

@@ -149,10 +149,7 @@ class BenchmarkPlan:
         return {
             f"{REFERENCE_FOLDER}/{MOSAIC}": (reference, self.mosaic),
             **{tiles_folder(width): (reference, one) for width, one in self.tiles.items()},
-            **{
-                f"{QUERIES_FOLDER}/{one.name}": (one, self.queries[one.name])
-                for one in self.settings.imageries
-            },
+            **{f"{QUERIES_FOLDER}/{one.name}": (one, self.queries[one.name]) for one in self.settings.imageries},
         }
 
 
@@ -228,9 +225,7 @@ def _cut(mosaic: Plan) -> Plan:
     right = np.minimum(windows.left_px + windows.width_px, east)
     lower = np.minimum(windows.top_px + windows.height_px, bottom)
     if (right <= left).any() or (lower <= upper).any():
-        raise InvalidInput(
-            "reference {0}: has no imagery where the queries are", mosaic.mission.imagery.source
-        )
+        raise InvalidInput("reference {0}: has no imagery where the queries are", mosaic.mission.imagery.source)
     size = (right - left).astype(np.int64), (lower - upper).astype(np.int64)
     return replace(mosaic, windows=Windows(left.astype(np.int64), upper.astype(np.int64), *size))
 
@@ -305,13 +300,9 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
     # At the latitude that is nearest to the equator the box is widest.
     widest = 0.0 if box.south_deg <= 0.0 <= box.north_deg else min(abs(box.south_deg), abs(box.north_deg))
     width_m = (
-        math.radians(box.span_deg)
-        * float(WGS84.normal_radius_m(np.array(widest)))
-        * math.cos(math.radians(widest))
+        math.radians(box.span_deg) * float(WGS84.normal_radius_m(np.array(widest))) * math.cos(math.radians(widest))
     )
-    height_m = math.radians(box.north_deg - box.south_deg) * float(
-        WGS84.meridional_radius_m(np.array(middle))
-    )
+    height_m = math.radians(box.north_deg - box.south_deg) * float(WGS84.meridional_radius_m(np.array(middle)))
     width_m, height_m = width_m * _SPARE, height_m * _SPARE
     px = math.ceil(max(width_m, height_m) / gsd_m)
     camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
@@ -354,9 +345,7 @@ def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
             _LEAST_TILE_PX * m_per_px,
         )
     across, down = (_steps(length, min(side, length), settings.tile_overlap) for length in (wide, high))
-    row, column = (
-        part.ravel() for part in np.meshgrid(np.arange(len(down)), np.arange(len(across)), indexing="ij")
-    )
+    row, column = (part.ravel() for part in np.meshgrid(np.arange(len(down)), np.arange(len(across)), indexing="ij"))
     size = tuple(np.full(len(row), min(side, length), np.int64) for length in (wide, high))
     windows = Windows(left + across[column], top + down[row], *size)
     lat, lon = window_centres(windows, grid, zoom)

@@ -26,8 +26,7 @@ def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
     """Method that says the middle of the reference, whatever it is asked: what every other has to beat."""
     mosaic = benchmark.mosaic
     lat, lon = (
-        float(angle)
-        for angle in mosaic.ground(np.array(mosaic.width_px / 2.0), np.array(mosaic.height_px / 2.0))
+        float(angle) for angle in mosaic.ground(np.array(mosaic.width_px / 2.0), np.array(mosaic.height_px / 2.0))
     )
     tiles = benchmark.references
     far = np.hypot(tiles.lat_deg[gallery] - lat, (tiles.lon_deg[gallery] - lon) * math.cos(math.radians(lat)))
@@ -48,9 +47,7 @@ def method_named(name: str) -> Method:
         return getattr(importlib.import_module(module, __package__), function)  # type: ignore[no-any-return]
     module, colon, function = name.partition(":")
     if not colon:
-        raise InvalidInput(
-            "method {0!r}: must be one of {1}, or module:function of your own", name, ", ".join(METHODS)
-        )
+        raise InvalidInput("method {0!r}: must be one of {1}, or module:function of your own", name, ", ".join(METHODS))
     # As with `python -m`: modules of the current folder are found.
     if "" not in sys.path:
         sys.path.insert(0, "")
@@ -61,9 +58,7 @@ def method_named(name: str) -> Method:
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
         locate = called(name, found, benchmark, gallery)
         if not callable(locate):
-            raise InvalidInput(
-                "method {0}: returns {1}, which is no function of a query", name, words_of(locate, repr)
-            )
+            raise InvalidInput("method {0}: returns {1}, which is no function of a query", name, words_of(locate, repr))
         tiles = len(benchmark.references)
         return lambda query: called(name, _answered, locate, query, tiles)
 
@@ -125,9 +120,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
     """Answer of a method as plain values: those of a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
-        raise InvalidInput(
-            "method: answers {0} with {1}, which is no Answer", query.id, words_of(answer, repr)
-        )
+        raise InvalidInput("method: answers {0} with {1}, which is no Answer", query.id, words_of(answer, repr))
     try:
         # One more than there are is enough to be refused: a generator may have no end.
         references = tuple(islice(iter(answer.references), tiles + 1))

@@ -232,18 +232,14 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
         found += _ranking_figures(judged, tiles)
     if judged.is_placed:
         position = metrics.position_figures(errors.error_m)
-        found.append(
-            Figure("position", position.median, "m", "median error along the ground, of those answered")
-        )
+        found.append(Figure("position", position.median, "m", "median error along the ground, of those answered"))
         found += [
             Figure(f"within {limit:g} m", share, "", "of all queries, along the ground")
             for limit, share in zip(metrics.WITHIN_M, position.within)
         ]
     if judged.is_posed:
         pose = metrics.pose_figures(errors.distance_m, errors.error_deg)
-        found.append(
-            Figure("attitude", pose.median, "deg", "median angle between attitudes, of those answered")
-        )
+        found.append(Figure("attitude", pose.median, "deg", "median angle between attitudes, of those answered"))
         found += [
             Figure(f"within {m:g} m, {deg:g} deg", share, "", "of all queries, in space (OrthoLoC)")
             for (m, deg), share in zip(metrics.WITHIN_M_DEG, pose.within)
@@ -258,9 +254,7 @@ def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
     findable = judged.positives > 0
     hits, counts = judged.hits[findable], judged.positives[findable]
     rest = int((~findable).sum())
-    of_what = f"of {len(counts):,} queries that have a tile that is right" + (
-        f", {rest:,} have none" if rest else ""
-    )
+    of_what = f"of {len(counts):,} queries that have a tile that is right" + (f", {rest:,} have none" if rest else "")
     found = [
         Figure(f"recall@{k}", metrics.recall(hits, k), "", f"a right tile among the first {k}, {of_what}")
         for k in RANKS
@@ -277,9 +271,7 @@ def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
         )
     found += [
         Figure("AP", metrics.average_precision(hits, counts), "", "mean of precisions at hits (GTA-UAV)"),
-        Figure(
-            "AP trapezoid", metrics.trapezoid_precision(hits, counts), "", "University-1652's and DenseUAV's"
-        ),
+        Figure("AP trapezoid", metrics.trapezoid_precision(hits, counts), "", "University-1652's and DenseUAV's"),
     ]
     for k in RANKS[:2]:
         weights = f"first {k} tiles, weights {k} to 1" if k > 1 else "first tile"

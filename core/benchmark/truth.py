@@ -158,9 +158,7 @@ def find_positives(
     rows: list[tuple[str, str, str, float]] = []
     for index, (lat, lon) in enumerate(_outlines(worked_out, queries)):
         x, y = mosaic.xy(lat, lon)
-        near = np.flatnonzero(
-            (edges[0] < x.max()) & (edges[2] > x.min()) & (edges[1] < y.max()) & (edges[3] > y.min())
-        )
+        near = np.flatnonzero((edges[0] < x.max()) & (edges[2] > x.min()) & (edges[1] < y.max()) & (edges[3] > y.min()))
         if not len(near):
             continue
         west, south, east, north = (edge[near] for edge in edges)
@@ -189,9 +187,7 @@ def _outlines(worked_out: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Flo
         yield outline.lat_deg, plan.lon_deg[index] + outline.dlon_deg
 
 
-def _rectangles_m2(
-    mosaic: ReferenceMosaic, west: Floats, south: Floats, east: Floats, north: Floats
-) -> Floats:
+def _rectangles_m2(mosaic: ReferenceMosaic, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
     """Ground of rectangles of the reference's plane, (r,)."""
     x, y = np.stack([west, east, east, west], axis=1), np.stack([south, south, north, north], axis=1)
     lat, lon = mosaic.lat_lon(x, y)

@@ -74,11 +74,7 @@ def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
 def _mission_settings(mission: Mission) -> dict[str, Any]:
     """Settings of a mission by part, with defaults, which mission files leave out."""
     parts = {one.name: getattr(mission, one.name) for one in fields(mission)}
-    plain = {
-        name: asdict(part)
-        for name, part in parts.items()
-        if part is not None and name not in ("area", "no_fly")
-    }
+    plain = {name: asdict(part) for name, part in parts.items() if part is not None and name not in ("area", "no_fly")}
     area = {"type": type(mission.area).__name__.lower(), **asdict(mission.area)}
     return {"area": area, **plain, "no_fly": [asdict(polygon) for polygon in mission.no_fly]}
 
@@ -157,9 +153,5 @@ def _shown(value: Any) -> Message | str:
     if isinstance(value, str):
         return shortened(value, 60)
     if isinstance(value, dict):
-        return (
-            Message("{0:,} values", value["values"])
-            if isinstance(value.get("values"), int)
-            else Message("others")
-        )
+        return Message("{0:,} values", value["values"]) if isinstance(value.get("values"), int) else Message("others")
     return shortened(json.dumps(value, ensure_ascii=False), 60)

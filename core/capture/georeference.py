@@ -62,13 +62,9 @@ class Georeference:
     def __post_init__(self) -> None:
         edges = (self.west_m, self.south_m, self.east_m, self.north_m)
         if not (all(map(math.isfinite, edges)) and self.west_m < self.east_m and self.south_m < self.north_m):
-            raise InvalidInput(
-                "edges {0} m (west, south, east, north): need west < east and south < north", edges
-            )
+            raise InvalidInput("edges {0} m (west, south, east, north): need west < east and south < north", edges)
         if self.width_px < 1 or self.height_px < 1:
-            raise InvalidInput(
-                "image of {0} x {1} px: needs at least one pixel", self.width_px, self.height_px
-            )
+            raise InvalidInput("image of {0} x {1} px: needs at least one pixel", self.width_px, self.height_px)
 
     @property
     def pixel_size_m(self) -> tuple[float, float]:
@@ -220,9 +216,7 @@ def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:
 
 def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> str:
     """GDAL's auxiliary file, with given elements for the place of the image."""
-    items = "".join(
-        f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
-    )
+    items = "".join(f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items())
     of_bands = "" if bands is None else _pam_bands(bands)
     return f"<PAMDataset>\n{place}  <Metadata>\n{items}  </Metadata>\n{of_bands}</PAMDataset>\n"
 

@@ -175,9 +175,7 @@ class Lease:
     def _busy(self) -> OutputError:
         place = self._path.parent
         if is_address(place):
-            return OutputError(
-                "address {0}: another run is at work there", place, remedy="wait until it has ended"
-            )
+            return OutputError("address {0}: another run is at work there", place, remedy="wait until it has ended")
         return OutputError("folder {0}: another run is at work in it", place)
 
     def _taken(self) -> OutputError:

@@ -82,9 +82,7 @@ class CaptureJournal(ABC):
 class ImageJournal(CaptureJournal):
     """Journal with a line for each image, in a folder of this machine."""
 
-    def __init__(
-        self, plan: Plan, root: Path, chosen: Numbers, journal: Journal, hold: Callable[[], None]
-    ) -> None:
+    def __init__(self, plan: Plan, root: Path, chosen: Numbers, journal: Journal, hold: Callable[[], None]) -> None:
         self.root, self.images = root, len(chosen)
         self._plan, self._chosen, self._journal, self._hold = plan, chosen, journal, hold
         self._names = set(plan.names)

@@ -95,9 +95,7 @@ class Outcome:
         """Outcome of a line, or None where the line is torn."""
         try:
             fields = parse_json(line)
-            sky, unmapped, facades = (
-                float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade")
-            )
+            sky, unmapped, facades = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade"))
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
             sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
             # Comparisons with NaN are false.
@@ -147,9 +145,7 @@ class Journal:
         try:
             with open_own(self._path, "rb", buffering=1 << 20) as file:
                 if os.fstat(file.fileno()).st_size > MAX_TABLE_BYTES:
-                    raise OutputError(
-                        "journal {0}: cannot be read ({1})", self._path, larger_than(MAX_TABLE_BYTES)
-                    )
+                    raise OutputError("journal {0}: cannot be read ({1})", self._path, larger_than(MAX_TABLE_BYTES))
                 while line := file.readline(MAX_JOURNAL_LINE_BYTES):
                     self._take(line)
         except FileNotFoundError:
@@ -230,6 +226,4 @@ class Journal:
         self.outcomes[outcome.map_type, outcome.name] = outcome
 
     def _unwritable(self, wrong: OSError) -> OutputError:
-        return OutputError(
-            "folder {0}: cannot write {1} ({2})", self._path.parent, self._path.name, wrong.strerror
-        )
+        return OutputError("folder {0}: cannot write {1} ({2})", self._path.parent, self._path.name, wrong.strerror)

@@ -38,14 +38,10 @@ DEFAULT_CONNECTIONS = 8
 def check_source(plan: Plan, source: Source | NamedSource) -> None:
     """Raise InvalidInput for a source without the plan's grid or map types, or with bands that cannot be written."""
     if source.grid != plan.grid:
-        raise InvalidInput(
-            "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
-        )
+        raise InvalidInput("plan is for another pixel grid than that of {0}: plan with the source's own", source.title)
     for map_type in plan.mission.imagery.map_types:
         if source.map_types and map_type not in source.map_types:
-            raise InvalidInput(
-                "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
-            )
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types))
     bands, output = bands_of(source), plan.mission.output
     if output.image_format != "tif" and not bands.are_colours:
         raise InvalidInput(

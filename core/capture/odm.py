@@ -91,9 +91,7 @@ def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
 
 
 def _camera(sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:
-    width, height, focal_x, focal_y = (
-        (sizes_and_focals.min(axis=0) + sizes_and_focals.max(axis=0)) / 2.0
-    ).tolist()
+    width, height, focal_x, focal_y = ((sizes_and_focals.min(axis=0) + sizes_and_focals.max(axis=0)) / 2.0).tolist()
     longer = max(width, height)
     return {
         "projection_type": "brown",

@@ -90,9 +90,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         The image cannot be written.
     """
-    picture, sky, unmapped, facades = draw(
-        job.shot, parts, pixels, masked=job.masked, bands=job.bands, walls=job.walls
-    )
+    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands, walls=job.walls)
     picture = resized(picture, job.img_size, job.bands)
     description = job.description
     if isinstance(job.shot, Shot):
@@ -101,13 +99,9 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         plan, folder = job.products
         for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
             limits = [_value_range(values[..., band]) for band in range(len(BANDS[name]))]
-            write_picture(
-                folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write
-            )
+            write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write)
     if job.bands == RGB:
-        size_bytes = write_picture(
-            job.folder, job.image_format, picture, job.place, description, write=job.write
-        )
+        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, write=job.write)
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
     else:
         bands, ranges = _written(job)
@@ -262,9 +256,7 @@ def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> 
     if plan.direct.has_times:
         camera["time_utc"] = tuple(clock(plan.direct.start, plan.times_s[at])) if len(at) else ()
     if plan.mission.output.img_size:
-        image_width, image_height = (
-            np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]
-        )
+        image_width, image_height = (np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2])
     if not plan.relief.is_level:
         camera.update(height_m=plan.height_m[at])
         camera.update(facade_share=np.array([row.facade_share for row in rows], np.float64))

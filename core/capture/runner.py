@@ -128,9 +128,7 @@ def capture(
                 )
             else:
                 if isinstance(source, NamedSource):
-                    raise InvalidInput(
-                        "source {0!r}: must be opened, but for a capture in blocks", source.text
-                    )
+                    raise InvalidInput("source {0!r}: must be opened, but for a capture in blocks", source.text)
                 check_source(plan, source)
                 journal = opened.enter_context(
                     ImageJournal.opened(plan, root, only, resume=resume, only_failed=only_failed)
@@ -166,9 +164,7 @@ class CaptureRun:
         The journal is of another plan, or a folder cannot be read.
     """
 
-    def __init__(
-        self, journal: CaptureJournal, maker: Maker, reporter: Reporter, *, only_failed: bool
-    ) -> None:
+    def __init__(self, journal: CaptureJournal, maker: Maker, reporter: Reporter, *, only_failed: bool) -> None:
         self._journal, self._maker, self._reporter = journal, maker, reporter
         self._plan, self._source = maker.parts.plan, maker.parts.source
         self._map_types = self._plan.mission.imagery.map_types
@@ -198,9 +194,7 @@ class CaptureRun:
         """Make the images, then the tables; returns False where the listener stopped it."""
         for map_types in self._maker.rounds(self._map_types):
             try:
-                complete = self._maker.make(
-                    [piece for map_type in map_types for piece in self._pieces[map_type]], self
-                )
+                complete = self._maker.make([piece for map_type in map_types for piece in self._pieces[map_type]], self)
             finally:
                 self._finish(map_types)
             if not complete:
@@ -274,9 +268,7 @@ class CaptureRun:
     def result(self, *, cancelled: bool) -> CaptureResult:
         """Return what the run has done."""
         order = {name: at for at, name in enumerate(self._plan.names)} if self._failures else {}
-        failures = sorted(
-            self._failures, key=lambda one: (self._map_types.index(one.map_type), order[one.name])
-        )
+        failures = sorted(self._failures, key=lambda one: (self._map_types.index(one.map_type), order[one.name]))
         return CaptureResult(
             folder=self._journal.root,
             total=self._total,

@@ -124,15 +124,11 @@ def combined(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResul
         folder=folder,
         total=sum(one.total for one in done),
         written=sum(one.written for one in done),
-        failed=tuple(
-            replace(failure, map_type=name) for name, one in results.items() for failure in one.failed
-        ),
+        failed=tuple(replace(failure, map_type=name) for name, one in results.items() for failure in one.failed),
         skipped=sum(one.skipped for one in done),
         requests=sum(one.requests for one in done),
         unique_parts=sum(one.unique_parts for one in done),
         seconds=sum(one.seconds for one in done),
         cancelled=any(one.cancelled for one in done),
-        repeated=tuple(
-            replace(repeat, map_type=name) for name, one in results.items() for repeat in one.repeated
-        ),
+        repeated=tuple(replace(repeat, map_type=name) for name, one in results.items() for repeat in one.repeated),
     )

@@ -220,9 +220,7 @@ def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
     """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), each row's most significant first (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
-        np.ascontiguousarray(pixels, f">f{pixels.itemsize}")
-        .view(np.uint8)
-        .reshape(height, width * channels, -1)
+        np.ascontiguousarray(pixels, f">f{pixels.itemsize}").view(np.uint8).reshape(height, width * channels, -1)
     )
     return np.ascontiguousarray(high_first.transpose(0, 2, 1)).reshape(height, -1, channels)
 
@@ -233,9 +231,7 @@ def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = 
 
     def say(band: int, name: str, text: str, role: str = "", domain: str = "") -> None:
         more = "".join(f' {key}="{value}"' for key, value in (("role", role), ("domain", domain)) if value)
-        lines.append(
-            f'  <Item name="{xml_text(name)}" sample="{band}"{more}>{xml_text(xml_text(text))}</Item>\n'
-        )
+        lines.append(f'  <Item name="{xml_text(name)}" sample="{band}"{more}>{xml_text(xml_text(text))}</Item>\n')
 
     for band, (name, about) in enumerate(zip(bands.names, bands.each_metadata)):
         if about.is_scaled:
@@ -257,9 +253,7 @@ def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = 
 def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
     """Colour interpretations that TIFF's tags cannot hold, by channel."""
     found = {
-        band: about.colour
-        for band, about in enumerate(bands.each_metadata)
-        if about.colour and band not in bands.shown
+        band: about.colour for band, about in enumerate(bands.each_metadata) if about.colour and band not in bands.shown
     }
     if len(bands.shown) == 3 and bands.shown != (0, 1, 2):
         found = {**dict.fromkeys(range(len(bands)), "Undefined"), **found}
@@ -276,9 +270,7 @@ def png(pixels: PixelValues, description: Description) -> bytes:
     for key, value in {**texts, **description.metadata()}.items():
         info.add_text(key, value)
     buffer = io.BytesIO()
-    Image.fromarray(pixels).save(
-        buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY
-    )
+    Image.fromarray(pixels).save(buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY)
     return buffer.getvalue()
 
 
@@ -314,9 +306,7 @@ def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
         changes = differences[: len(strip)]
         changes[:, 0] = strip[:, 0]
         np.subtract(strip[:, 1:], strip[:, :-1], out=changes[:, 1:])
-        pack = zlib.compressobj(
-            _ZLIB_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, _ZLIB_STRATEGY
-        )
+        pack = zlib.compressobj(_ZLIB_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, _ZLIB_STRATEGY)
         strips.append(pack.compress(changes.data) + pack.flush())
     return strips
 
@@ -331,9 +321,7 @@ def _strip_file(tags: list[Tag], strips: list[bytes]) -> bytes:
         return Tag(273, TagType.LONG, offsets)
 
     length = len(directory([*tags, strip_offsets(0)], HEADER_BYTES))
-    return b"".join(
-        [header(), directory([*tags, strip_offsets(HEADER_BYTES + length)], HEADER_BYTES), *strips]
-    )
+    return b"".join([header(), directory([*tags, strip_offsets(HEADER_BYTES + length)], HEADER_BYTES), *strips])
 
 
 def _description_items(description: Description) -> str:

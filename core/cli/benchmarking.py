@@ -251,9 +251,7 @@ def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> P
     return scores_folder(benchmark.folder, name, arguments.part or "")
 
 
-def _judge(
-    arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path
-) -> int:
+def _judge(arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path) -> int:
     from ..benchmark.page import scores_document, write_scores
     from ..benchmark.scoring import score
 
@@ -274,8 +272,5 @@ def _print_scores(scores: Scores) -> None:
     rows = [("", *scores.groups, ""), *figure_rows(scores.groups)]
     widths = [max(len(row[at]) for row in rows) for at in range(len(rows[0]) - 1)]
     for row in rows:
-        cells = (
-            cell.rjust(width) if at else cell.ljust(width)
-            for at, (cell, width) in enumerate(zip(row, widths))
-        )
+        cells = (cell.rjust(width) if at else cell.ljust(width) for at, (cell, width) in enumerate(zip(row, widths)))
         print(printable("  ".join([*cells, row[-1]]).rstrip()))

@@ -71,9 +71,7 @@ def add_config(command: argparse.ArgumentParser) -> None:
 
 def add_consent(command: argparse.ArgumentParser) -> None:
     """Add ``--accept-terms``."""
-    command.add_argument(
-        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
-    )
+    command.add_argument("--accept-terms", action="store_true", help="agree to the terms of a source that asks for it")
 
 
 def add_dataset_commands(commands: Any) -> None:
@@ -98,13 +96,9 @@ def _add_clean(commands: Any) -> None:
         help="reject images below it, 0 to 8 (default %(default)s); the roadmap's entropies decide for all map types",
     )
     what = cleaning.add_mutually_exclusive_group()
-    what.add_argument(
-        "--move", action="store_true", help="also move them to a folder `rejected` beside the others"
-    )
+    what.add_argument("--move", action="store_true", help="also move them to a folder `rejected` beside the others")
     what.add_argument("--undo", action="store_true", help="move all images back, and take the marks away")
-    cleaning.add_argument(
-        "--dry-run", action="store_true", help="change nothing in the dataset, print the counts"
-    )
+    cleaning.add_argument("--dry-run", action="store_true", help="change nothing in the dataset, print the counts")
     cleaning.add_argument(
         "--plot",
         metavar="DIR",
@@ -115,9 +109,7 @@ def _add_clean(commands: Any) -> None:
 
 
 def _add_split(commands: Any) -> None:
-    splitting = commands.add_parser(
-        "split", help="divide the images of a dataset into training, validation and test"
-    )
+    splitting = commands.add_parser("split", help="divide the images of a dataset into training, validation and test")
     splitting.add_argument("folder", metavar="OUT", help="the dataset's folder")
     splitting.add_argument(
         "--shares",
@@ -200,9 +192,7 @@ def _add_load(commands: Any) -> None:
     loading.add_argument(
         "--workers", type=int, default=0, metavar="N", help="threads of numpy, processes of torch (default 0)"
     )
-    loading.add_argument(
-        "--no-augment", action="store_true", help="show images of the training part as they are, too"
-    )
+    loading.add_argument("--no-augment", action="store_true", help="show images of the training part as they are, too")
     for name in ("contrast", "brightness"):
         loading.add_argument(
             f"--{name}", type=float, metavar="SHARE", help=f"augment {name} as well, 0 to 1 either way"
@@ -268,9 +258,7 @@ def _add_views(group: Any) -> None:
     group.add_argument("--heights", nargs="+", type=float, metavar="M", help="above the ground (256 121.5)")
     how = group.add_mutually_exclusive_group()
     how.add_argument("--yaws", type=int, metavar="N", help="a ring of N views at each height")
-    how.add_argument(
-        "--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)"
-    )
+    how.add_argument("--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)")
     group.add_argument("--rounds", type=float, metavar="N", help="of the spiral (3)")
     group.add_argument(
         "--tilt",
@@ -339,9 +327,7 @@ def _add_export(commands: Any) -> None:
         "export",
         help="write a dataset, its camera frames with their poses, or a benchmark for other programs",
     )
-    exporting.add_argument(
-        "folder", metavar="OUT", help="the folder of the dataset or benchmark; it is only read"
-    )
+    exporting.add_argument("folder", metavar="OUT", help="the folder of the dataset or benchmark; it is only read")
     exporting.add_argument(
         "target",
         nargs="?",

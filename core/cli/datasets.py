@@ -79,9 +79,7 @@ def run_clean(arguments: argparse.Namespace) -> int:
 def _cleaned(one: Cleaned, threshold: float) -> str:
     text = f"{one.images:,} images, {one.rejected:,} rejected (entropy below {threshold:g}"
     if one.by_roadmap:
-        text += " of the roadmap" + (
-            "" if one.by_roadmap == one.images else f" for {one.by_roadmap:,} of them"
-        )
+        text += " of the roadmap" + ("" if one.by_roadmap == one.images else f" for {one.by_roadmap:,} of them")
     text += ")"
     if one.failed:
         text += f", {one.failed:,} failed before"
@@ -128,9 +126,7 @@ def run_split(arguments: argparse.Namespace) -> int:
 
 def _split_lines(made: Split) -> list[str]:
     shares = made.shares
-    lines = [
-        f"{part:12s}{count:,} images ({100.0 * shares[part]:.1f} %)" for part, count in made.images.items()
-    ]
+    lines = [f"{part:12s}{count:,} images ({100.0 * shares[part]:.1f} %)" for part, count in made.images.items()]
     if made.gap:
         lines.append(f"{'gap':12s}{made.gap:,} images in no part: too near to another part's ground")
         if made.gap > sum(made.images.values()):
@@ -144,9 +140,7 @@ def _split_lines(made: Split) -> list[str]:
     if made.blocks is not None:
         lines.append(f"{'blocks':12s}{made.blocks:,} of {made.block_m:,.0f} m, gap {made.gap_m:g} m")
     labels = made.labels
-    lines.append(
-        f"{'labels':12s}{labels.frame.crs} ({labels.frame.name}), scaled by {labels.images:,} images"
-    )
+    lines.append(f"{'labels':12s}{labels.frame.crs} ({labels.frame.name}), scaled by {labels.images:,} images")
     return [*lines, *(f"{'':12s}{note}" for note in labels.notes)]
 
 
@@ -188,9 +182,7 @@ def run_load(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _loader(
-    arguments: argparse.Namespace, values: dict[str, Any]
-) -> tuple[LabelledImages, Iterable[tuple[Any, Any]]]:
+def _loader(arguments: argparse.Namespace, values: dict[str, Any]) -> tuple[LabelledImages, Iterable[tuple[Any, Any]]]:
     """The samples, and the iterable of batches of the loader that was chosen."""
     size, workers = values["batch_size"], arguments.workers
     choice = {
@@ -211,9 +203,7 @@ def _loader(
         from ..dataset.loading import keras_loader
 
         if workers:
-            raise InvalidInput(
-                "workers {0}: must be 0 with keras, which starts its own when it trains", workers
-            )
+            raise InvalidInput("workers {0}: must be 0 with keras, which starts its own when it trains", workers)
         of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
         return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))
     from ..dataset.loading import Batches, LabelledImages
@@ -228,9 +218,7 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
     contrast, brightness = arguments.contrast, arguments.brightness
     if arguments.no_augment:
         if contrast is not None or brightness is not None:
-            raise InvalidInput(
-                "--no-augment: goes with neither --contrast nor --brightness", remedy="leave one out"
-            )
+            raise InvalidInput("--no-augment: goes with neither --contrast nor --brightness", remedy="leave one out")
         return None
     if contrast is None and brightness is None:
         return "auto"
@@ -264,9 +252,7 @@ def _load_document(
     }
 
 
-def _print_load(
-    arguments: argparse.Namespace, samples: LabelledImages, shapes: Counter[Any], seconds: float
-) -> None:
+def _print_load(arguments: argparse.Namespace, samples: LabelledImages, shapes: Counter[Any], seconds: float) -> None:
     height, width, channels = samples.shape
     part = "all parts" if samples.part == "all" else f"part {samples.part}"
     print(
@@ -274,15 +260,11 @@ def _print_load(
         f"channel{'s' * (channels > 1)}, {'augmented' if samples.augment is not None else 'not augmented'}"
     )
     columns = "" if tuple(arguments.targets) == (IMAGE,) else f": {', '.join(samples.columns)}"
-    print(
-        f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}{columns}"
-    )
+    print(f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}{columns}")
     for note in samples.labels.notes:
         print(note)
     for (images, labels), count in shapes.items():
-        print(
-            f"{count:,} batch{'es' * (count > 1)}: images {images} {samples.dtype}, labels {labels} float32"
-        )
+        print(f"{count:,} batch{'es' * (count > 1)}: images {images} {samples.dtype}, labels {labels} float32")
     print(f"{len(samples) / seconds:,.0f} images per second ({arguments.loader}, {seconds:.2f} s)")
 
 

@@ -152,9 +152,7 @@ def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSou
     return plan(mission, source.grid, _heights(mission, values))
 
 
-def _aligned(
-    mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid
-) -> Mission:
+def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
     """Mission whose rows are aligned as asked for; says what that gains."""
     if arguments.align is None:
         return mission
@@ -250,8 +248,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission, values = _settings(arguments)
     each = mission.by_imagery
     sources = {
-        name: _source_of(one, values, as_stored=_as_written(one))
-        for name, one in (each or {"": mission}).items()
+        name: _source_of(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
     mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.by_imagery
@@ -348,9 +345,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         each = mission.by_imagery or {"": mission}
         with ended_where(lambda: bool(signals)):
             engine = _engine(arguments, opened)
-        result = _run(
-            mission, each, sources, values, arguments, lambda: bool(signals), engine, in_blocks=in_blocks
-        )
+        result = _run(mission, each, sources, values, arguments, lambda: bool(signals), engine, in_blocks=in_blocks)
     if in_blocks and not result.cancelled and result.written + result.skipped:
         _describe(values["data_dir"])
     _print_result(result, arguments.json)

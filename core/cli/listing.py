@@ -149,9 +149,7 @@ def _add_source(arguments: argparse.Namespace) -> int:
             raise refused(arguments.crs, Message("a URL template"), [MAP])
         if arguments.tile_size is not None:
             given["tile_px"] = arguments.tile_size
-        data = described(
-            arguments.url, **given, default_date=arguments.default_date or "", placeholders=placeholders
-        )
+        data = described(arguments.url, **given, default_date=arguments.default_date or "", placeholders=placeholders)
     added = add(arguments.name, data)
     print(f"{added.name} added: {added.title}")
     print(f"{added.bulk_allowed}: {added.policy.text()}")
@@ -266,11 +264,7 @@ def run_cache(arguments: argparse.Namespace) -> int:
         return DONE
     for file in files:
         what = ", ".join(filter(None, (file.title, file.map_type, file.date)))
-        print(
-            printable(
-                f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}"
-            )
-        )
+        print(printable(f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}"))
         print(printable(f"{'':22s}{file.path.name}"))
     total = sum(file.bytes for file in files)
     where = f"{cache.folder} (limit {size_text(cache.limit_bytes)})"

@@ -113,9 +113,7 @@ def _add_flying(commands: Any) -> None:
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
-    reporting = commands.add_parser(
-        "report", help="measure a mission's error against run time; writes a page"
-    )
+    reporting = commands.add_parser("report", help="measure a mission's error against run time; writes a page")
     _add_mission_options(reporting)
     reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
     add_consent(reporting)
@@ -184,9 +182,7 @@ def _add_benchmark(commands: Any) -> None:
     )
     actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     _add_benchmark_make(actions)
-    running = actions.add_parser(
-        "run", help="answer the queries with a baseline or a method of your own, and judge it"
-    )
+    running = actions.add_parser("run", help="answer the queries with a baseline or a method of your own, and judge it")
     running.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
     running.add_argument(
         "--method",
@@ -197,9 +193,7 @@ def _add_benchmark(commands: Any) -> None:
     running.add_argument("--quiet", action="store_true", help="no progress")
     judging = actions.add_parser("score", help="judge predictions")
     judging.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
-    judging.add_argument(
-        "predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …"
-    )
+    judging.add_argument("predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …")
     for command in (running, judging):
         command.add_argument("--part", choices=PARTS, help="queries of one part; without it all")
         command.add_argument(
@@ -297,9 +291,7 @@ def _share(text: str) -> float:
     try:
         return share(text)
     except ValueError as wrong:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be a share from 0 to below 1, such as 0.5 or 50%"
-        ) from wrong
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a share from 0 to below 1, such as 0.5 or 50%") from wrong
 
 
 def _add_sources(commands: Any) -> None:
@@ -312,9 +304,7 @@ def _add_sources(commands: Any) -> None:
     add_json(listing)
     actions = _add_actions(listing)
 
-    showing = actions.add_parser(
-        "show", help="everything about one, or the layers of a service at an address"
-    )
+    showing = actions.add_parser("show", help="everything about one, or the layers of a service at an address")
     showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or address of a service")
     crs_help = "coordinate reference system of a service's layer, where it has several"
     showing.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
@@ -394,9 +384,7 @@ def _add_cache(commands: Any) -> None:
     actions = caching.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     every = actions.add_parser("list", help="files, their tiles and sizes (also without an action)")
     clearing = actions.add_parser("clear", help="delete the files named, or all of them")
-    clearing.add_argument(
-        "names", nargs="*", metavar="NAME", help="files or titles as `cache list` shows them"
-    )
+    clearing.add_argument("names", nargs="*", metavar="NAME", help="files or titles as `cache list` shows them")
     _add_cache_dir(caching, None)
     add_json(caching)
     for action in (every, clearing):
@@ -405,6 +393,4 @@ def _add_cache(commands: Any) -> None:
 
 
 def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
-    command.add_argument(
-        "--cache-dir", metavar="DIR", default=default, help="another folder than the usual one"
-    )
+    command.add_argument("--cache-dir", metavar="DIR", default=default, help="another folder than the usual one")

@@ -83,9 +83,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     return INCOMPLETE if result.failed or result.left_out else DONE
 
 
-def _sources(
-    settings: PairSettings, values: dict[str, Any], cache: TileCache | None
-) -> dict[str, NamedSource]:
+def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | None) -> dict[str, NamedSource]:
     """Return the satellite's source, and the drone's where that has another imagery."""
     from ..pairs.planning import DRONE, SATELLITE
 
@@ -161,9 +159,7 @@ def _views(arguments: argparse.Namespace) -> tuple[PairView, ...]:
     heights, tilts = arguments.heights or HEIGHTS_M, arguments.tilt or (DEFAULT_TILT_DEG,)
     if arguments.yaws is not None:
         if arguments.rounds is not None:
-            raise InvalidInput(
-                "--yaws and --rounds: rings have no rounds", remedy="give --views for a spiral"
-            )
+            raise InvalidInput("--yaws and --rounds: rings have no rounds", remedy="give --views for a spiral")
         return rings(heights, arguments.yaws, tilts)
     count = VIEWS if arguments.views is None else arguments.views
     rounds = min(ROUNDS, count) if arguments.rounds is None else arguments.rounds

@@ -53,9 +53,7 @@ def _add_read(actions: Any) -> None:
     others = reading.add_argument_group("heights, times and attitude")
     for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m", "times", "flight"):
         _add_field(others, fields[name])
-    others.add_argument(
-        "--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's"
-    )
+    others.add_argument("--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's")
 
 
 def _add_random(actions: Any) -> None:
@@ -131,23 +129,17 @@ def _add_field(group: Any, field: Field, default: str = "") -> None:
 
 
 def _add_corridor(actions: Any) -> None:
-    corridor = actions.add_parser(
-        "corridor", help="make a table of rows along a line that show all of a strip"
-    )
+    corridor = actions.add_parser("corridor", help="make a table of rows along a line that show all of a strip")
     corridor.add_argument("file", metavar="LINE", help=_LINES)
     _add_output(corridor)
-    corridor.add_argument(
-        "--agl", type=float, required=True, metavar="M", help="height above ground in metres"
-    )
+    corridor.add_argument("--agl", type=float, required=True, metavar="M", help="height above ground in metres")
     for field in declared_fields(Corridor):
         _add_field(corridor, field)
     _add_camera(corridor)
 
 
 def _add_orbit(actions: Any) -> None:
-    orbit = actions.add_parser(
-        "orbit", help="make a table of circles around a place that the camera looks at"
-    )
+    orbit = actions.add_parser("orbit", help="make a table of circles around a place that the camera looks at")
     # One by one: argparse cannot show the two names of one positional argument.
     for axis in ("lat", "lon"):
         orbit.add_argument(f"{axis}_deg", type=float, metavar=axis.upper(), help="of the centre, in degrees")
@@ -164,12 +156,8 @@ def _add_scans(actions: Any) -> None:
         action="store_true",
         help="the camera stands to the left of the lines; without this, to the right",
     )
-    structure = actions.add_parser(
-        "structure", help="make a table of flights around structures, which it looks at"
-    )
-    structure.add_argument(
-        "file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: outlines of structures"
-    )
+    structure = actions.add_parser("structure", help="make a table of flights around structures, which it looks at")
+    structure.add_argument("file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: outlines of structures")
     for command in (facade, structure):
         _add_output(command)
         for field in declared_fields(Scan):
@@ -203,9 +191,7 @@ def _add_priors(actions: Any) -> None:
             "time constant of the half of each variance that drifts, s; 0 for white noise only",
         ),
     ):
-        measuring.add_argument(
-            f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)"
-        )
+        measuring.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)")
     measuring.add_argument(
         "--outages",
         nargs=2,
@@ -219,9 +205,7 @@ def _add_priors(actions: Any) -> None:
 
 
 def _add_seed(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--seed", type=int, default=2024, metavar="N", help="seed of the random numbers (2024)"
-    )
+    command.add_argument("--seed", type=int, default=2024, metavar="N", help="seed of the random numbers (2024)")
 
 
 def _add_output(command: argparse.ArgumentParser) -> None:

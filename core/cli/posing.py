@@ -82,17 +82,13 @@ def _line(arguments: argparse.Namespace) -> int:
     from ..poses.settings import LineFlight
     from ..text.plain import time_s
 
-    flight = LineFlight(
-        arguments.speed, arguments.every_s, arguments.every_m, arguments.bank, arguments.fixed_camera
-    )
+    flight = LineFlight(arguments.speed, arguments.every_s, arguments.every_m, arguments.bank, arguments.fixed_camera)
     lines = read_lines(arguments.file, arguments.agl)
     flown = fly(lines, flight, time_s(arguments.start, "--start"))
     _write(flown.points, arguments.output)
     print(f"turns of {turn_radius_m(flight):,.1f} m, which miss corners by up to {flown.missed_m:,.1f} m")
     if flown.tight:
-        print(
-            f"tighter ones between short legs: {flown.tight:,}, flown at down to {flown.slowest_m_per_s:.1f} m/s"
-        )
+        print(f"tighter ones between short legs: {flown.tight:,}, flown at down to {flown.slowest_m_per_s:.1f} m/s")
     return DONE
 
 

@@ -65,9 +65,7 @@ class CutCells:
         Where cells begin and end in ``raw``.
     """
 
-    def __init__(
-        self, first_line: int, text: str, raw: NDArray[np.uint8], starts: Places, ends: Places
-    ) -> None:
+    def __init__(self, first_line: int, text: str, raw: NDArray[np.uint8], starts: Places, ends: Places) -> None:
         self._text, self._raw, self._starts, self._lengths = text, raw, starts, ends - starts
         self._shortest, self._longest = self._lengths.min(axis=1), self._lengths.max(axis=1)
         self.lines = range(first_line, first_line + starts.shape[1])

@@ -125,9 +125,7 @@ def clean(
                 [(one.folder, table, moves) for one, (_, table, moves) in zip(deciding.values(), steps)],
                 _half_progress(progress, 0.5),
             )
-    return tuple(
-        replace(cleaned, figures=tuple(map(str, drawn.get(cleaned.map_type, ())))) for cleaned, _, _ in steps
-    )
+    return tuple(replace(cleaned, figures=tuple(map(str, drawn.get(cleaned.map_type, ())))) for cleaned, _, _ in steps)
 
 
 def undo(
@@ -179,9 +177,7 @@ def _half_progress(progress: Report | None, start: float) -> Report | None:
     return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
-def _judge(
-    map_type: str, deciding: Deciding, threshold: float, move: bool
-) -> tuple[Cleaned, Table | None, list[Move]]:
+def _judge(map_type: str, deciding: Deciding, threshold: float, move: bool) -> tuple[Cleaned, Table | None, list[Move]]:
     """Plan the cleaning of a map type: counts, the table if it changes, and the files to move."""
     names, there, decisive = deciding.names, deciding.there, deciding.entropies
     # A row without an image compares as not below.

@@ -99,9 +99,7 @@ def _check_places(source: Path, target: Path) -> None:
 def _converted(images: ImageSet, layout: str) -> Table:
     """Table with the sizes of the images, and their windows and poses where the layout tells them."""
     if not images.there.any():
-        raise InvalidInput(
-            "table {0}: names no image that is there; nothing to convert", images.folder / TABLE_FILE
-        )
+        raise InvalidInput("table {0}: names no image that is there; nothing to convert", images.folder / TABLE_FILE)
     width, height = _sizes(images)
     status = tuple("done" if made else "failed" for made in images.there.tolist())
     table = replace(images.table, image_width_px=width, image_height_px=height, status=status)
@@ -127,9 +125,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
         except UNREADABLE:
             wrong.append(path.name)
     if wrong:
-        raise InvalidInput(
-            "folder {0}: no images that can be read: {1}", images.image_folder, first_names(wrong)
-        )
+        raise InvalidInput("folder {0}: no images that can be read: {1}", images.image_folder, first_names(wrong))
     return sizes[:, 0], sizes[:, 1]
 
 

@@ -133,9 +133,7 @@ class ImageSet:
         moved = self.image_folder / REJECTED_FOLDER / name
         return moved if not kept.exists() and moved.exists() else kept
 
-    def pixels(
-        self, index: int, channels: int | None = None, *, file: ImageFile | None = None
-    ) -> NDArray[Any]:
+    def pixels(self, index: int, channels: int | None = None, *, file: ImageFile | None = None) -> NDArray[Any]:
         """Pixels of a row's image, without a mask.
 
         Parameters
@@ -194,9 +192,7 @@ class Dataset:
     def image_set(self, map_type: str) -> ImageSet:
         """Images of a map type; raises InvalidInput where there are none, with those that are there."""
         if map_type not in self.image_sets:
-            raise InvalidInput(
-                "map type {0!r}: {1} has {2}", map_type, self.folder, ", ".join(self.image_sets)
-            )
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.folder, ", ".join(self.image_sets))
         return self.image_sets[map_type]
 
 
@@ -224,9 +220,7 @@ def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
         raise InvalidInput("layout {0!r}: must be one of {1}", layout, ", ".join(LAYOUTS))
     if layout == "VBN":
         if is_address(path):
-            raise InvalidInput(
-                "layout VBN: {0} is in an object store; must be a folder of this machine", path
-            )
+            raise InvalidInput("layout VBN: {0} is in an object store; must be a folder of this machine", path)
         table, images = read_vbn(path)
         return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
     folders = map_type_folders(path)
@@ -341,9 +335,7 @@ class Images:
                 self._folder,
                 first_names(lost),
                 remedy=Message(
-                    "put it back, or capture again{0}"
-                    if len(lost) == 1
-                    else "put them back, or capture again{0}",
+                    "put it back, or capture again{0}" if len(lost) == 1 else "put them back, or capture again{0}",
                     OptionName("resume").in_brackets,
                 ),
             )
@@ -356,9 +348,7 @@ class Images:
         )
         if unknown:
             raise InvalidInput(
-                "folder {0}: {1} is not in the table"
-                if len(unknown) == 1
-                else "folder {0}: {1} are not in the table",
+                "folder {0}: {1} is not in the table" if len(unknown) == 1 else "folder {0}: {1} are not in the table",
                 self._folder,
                 first_names(unknown),
                 remedy=Message(
@@ -399,8 +389,7 @@ class Images:
         """Moves of all that lies among the rejected images."""
         origin = self._folder / REJECTED_FOLDER
         return [
-            Move(_stem(name, NAME.fullmatch), origin / name, self._folder / name)
-            for name in sorted(self._rejected)
+            Move(_stem(name, NAME.fullmatch), origin / name, self._folder / name) for name in sorted(self._rejected)
         ]
 
     @staticmethod
@@ -613,17 +602,13 @@ def _parse_bands(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoT
     return stored
 
 
-def _shown(
-    path: Place, stored: GeoTiff, img_size: tuple[int, int, int] | None, *, as_shown: bool
-) -> Image.Image:
+def _shown(path: Place, stored: GeoTiff, img_size: tuple[int, int, int] | None, *, as_shown: bool) -> Image.Image:
     if not as_shown:
         raise InvalidInput(
             "image {0}: has {1}, and not grey or colours of 8 bits",
             path,
             stored.bands,
-            remedy=Message(
-                "take the dtype stored, or capture with a stretch{0}", OptionName("stretch").in_brackets
-            ),
+            remedy=Message("take the dtype stored, or capture with a stretch{0}", OptionName("stretch").in_brackets),
         )
     image = Image.fromarray(stored.shown())
     if img_size is None:

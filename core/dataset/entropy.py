@@ -140,9 +140,7 @@ def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
         return np.asarray(last - first, np.int64)
 
     about = int(count_values(np.array([threshold]))[0])
-    low, high = (
-        count_values(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold])
-    )
+    low, high = (count_values(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold]))
     return bool(about + math.sqrt(about) <= _VALLEY * min(int(low), int(high)))
 
 
@@ -204,16 +202,12 @@ def entropies_of(dataset: Dataset | str | os.PathLike[str]) -> dict[str, Floats]
         A folder that is no dataset, or an image that cannot be read.
     """
     read = dataset if isinstance(dataset, Dataset) else read_dataset(dataset)
-    own = {
-        map_type: _Own(one.folder, one.table, one.image_folder) for map_type, one in read.image_sets.items()
-    }
+    own = {map_type: _Own(one.folder, one.table, one.image_folder) for map_type, one in read.image_sets.items()}
     _compute_missing(list(own.values()), None)
     return {map_type: one.entropies for map_type, one in own.items()}
 
 
-def deciding_entropies(
-    folder: str | os.PathLike[str], *, progress: Report | None = None
-) -> dict[str, Deciding]:
+def deciding_entropies(folder: str | os.PathLike[str], *, progress: Report | None = None) -> dict[str, Deciding]:
     """Entropies that decide over the images of a dataset, by the names of its map types' folders.
 
     The roadmap's decide for the other map types too, where its images are there; elsewhere the image's own do (the
@@ -247,15 +241,11 @@ def deciding_entropies(
         entropies, by_roadmap = one.entropies, np.zeros(len(one.table), np.bool_)
         if decider is not None:
             of_place = own[decider].entropies_by_place(place)
-            of_roadmap = np.array(
-                [of_place.get(place(image), math.nan) for image in one.table.img_names], np.float64
-            )
+            of_roadmap = np.array([of_place.get(place(image), math.nan) for image in one.table.img_names], np.float64)
             by_roadmap = ~np.isnan(entropies) & ~np.isnan(of_roadmap)
             entropies = np.where(by_roadmap, of_roadmap, entropies)
         measure = measures[decider if decider is not None and by_roadmap.any() else name]
-        found[name] = Deciding(
-            one.folder, one.table, one.image_folder, one.images, entropies, by_roadmap, measure
-        )
+        found[name] = Deciding(one.folder, one.table, one.image_folder, one.images, entropies, by_roadmap, measure)
     return found
 
 
@@ -303,9 +293,7 @@ class _Own:
 
 def _compute_missing(sets: list[_Own], progress: Report | None) -> None:
     """Compute the entropies that are missing from the tables."""
-    missing = [
-        (one, index) for one in sets for index in np.flatnonzero(one.there & ~np.isfinite(one.entropies))
-    ]
+    missing = [(one, index) for one in sets for index in np.flatnonzero(one.there & ~np.isfinite(one.entropies))]
     for done, (one, index) in enumerate(missing):
         if progress is not None and not progress(done / len(missing)):
             raise Cancelled("stopped while entropies were worked out: nothing was changed")

@@ -74,9 +74,7 @@ def draw_histogram(
     _legend(axes)
 
 
-def draw_bars(
-    axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = ""
-) -> None:
+def draw_bars(axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = "") -> None:
     """Draw the entropy of each image in the order of the table, with the threshold as a red line.
 
     Bars of more than a thousand images are narrower than a pixel: several in a row share a column then, which is the
@@ -116,9 +114,7 @@ def draw_bars(
     _legend(axes)
 
 
-def save_figures(
-    folder: str | os.PathLike[str], target: str | os.PathLike[str], threshold: float
-) -> list[Path]:
+def save_figures(folder: str | os.PathLike[str], target: str | os.PathLike[str], threshold: float) -> list[Path]:
     """Write both figures of each map type of a dataset as PNG; figures of an earlier run are replaced.
 
     They show the entropies that decide (see `deciding_entropies`): what cleaning at this threshold rejects and keeps.

@@ -86,9 +86,7 @@ class GroundBoxes(NamedTuple):
         return GroundBoxes(*(edge[index] for edge in self))
 
 
-def ground_boxes(
-    images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float
-) -> GroundBoxes:
+def ground_boxes(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float) -> GroundBoxes:
     """Boxes of the ground that some images show.
 
     Of map frames these are their windows, exactly, or boxes about those in a CRS of their source's own; of the
@@ -153,9 +151,7 @@ def _window_boxes(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: 
         )
     # Whole turns are taken off whole pixels, so that edges that two windows share stay the same number.
     left = left - np.round((left + width / 2.0) / world - middle_u) * world
-    return GroundBoxes(
-        left / world, (left + width) / world, v_to_lat((top + height) / world), v_to_lat(top / world)
-    )
+    return GroundBoxes(left / world, (left + width) / world, v_to_lat((top + height) / world), v_to_lat(top / world))
 
 
 def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> GroundBoxes:
@@ -219,17 +215,13 @@ def _camera_boxes(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: fl
     return GroundBoxes(*edges)
 
 
-def _trace_boxes(
-    lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float
-) -> GroundBoxes:
+def _trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> GroundBoxes:
     """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude, of which NaN is none."""
     lat, agl = lat_deg[:, np.newaxis], agl_m[:, np.newaxis]
     towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon_deg[:, np.newaxis]))
     share: Floats = np.linspace(0.0, 1.0, _EDGE_POINTS)[np.newaxis, np.newaxis, :, np.newaxis]
     # What lies between two corners in the image lies on the plane of their sight lines.
-    rays: Floats = (
-        towards[:, :, np.newaxis] * (1.0 - share) + np.roll(towards, -1, axis=1)[:, :, np.newaxis] * share
-    )
+    rays: Floats = towards[:, :, np.newaxis] * (1.0 - share) + np.roll(towards, -1, axis=1)[:, :, np.newaxis] * share
     ring = trace(lat[:, :, np.newaxis], agl[:, :, np.newaxis], rays)
     ring_lat, dlon = (values.reshape(len(lat), -1) for values in (ring.lat_deg, ring.dlon_deg))
     # Around a pole the longitudes go on and on, and no box holds the ground.
@@ -301,9 +293,7 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any(is_file(dataset / name) for name in (MISSION_FILE, PLAN_FILE))
-    return (captured or most > 0.0) and not has_sidecar(
-        path, (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
-    )
+    return (captured or most > 0.0) and not has_sidecar(path, (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw"))
 
 
 def _read_size(path: ImageFile) -> tuple[int, int]:
@@ -336,9 +326,7 @@ def _read_corners(plan: Path, names: Sequence[str]) -> Floats:
             wrong,
         ) from wrong
     if missing:
-        raise InvalidInput(
-            "{0}: has no row of {1}", plan, next(iter(missing)), remedy="put back the capture's own"
-        )
+        raise InvalidInput("{0}: has no row of {1}", plan, next(iter(missing)), remedy="put back the capture's own")
     return corners.reshape(-1, len(_CORNERS), 2)
 
 
@@ -391,10 +379,7 @@ def assign_parts(
             best, best_off = part, off
         counts = np.array([(part == one).sum() for one in range(3)], np.float64)
         # What a part gave away to the gap it is to have more of; what it has too much of, less.
-        moved = [
-            target + (share * counts.sum() - count) / 2.0
-            for target, share, count in zip(targets, shares, counts)
-        ]
+        moved = [target + (share * counts.sum() - count) / 2.0 for target, share, count in zip(targets, shares, counts)]
         if moved == targets:
             break
         targets = moved
@@ -409,9 +394,7 @@ def deviation(part: Numbers, shares: Sequence[float]) -> float:
     return max(abs(count / sum(counts) - share) for share, count in zip(shares, counts))
 
 
-def _assign_parts(
-    sizes: Numbers, order: Sequence[int], shares: Sequence[float], targets: Sequence[float]
-) -> Numbers:
+def _assign_parts(sizes: Numbers, order: Sequence[int], shares: Sequence[float], targets: Sequence[float]) -> Numbers:
     """Part of each block, so that parts have about as many images as is aimed for."""
     of_block = np.zeros(len(sizes), np.int64)
     left = list(order)
@@ -544,9 +527,7 @@ def _pairs(start: Numbers, stop: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
         last = max(int(np.searchsorted(ends, before + 2_000_000, "right")), first + 1)
         some = np.arange(first, last)
         index = np.repeat(some, counts[first:last])
-        offset = np.arange(len(index)) - np.repeat(
-            ends[first:last] - counts[first:last] - before, counts[first:last]
-        )
+        offset = np.arange(len(index)) - np.repeat(ends[first:last] - counts[first:last] - before, counts[first:last])
         yield index, start[index] + offset
         first = last
 

@@ -76,9 +76,7 @@ class Labels:
 
     def __post_init__(self) -> None:
         if len(self.scaler.mean) != len(NAMES):
-            raise InvalidInput(
-                "labels: scaler of {0} columns; need {1}", len(self.scaler.mean), ", ".join(NAMES)
-            )
+            raise InvalidInput("labels: scaler of {0} columns; need {1}", len(self.scaler.mean), ", ".join(NAMES))
 
     def transform(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Labels (n, 2) of positions (n,) in degrees: scaled eastings and northings."""
@@ -153,9 +151,7 @@ class Labels:
         except (KeyError, TypeError, ValueError, OverflowError, RuntimeError) as wrong:
             # pyproj's errors are RuntimeErrors.
             fault = Message("has no {0}", wrong) if isinstance(wrong, KeyError) else wrong
-            raise InvalidInput(
-                "{0}: cannot be read ({1})", name, fault, remedy="have it made anew by split"
-            ) from wrong
+            raise InvalidInput("{0}: cannot be read ({1})", name, fault, remedy="have it made anew by split") from wrong
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write to a file, whole or not at all; raises OutputError."""
@@ -450,9 +446,7 @@ class Scaler:
             No values, or some that are not finite.
         """
         if not len(values) or not np.isfinite(values).all():
-            raise InvalidInput(
-                "scaler: {0} values to fit it to; needs one or more, all finite numbers", len(values)
-            )
+            raise InvalidInput("scaler: {0} values to fit it to; needs one or more, all finite numbers", len(values))
         fitted = [_fit_column(column) for column in values.T.tolist()]
         return cls(tuple(mean for mean, _ in fitted), tuple(scale for _, scale in fitted))
 

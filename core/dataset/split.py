@@ -149,11 +149,7 @@ def split(
         boxes = _known_ground(dataset.folder, sets, places, needed=how == "blocks")
         _report(progress, _GROUND)
         if how == AUTO:
-            how = (
-                "blocks"
-                if block_m is not None or gap_m or (boxes is not None and _do_overlap(boxes))
-                else "shuffled"
-            )
+            how = "blocks" if block_m is not None or gap_m or (boxes is not None and _do_overlap(boxes)) else "shuffled"
         block_side: float | None = None
         count: int | None = None
         unknown = 0
@@ -215,9 +211,7 @@ def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
     return train, validation, test
 
 
-def _checked(
-    shares: Sequence[float], how: str, block_m: float | None, gap_m: float
-) -> tuple[float, float, float]:
+def _checked(shares: Sequence[float], how: str, block_m: float | None, gap_m: float) -> tuple[float, float, float]:
     wanted = checked_shares(shares)
     if how not in WAYS:
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
@@ -283,9 +277,7 @@ def _do_overlap(boxes: GroundBoxes) -> bool:
     """Whether two images share more ground than rounding makes neighbours share."""
     known = boxes.take(boxes.known)
     across, up = (known.east_u - known.west_u) * _ROUNDING, (known.north_deg - known.south_deg) * _ROUNDING
-    inner = GroundBoxes(
-        known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up
-    )
+    inner = GroundBoxes(known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up)
     number = np.arange(len(inner.west_u))
     # Two numbers differ in one of their binary digits at least.
     for digit in range(len(number).bit_length()):
@@ -371,8 +363,7 @@ def split_blocks(
         tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")
         asked = ", ".join(part for part, share in zip(PARTS, shares) if share > 0.0)
         raise InvalidInput(
-            "split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} "
-            "without images",
+            "split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} without images",
             tried,
             len(names),
             base - gap_m,
@@ -397,9 +388,7 @@ def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
     return [first[name] for name in shuffle(first, seed)]
 
 
-def _ground(
-    folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]
-) -> GroundBoxes:
+def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]) -> GroundBoxes:
     """Boxes of the ground of each place, of the images of all map types together."""
     number = {name: index for index, name in enumerate(places)}
     of_set: list[list[tuple[int, int]]] = [[] for _ in sets]
@@ -430,7 +419,6 @@ def _add_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[s
     """Table of a map type with its column of parts."""
     table = images.table
     cells = tuple(
-        of_place[place(name)] if there else ""
-        for name, there in zip(table.img_names, usable_rows(table).tolist())
+        of_place[place(name)] if there else "" for name, there in zip(table.img_names, usable_rows(table).tolist())
     )
     return table.replace_other({**table.other, SPLIT: cells})

@@ -87,9 +87,7 @@ class StoredImage:
             return data
         offset, size = self.range
         if size > MAX_IMAGE_FILE_BYTES:
-            raise InvalidInput(
-                "image {0}: has {1:,} bytes; must have {2:,} at most", self, size, MAX_IMAGE_FILE_BYTES
-            )
+            raise InvalidInput("image {0}: has {1:,} bytes; must have {2:,} at most", self, size, MAX_IMAGE_FILE_BYTES)
         # One request for most images; what is large is in memory once, and only if its header says the same.
         data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= 16_000_000))
         member = parse_member(data[:TAR_BLOCK_BYTES])
@@ -190,9 +188,7 @@ def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
     known &= (offset >= TAR_BLOCK_BYTES) & (size >= 1.0) & (offset % 1.0 == 0.0) & (size % 1.0 == 0.0)
     if not known.all():
         row = made[int(np.argmin(known))]
-        raise InvalidInput(
-            "folder {0}: the table does not say where in a shard {1} is", folder, table.img_names[row]
-        )
+        raise InvalidInput("folder {0}: the table does not say where in a shard {1} is", folder, table.img_names[row])
     needed: dict[str, float] = {}
     for name, end in zip(names, (offset + size).tolist()):
         needed[name] = max(needed.get(name, 0.0), end)
@@ -215,9 +211,7 @@ def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 
-def members(
-    read: Callable[[int, int], bytes], shard: str | Path, start: int, end: int
-) -> Iterator[tarfile.TarInfo]:
+def members(read: Callable[[int, int], bytes], shard: str | Path, start: int, end: int) -> Iterator[tarfile.TarInfo]:
     """Members of a shard from one on, of which an image has a few: each behind the one before it.
 
     Headers that state something of the next member, such as a long name, are no members.
@@ -248,9 +242,7 @@ def members(
             return
         member.offset = at
         if member.size < 0:
-            raise InvalidInput(
-                "shard {0}: states {1:,} bytes for the file at byte {2:,}", shard, member.size, at
-            )
+            raise InvalidInput("shard {0}: states {1:,} bytes for the file at byte {2:,}", shard, member.size, at)
         count += 1
         if count > MAX_IMAGE_MEMBERS:
             raise InvalidInput(

@@ -216,10 +216,7 @@ class Table:
             Cells by image name; those of images without one are empty.
         """
         return self.replace_other(
-            {
-                header: tuple(cells.get(name, "") for name in self.img_names)
-                for header, cells in columns.items()
-            }
+            {header: tuple(cells.get(name, "") for name in self.img_names) for header, cells in columns.items()}
         )
 
     def replace_other(self, other: Mapping[str, tuple[str, ...]]) -> Table:
@@ -347,9 +344,7 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
             return {}
         table = Table.load(path)
     except InvalidInput as wrong:
-        raise OutputError(
-            "{0}", wrong, remedy="repair the table, or remove it to have it written anew"
-        ) from wrong
+        raise OutputError("{0}", wrong, remedy="repair the table, or remove it to have it written anew") from wrong
     return {header: dict(zip(table.img_names, cells)) for header, cells in table.other.items()}
 
 
@@ -474,9 +469,7 @@ class _ColumnBuilder:
             elif field_name:
                 values = cells.numbers(column)
                 if values is None or not _are_allowed(field_name, values):
-                    values = _read_one_by_one(
-                        field_name, header, cells.texts(column), cells.lines, self._faults
-                    )
+                    values = _read_one_by_one(field_name, header, cells.texts(column), cells.lines, self._faults)
                 self._append(field_name, values)
         self._count += len(cells.lines)
 
@@ -497,9 +490,7 @@ class _ColumnBuilder:
         columns.update((name, columns[name].astype(np.int64)) for name in _WHOLE)
         texts = {header: tuple(cells) for header, cells in self._format_column.items()}
         columns.update((name, cells) for name, cells in texts.items() if name in FIELDS)
-        return Table.from_columns(
-            columns, {header: cells for header, cells in texts.items() if header not in FIELDS}
-        )
+        return Table.from_columns(columns, {header: cells for header, cells in texts.items() if header not in FIELDS})
 
 
 def _intern(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
@@ -541,9 +532,7 @@ def _read_one_by_one(
             faults.append((line, Message("has {0} {1!r}, not a whole number", header, cell)))
         elif name in _WHOLE and not _are_allowed(name, values[index : index + 1]):
             low, high = _WHOLE_RANGES[name]
-            faults.append(
-                (line, Message("has {0} {1!r}, not from {2:.0f} to {3:.0f}", header, cell, low, high))
-            )
+            faults.append((line, Message("has {0} {1!r}, not from {2:.0f} to {3:.0f}", header, cell, low, high)))
     return values
 
 

@@ -106,9 +106,7 @@ def _number(text: str) -> float:
 def _files(folder: Path, name: str, ending: str) -> list[str]:
     """Names of the files in a folder of the supplement, by number."""
     try:
-        found = [
-            one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending and one.is_file()
-        ]
+        found = [one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending and one.is_file()]
     except OSError as wrong:
         raise InvalidInput(
             "folder {0}: is no VBN dataset, as {1} in it cannot be read ({2})", folder, name, wrong.strerror
@@ -118,9 +116,7 @@ def _files(folder: Path, name: str, ending: str) -> list[str]:
 
 def _natural(name: str) -> list[tuple[int, str]]:
     """Key that sorts names by the numbers in them, 2 before 10."""
-    return [
-        (int(piece), "") if piece.isdigit() else (-1, piece) for piece in re.findall(r"[0-9]+|[^0-9]+", name)
-    ]
+    return [(int(piece), "") if piece.isdigit() else (-1, piece) for piece in re.findall(r"[0-9]+|[^0-9]+", name)]
 
 
 def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[tuple[str, str]]:
@@ -189,9 +185,7 @@ def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, 
     return position, {key: value.strip() for key, value in values.items()}
 
 
-def _table(
-    names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPosition, Mapping[str, str]]]
-) -> Table:
+def _table(names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPosition, Mapping[str, str]]]) -> Table:
     count = len(names)
     lat, lon, altitude = np.array([position for position, _ in rows], np.float64).reshape(count, 3).T
     made = [name in there for name in names]

@@ -151,9 +151,7 @@ class TiledHeights:
                 min(part.dx_px + part.window.width_px, width_px),
                 min(part.dy_px + part.window.height_px, height_px),
             )
-            found[y:bottom, x:right] = tile[
-                y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px
-            ]
+            found[y:bottom, x:right] = tile[y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px]
         return found
 
     def _exists(self, tile: Window) -> bool:
@@ -237,9 +235,7 @@ class TiledHeights:
 
     def _places(self, tile: Window, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         world = self.grid.world_px(tile.zoom)
-        return self.grid.plane.inverse(
-            (tile.left_px + column + 0.5) / world, (tile.top_px + row + 0.5) / world
-        )
+        return self.grid.plane.inverse((tile.left_px + column + 0.5) / world, (tile.top_px + row + 0.5) / world)
 
 
 def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
@@ -290,9 +286,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
         inner, max_zoom, tile_px = _read_template(inner, text)
         asked = replace(asked, heights=False, encoded=True, max_zoom=max_zoom, tile_px=tile_px)
         source = named_source(inner, asked).open()
-        return TiledHeights(
-            source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
-        )
+        return TiledHeights(source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m)
     return _open_raster(text, named_source(text, asked), datum, options)
 
 

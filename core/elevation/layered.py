@@ -74,9 +74,7 @@ class LayeredElevation:
         """
         lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
         middle = float(np.mean(lat)), float(np.mean(lon))
-        layer = next(
-            (one for one in self.layers[:-1] if _coarsest_m(one, *middle) >= cell_m), self.layers[-1]
-        )
+        layer = next((one for one in self.layers[:-1] if _coarsest_m(one, *middle) >= cell_m), self.layers[-1])
         alone = len(self.layers) == 1
         zoom, (left, top, right, bottom) = _window(layer, lat, lon, cell_m, cut=alone)
         heights, holes = self._read(layer, zoom, left, top, right, bottom)

@@ -69,8 +69,7 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
     ]
     return {
         "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n" + "".join(cameras),
-        "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n"
-        + "".join(lines),
+        "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n" + "".join(lines),
         "sparse/0/points3D.txt": "# POINT3D_ID X Y Z R G B ERROR TRACK\n",
     }
 
@@ -104,13 +103,10 @@ def tum(views: Views, _: Path) -> dict[str, str]:
     Times are Unix seconds; where the table has none, the image's number from 0, in the order of the table.
     """
     quaternions = quaternions_from_matrices(np.swapaxes(views.rotations, 1, 2))
-    first, times = (
-        ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
-    )
+    first, times = ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
     lines = [
         " ".join(
-            repr(float(one))
-            for one in (times[at], *views.centres_m[at], *quaternions[at][1:], quaternions[at][0])
+            repr(float(one)) for one in (times[at], *views.centres_m[at], *quaternions[at][1:], quaternions[at][0])
         )
         for at in range(len(views))
     ]

@@ -87,9 +87,7 @@ def _parts(name: str, images: ImageSet) -> dict[str, Any]:
     if part is None:
         found = {"": rows} if len(rows) else {}
     else:
-        of_part = {
-            one: np.array([row for row in rows.tolist() if part[row] == one], np.int64) for one in PARTS
-        }
+        of_part = {one: np.array([row for row in rows.tolist() if part[row] == one], np.int64) for one in PARTS}
         found = {one: some for one, some in of_part.items() if len(some)}
     if not found:
         raise InvalidInput("map type {0!r}: has no image to export", name)
@@ -103,11 +101,7 @@ def _columns(images: ImageSet, rows: Any) -> list[Column]:
     for one in columns:
         # Times as texts, which all versions of the library read alike.
         values = images.table.time_utc if one.header == "time_utc" else one.values
-        if (
-            any(values[row] for row in rows.tolist())
-            if isinstance(values, tuple)
-            else np.isfinite(values[rows]).any()
-        ):
+        if any(values[row] for row in rows.tolist()) if isinstance(values, tuple) else np.isfinite(values[rows]).any():
             found.append(one._replace(values=values))
     return found
 
@@ -147,9 +141,7 @@ def _card(
     lines += ["---", "", "# Georeferenced images with their poses", "", "| configuration | part | images |"]
     lines.append("| --- | --- | ---: |")
     lines += [
-        f"| {name} | {part or 'all'} | {len(rows):,} |"
-        for name, some in parts.items()
-        for part, rows in some.items()
+        f"| {name} | {part or 'all'} | {len(rows):,} |" for name, some in parts.items() for part, rows in some.items()
     ]
     lines += [
         "",
@@ -166,9 +158,7 @@ def _card(
 def credit_line(images: ImageSet) -> str:
     """Who made the imagery of a map type: its sources with their attributions."""
     table = images.table
-    found = dict.fromkeys(
-        ", ".join(text for text in pair if text) for pair in zip(table.source, table.attribution)
-    )
+    found = dict.fromkeys(", ".join(text for text in pair if text) for pair in zip(table.source, table.attribution))
     return "; ".join(text for text in found if text) or "not known"
 
 

@@ -132,9 +132,7 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
         found.update(dict.fromkeys(kinds, reason))
     for kind in _OF_PYARROW:
         if found[kind] is None and find_spec("pyarrow") is None:
-            found[kind] = InvalidInput(
-                "format {0}: needs the Python package pyarrow, which is not installed", kind
-            )
+            found[kind] = InvalidInput("format {0}: needs the Python package pyarrow, which is not installed", kind)
     return found
 
 

@@ -262,9 +262,7 @@ def _denseuav(under_way: _Export) -> None:
             lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
             lines[place.part].append(f"{first}/{name}.JPG E{lon:.9f} N{lat:.9f} {heights_m[row]:.3f}\n")
     for ending, parts in (("ALL", tuple(lines)), ("train", (TRAIN,)), ("test", (TEST,))):
-        under_way.write(
-            f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode()
-        )
+        under_way.write(f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode())
 
 
 def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
@@ -455,9 +453,7 @@ def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[s
 
 def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Vertices (m, 3) and triangles (l, 3) of the surface, of few of its pixels."""
-    rows, columns = (
-        np.linspace(0, length - 1, min(_MESH, length)).astype(int) for length in above.image.shape[:2]
-    )
+    rows, columns = (np.linspace(0, length - 1, min(_MESH, length)).astype(int) for length in above.image.shape[:2])
     vertices = above.points_m[np.ix_(rows, columns)].reshape(-1, 3).astype(np.float32)
     at = np.arange(len(vertices)).reshape(len(rows), len(columns))
     a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]))

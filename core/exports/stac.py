@@ -158,9 +158,7 @@ class _Items:
         """Items of a map type."""
         table = images.table
         rows = np.flatnonzero(images.there)
-        columns = {
-            one.header: one for one in written_columns(table) if one.header not in ("status", "reason")
-        }
+        columns = {one.header: one for one in written_columns(table) if one.header not in ("status", "reason")}
         for header in _RESERVED & {*table.other}:
             # What others have called as STAC calls something else.
             columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
@@ -208,9 +206,7 @@ class _Items:
         asset = arrow.StructArray.from_arrays([files[one.name] for one in image.type], fields=[*image.type])
         edges = [arrow.array(np.ascontiguousarray(edge)) for edge in self.bounds[some].T]
         times = {
-            name: arrow.array(
-                np.where(np.isnat(values[some]), unknown, values[some]).astype("datetime64[us]")
-            )
+            name: arrow.array(np.where(np.isnat(values[some]), unknown, values[some]).astype("datetime64[us]"))
             for name, values, unknown in ((_START, self.start, _EARLIEST), (_END, self.end, _LATEST))
         }
         return {
@@ -372,10 +368,7 @@ def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
     start, end = (np.concatenate(times) for times in zip(*((one.start, one.end) for one in parts)))
     known = not np.isnat(start).any()
     sources = dict.fromkeys(
-        pair
-        for one in parts
-        for pair in zip(one.images.table.source, one.images.table.attribution)
-        if any(pair)
+        pair for one in parts for pair in zip(one.images.table.source, one.images.table.attribution) if any(pair)
     )
     gsd = [np.asarray(one.columns[_GSD].values)[one.rows] for one in parts if _GSD in one.columns]
     least, most = (float(of(np.concatenate(gsd))) if gsd else 0.0 for of in (np.nanmin, np.nanmax))
@@ -398,9 +391,7 @@ def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
             {"name": "TerrAInav", "roles": ["processor"]},
         ],
         "extent": {
-            "spatial": {
-                "bbox": [[float(edge) for edge in (*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0))]]
-            },
+            "spatial": {"bbox": [[float(edge) for edge in (*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0))]]},
             "temporal": {"interval": [[f"{start.min()}Z", f"{end.max()}Z"] if known else [None, None]]},
         },
         "summaries": {

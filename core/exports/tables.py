@@ -94,9 +94,7 @@ def described_folder(dataset: Dataset, folder: Path) -> Path:
     """The same for a file that describes others, which is UTF-8; raises InvalidInput of a name that is not."""
     found = relative_folder(dataset, folder)
     if writable(str(found)) != str(found):
-        raise InvalidInput(
-            "folder {0}: its name is no text in UTF-8, as a description of files needs it", folder
-        )
+        raise InvalidInput("folder {0}: its name is no text in UTF-8, as a description of files needs it", folder)
     return found
 
 
@@ -146,9 +144,7 @@ def parquet_blocks(
         Arrays of each row group, by column.
     """
     sink = _Sink()
-    schema = schema.with_metadata(
-        {key: json.dumps(value, ensure_ascii=False) for key, value in about.items()}
-    )
+    schema = schema.with_metadata({key: json.dumps(value, ensure_ascii=False) for key, value in about.items()})
     with arrow.parquet.ParquetWriter(arrow.PythonFile(sink, "w"), schema, compression="zstd") as writer:
         for columns in groups:
             writer.write_table(arrow.table([columns[name] for name in schema.names], schema=schema))

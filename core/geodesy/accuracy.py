@@ -125,9 +125,7 @@ def map_frame_px(scene: ImageGeometry) -> Floats:
     across = np.rint(scene.poses.yaw_deg / 90.0) % 2.0 == 1.0
     width_m, height_m = np.where(across, height_m, width_m), np.where(across, width_m, height_m)
     width_px, height_px = np.where(across, height_px, width_px), np.where(across, width_px, height_px)
-    converging = (
-        1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
-    )
+    converging = 1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
     flat = flat_bending_px(scene) + converging + second
     return bound_px(scene, flat) + map_noise_px(scene) + _attitude_px(scene)
@@ -169,9 +167,7 @@ def exact_px(scene: ImageGeometry) -> Floats:
     the tangent of the field of view, 64 for `ellipsoid.trace`.
     """
     _, squared = corner_angles(scene)
-    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * np.max(
-        squared, axis=1
-    )
+    noise: Floats = _GROUND_ROUNDING_M / finest_px_m(scene) + 2.0**-46 * scene.focal_px * np.max(squared, axis=1)
     return noise
 
 

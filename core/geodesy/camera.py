@@ -116,9 +116,7 @@ class Camera(Lens):
         tan_x, tan_y = self.half_tangents
         length = np.sqrt(np.sum(np.square(vectors_enu), axis=-1))
         sides = [
-            offset / tan - axis
-            for value, tan in ((right, tan_x), (image_up, tan_y))
-            for offset in (value, -value)
+            offset / tan - axis for value, tan in ((right, tan_x), (image_up, tan_y)) for offset in (value, -value)
         ]
         beyond: Floats = np.stack(sides, axis=-1) / length[..., np.newaxis]
         return beyond
@@ -148,9 +146,7 @@ class Poses(NamedTuple):
         cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, yaw_deg: float, tilt_deg: float, roll_deg: float
     ) -> Poses:
         """Poses that share one attitude, which is stored once."""
-        attitude = (
-            np.broadcast_to(np.float64(angle), np.shape(lat_deg)) for angle in (yaw_deg, tilt_deg, roll_deg)
-        )
+        attitude = (np.broadcast_to(np.float64(angle), np.shape(lat_deg)) for angle in (yaw_deg, tilt_deg, roll_deg))
         return cls(lat_deg, lon_deg, agl_m, *attitude)
 
     @property

@@ -41,9 +41,7 @@ class Ellipsoid:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.a_m) and self.a_m >= self.b_m > 0):
-            raise InvalidInput(
-                "ellipsoid semi-axes {0} m, {1} m: need a >= b > 0, both finite", self.a_m, self.b_m
-            )
+            raise InvalidInput("ellipsoid semi-axes {0} m, {1} m: need a >= b > 0, both finite", self.a_m, self.b_m)
 
     @property
     def e2(self) -> float:
@@ -88,9 +86,7 @@ class Ellipsoid:
             Broadcast against each other; the result is negative where south lies above north.
         """
         nodes, weights = gauss_legendre()
-        south, north = np.broadcast_arrays(
-            np.asarray(south_deg, np.float64), np.asarray(north_deg, np.float64)
-        )
+        south, north = np.broadcast_arrays(np.asarray(south_deg, np.float64), np.asarray(north_deg, np.float64))
         half = (north - south)[..., np.newaxis] / 2.0
         middle = (north + south)[..., np.newaxis] / 2.0
         density: Floats = self.area_density_m2(middle + half * nodes)
@@ -272,14 +268,10 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
     hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
         t = np.where(hit, place.excess_m2 / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
-    return GroundPoints(
-        *place.geodetic(t * rays[..., 0], t * rays[..., 1], place.agl_m + t * rays[..., 2]), hit
-    )
+    return GroundPoints(*place.geodetic(t * rays[..., 0], t * rays[..., 1], place.agl_m + t * rays[..., 2]), hit)
 
 
-def clearance(
-    lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84
-) -> tuple[Floats, Floats]:
+def clearance(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
     """Discriminant of the quadratic along each ray and half its linear term, (...) each.
 
     A ray hits the Earth where the first is >= 0 and the second < 0. Along a straight line in the image the first is
@@ -381,9 +373,7 @@ def sight_lines(
     return np.stack(np.broadcast_arrays(east, north, up), axis=-1)
 
 
-def above_tangent_plane_m(
-    lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: Floats, dlon_deg: Floats
-) -> Floats:
+def above_tangent_plane_m(lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: Floats, dlon_deg: Floats) -> Floats:
     """Height of cameras above the tangent planes of the ellipsoid at ground points; a point is visible where it is > 0.
 
     Parameters
@@ -427,9 +417,7 @@ def positions(
     offsets = np.asarray(offsets_enu, np.float64)
     east, north, up = offsets[..., 0], offsets[..., 1], offsets[..., 2] + place.agl_m
     polar = place.polar(north, up)
-    excess = (
-        east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
-    )
+    excess = east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
     lat, dlon = place.geodetic(east, north, up)
     for _ in range(5):
         (sine, cosine), (sin_dlon, cos_dlon) = sin_cos(lat), sin_cos(dlon)
@@ -450,9 +438,7 @@ def arctan2(across: Floats, along: Floats) -> Floats:
     numpy 1.24 with AVX-512 rounds slices of larger arrays in one of two ways, depending on where the result lies in
     memory: the same mission would get other last digits at another time.
     """
-    found: Floats = np.arctan2(
-        np.array(across, np.float64, order="C"), np.array(along, np.float64, order="C")
-    )
+    found: Floats = np.arctan2(np.array(across, np.float64, order="C"), np.array(along, np.float64, order="C"))
     return found
 
 

@@ -60,9 +60,7 @@ def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid =
 Footprint = Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]
 
 
-def ground_corners(
-    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact
-) -> Corners:
+def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact) -> Corners:
     """Ground corners of each pose's image, computed once for each run of poses that differ in longitude alone.
 
     ``footprint`` is `exact` except where methods are compared.
@@ -70,9 +68,7 @@ def ground_corners(
     first, run = poses.runs()
     at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
     corners = footprint(camera, at_zero, CORNERS, ground)
-    return Corners(
-        corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
-    )
+    return Corners(corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run])
 
 
 def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
@@ -176,8 +172,7 @@ def outline(
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
     if len(points) < 3:
         raise InvalidInput(
-            "camera at height {0:g} m, yaw {1:g}, tilt {2:g}, roll {3:g} deg: no ray of its image "
-            "meets the Earth",
+            "camera at height {0:g} m, yaw {1:g}, tilt {2:g}, roll {3:g} deg: no ray of its image meets the Earth",
             agl_m,
             attitude[0],
             attitude[1],
@@ -256,9 +251,7 @@ class _View:
         ends = np.append(cuts[1:], cuts[0] + 2.0 * np.pi)
         middle_inside = self._on_limb((cuts + ends) / 2.0)[3]
         shares = np.linspace(0.0, 1.0, 73)
-        azimuths = [
-            start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])
-        ]
+        azimuths = [start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])]
         if not azimuths:
             return _NO_ARC
         lat, dlon, points, _ = self._on_limb(np.concatenate(azimuths))

@@ -84,13 +84,9 @@ class Sizes(NamedTuple):
     def take(self, which: NDArray[Any] | slice) -> Sizes:
         """Some of them, by index, mask or slice."""
         count = self.width_px[which].shape
-        return Sizes(
-            *(side[which] if any(side.strides) else np.broadcast_to(side[:1], count) for side in self)
-        )
+        return Sizes(*(side[which] if any(side.strides) else np.broadcast_to(side[:1], count) for side in self))
 
-    def runs(
-        self, first: NDArray[np.intp], run: NDArray[np.intp]
-    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def runs(self, first: NDArray[np.intp], run: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Runs of poses as of `Poses.runs`, in each of which images have one size, too."""
         if not any(self.width_px.strides + self.height_px.strides):
             return first, run
@@ -139,9 +135,7 @@ def on_map(turns: Numbers, column: Floats, row: Floats) -> tuple[Floats, Floats]
     return in_image((4 - turns) % 4, column, row)
 
 
-def map_frame_edges(
-    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, plane: Plane = MERCATOR
-) -> FrameEdges:
+def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, plane: Plane = MERCATOR) -> FrameEdges:
     """Map-frame edges of nadir cameras, through the exact midpoints of the image edges.
 
     Parameters
@@ -166,9 +160,7 @@ def map_frame_edges(
         tan_x, tan_y = camera.half_tangents
         across = points * np.array([tan_y / tan_x, tan_x / tan_y])
         points = np.where(turned[:, np.newaxis, np.newaxis], across, points)
-    seen = trace(
-        lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(points, grid_north_deg), ground
-    )
+    seen = trace(lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(points, grid_north_deg), ground)
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
@@ -225,9 +217,7 @@ def own_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floa
     return np.where(np.isfinite(bound), bound, np.inf)
 
 
-def windows_of(
-    edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int
-) -> Windows:
+def windows_of(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int) -> Windows:
     """Frames on a source's pixel grid, with rounded edges.
 
     Parameters
@@ -257,14 +247,10 @@ def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np
     return every, every
 
 
-def map_windows(
-    camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84
-) -> Windows:
+def map_windows(camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84) -> Windows:
     """Map frames of nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
     first, run = runs_on(grid, poses)
-    return windows_of(
-        map_frame_edges(camera, poses.take(first), ground, grid.plane), run, poses.lon_deg, grid, zoom
-    )
+    return windows_of(map_frame_edges(camera, poses.take(first), ground, grid.plane), run, poses.lon_deg, grid, zoom)
 
 
 def _rounded(position_px: Floats) -> Numbers:

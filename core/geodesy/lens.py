@@ -43,9 +43,7 @@ class Lens(CheckedFields):
     )
 
     @classmethod
-    def from_horizontal_fov(
-        cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO
-    ) -> _Lens:
+    def from_horizontal_fov(cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO) -> _Lens:
         """Camera by its horizontal field of view h: the diagonal one is 2 atan(tan(h/2) sqrt(1 + a^2) / a).
 
         Parameters
@@ -64,9 +62,7 @@ class Lens(CheckedFields):
         return cls._across(_half_tangent(fov_deg) * math.hypot(1.0, 1.0 / aspect_ratio), aspect_ratio)
 
     @classmethod
-    def from_vertical_fov(
-        cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO
-    ) -> _Lens:
+    def from_vertical_fov(cls: type[_Lens], fov_deg: float, aspect_ratio: float = PAPER_ASPECT_RATIO) -> _Lens:
         """Camera by its vertical field of view v: the diagonal one is 2 atan(tan(v/2) sqrt(1 + a^2)).
 
         Parameters and errors are those of `from_horizontal_fov`.
@@ -190,9 +186,7 @@ def _fov_deg(half_tangent: float) -> float:
 
 def _check_side(side: str, fov_deg: float, aspect_ratio: float) -> None:
     if not 0.0 < fov_deg < 180.0:
-        raise InvalidInput(
-            "{0} field of view {1} deg: must be between 0 and 180, both excluded", side, fov_deg
-        )
+        raise InvalidInput("{0} field of view {1} deg: must be between 0 and 180, both excluded", side, fov_deg)
     _check_ratio(aspect_ratio)
 
 

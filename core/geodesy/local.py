@@ -46,9 +46,7 @@ class LocalFrame:
 
     def geodetic(self, enu_m: Floats) -> tuple[Floats, Floats, Floats]:
         """Latitude, longitude in degrees and height above the ellipsoid of coordinates (..., 3)."""
-        lon, lat, height = through_proj(
-            self._transformer.transform, *np.moveaxis(enu_m, -1, 0), direction="INVERSE"
-        )
+        lon, lat, height = through_proj(self._transformer.transform, *np.moveaxis(enu_m, -1, 0), direction="INVERSE")
         return lat, lon, height
 
     def rotations(self, lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:

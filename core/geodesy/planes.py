@@ -208,9 +208,7 @@ class ProjectedPlane:
 
     def _slopes(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """First derivatives (..., 2, 2): of easting and northing by metres east and north."""
-        at = self._around(
-            lat_deg, lon_deg, np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]) * _NEAR
-        )
+        at = self._around(lat_deg, lon_deg, np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]) * _NEAR)
         way = 2.0 * _NEAR * _ABOVE_M
         slopes: Floats = np.stack([at[..., i, :] - at[..., i + 1, :] for i in (0, 2)], axis=-1) / way
         return slopes

@@ -149,9 +149,7 @@ def projection(**definition: Any) -> Proj:
     return _PROJECTIONS.get(**definition)
 
 
-def through_proj(
-    function: Callable[..., tuple[Any, ...]], *values: Any, **options: Any
-) -> tuple[Floats, ...]:
+def through_proj(function: Callable[..., tuple[Any, ...]], *values: Any, **options: Any) -> tuple[Floats, ...]:
     """Results of a pyproj function for arrays that broadcast, each of their common shape.
 
     pyproj treats an array of a single value as a number, which numpy 2 deprecates: it gets the value twice.
@@ -159,9 +157,7 @@ def through_proj(
     arrays = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in values))
     shape, size = arrays[0].shape, arrays[0].size
     flat = [np.resize(array, 2) if size == 1 else array.ravel() for array in arrays]
-    return tuple(
-        np.asarray(result, np.float64)[:size].reshape(shape) for result in function(*flat, **options)
-    )
+    return tuple(np.asarray(result, np.float64)[:size].reshape(shape) for result in function(*flat, **options))
 
 
 class Transformation:

@@ -61,9 +61,7 @@ def inscribed_edges(
         return _edges_in_plane(plane, camera, poses, ground, pixel)
     if len(poses.lat_deg) > _BATCH:
         starts = range(0, len(poses.lat_deg), _BATCH)
-        parts = [
-            inscribed_edges(camera, Poses(*(p[i : i + _BATCH] for p in poses)), ground, pixel) for i in starts
-        ]
+        parts = [inscribed_edges(camera, Poses(*(p[i : i + _BATCH] for p in poses)), ground, pixel) for i in starts]
         return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
     at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
     seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
@@ -206,9 +204,7 @@ def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
     return _map_positions(Corners(lat, lon, np.ones(lat.shape, bool)))[:, 0]
 
 
-def _searched(
-    camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid
-) -> tuple[Floats, Floats]:
+def _searched(camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid) -> tuple[Floats, Floats]:
     """Half width and height, (n,) each, of the largest rectangles about centres, by search over ratios and sizes."""
     ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, 7)
     every = np.repeat(np.arange(len(centre)), len(ratios))
@@ -302,9 +298,7 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
         ]
         return Sides(*(np.concatenate(sides) for sides in zip(*parts)))
     rings, centres, whole = image_rings(camera, poses, plane, ground)
-    half = (
-        np.stack(_half_sizes(rings - centres[:, np.newaxis]), axis=-1) - NOISE_M - _sag(rings)[:, np.newaxis]
-    )
+    half = np.stack(_half_sizes(rings - centres[:, np.newaxis]), axis=-1) - NOISE_M - _sag(rings)[:, np.newaxis]
     half = np.where(whole[:, np.newaxis], np.maximum(half, 0.0), 0.0)
 
     def fits(share: Floats) -> Flags:
@@ -318,9 +312,7 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
     return Sides(x - across, y - up, x + across, y + up)
 
 
-def _edges_in_plane(
-    own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float
-) -> FrameEdges:
+def _edges_in_plane(own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float) -> FrameEdges:
     """`inscribed_edges` on the plane of a source's CRS; empty where part of an image shows no ground."""
     plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
     sides = own_sides(camera, poses, plane, ground)

@@ -131,9 +131,7 @@ def read_reference(text: str) -> CRS:
     except CRSError as wrong:
         # The message quotes the definition before the reason.
         reason = str(wrong).rpartition("(Internal Proj Error: ")[2].rstrip(")")
-        raise InvalidInput(
-            "coordinate reference system {0!r}: {1}", one_line(text[:80]), one_line(reason)
-        ) from wrong
+        raise InvalidInput("coordinate reference system {0!r}: {1}", one_line(text[:80]), one_line(reason)) from wrong
     for part in (found, *found.sub_crs_list):
         for axis in part.axis_info:
             unit = float(axis.unit_conversion_factor)
@@ -158,9 +156,7 @@ def _files_of_json(node: Any) -> Iterator[str]:
         if name == "parameters" and isinstance(part, list):
             values = (one.get("value") for one in part if isinstance(one, dict))
             yield from (
-                one
-                for one in values
-                if isinstance(one, str) and not re.fullmatch(_HARMLESS, one, re.IGNORECASE)
+                one for one in values if isinstance(one, str) and not re.fullmatch(_HARMLESS, one, re.IGNORECASE)
             )
         # Members whose name may be that of a grid, after the word PROJ.
         if name in ("geoid_model", "geoid_models"):

@@ -137,9 +137,7 @@ class View:
         for left, top, right, bottom in patches.box.tolist():
             rows = max(_BATCH // ((right - left) * patches.samples_x * patches.samples_y), 1)
             for start in range(top, bottom, rows):
-                row, column = (
-                    index.ravel() for index in np.mgrid[start : min(start + rows, bottom), left:right]
-                )
+                row, column = (index.ravel() for index in np.mgrid[start : min(start + rows, bottom), left:right])
                 x, y = _sample_points(row, column, patches.samples_x, patches.samples_y)
                 du, v, _ = self.rays.map_points(x, y)
                 yield Samples(patches.zoom, row, column, du, v)
@@ -180,9 +178,7 @@ class View:
     ) -> Numbers:
         first_x, last_x, first_y, last_y = (
             np.ravel(one)
-            for one in np.broadcast_arrays(
-                *self._tile_spans(zoom, u, west, east, north + moved_v, south + moved_v)
-            )
+            for one in np.broadcast_arrays(*self._tile_spans(zoom, u, west, east, north + moved_v, south + moved_v))
         )
         wide, most = last_x - first_x + 1, MAX_IMAGE_TILES * len(u)
         counts = wide * (last_y - first_y + 1)
@@ -245,9 +241,7 @@ class View:
             sizes = [int(part.max()) + 1 for part in parts]
             for x, y, wide, high in zip(*np.unravel_index(_distinct(parts, sizes), sizes)):
                 x0, y0 = corner[0] + int(x), corner[1] + int(y)
-                found.update(
-                    (zoom, x0 + i, y0 + j) for i in range(int(wide) + 1) for j in range(int(high) + 1)
-                )
+                found.update((zoom, x0 + i, y0 + j) for i in range(int(wide) + 1) for j in range(int(high) + 1))
         return sorted(found)
 
 
@@ -377,9 +371,7 @@ def _within(boxes: Numbers) -> tuple[Numbers, Numbers]:
     return rows + y0, columns + x0
 
 
-def _sampled(
-    rays: ImageRays, row: Numbers, column: Numbers, grid: PixelGrid, zooms: tuple[int, int]
-) -> list[Samples]:
+def _sampled(rays: ImageRays, row: Numbers, column: Numbers, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
     if not len(row):
         return []
     x, y = column + 0.5, row + 0.5
@@ -410,9 +402,7 @@ def sample_offsets(samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
     return off_x, off_y
 
 
-def _spans(
-    rays: ImageRays, x: Floats, y: Floats, du: Floats, v: Floats, step_x: float, step_y: float
-) -> Floats:
+def _spans(rays: ImageRays, x: Floats, y: Floats, du: Floats, v: Floats, step_x: float, step_y: float) -> Floats:
     """World fractions from each image point to the next pixel, or from the one before where that is sky."""
     spans = np.full(len(x), 1.0)
     for sign in (-1.0, 1.0):
@@ -456,9 +446,7 @@ class ImageRays(NamedTuple):
         corner, right, below = scene.camera.rays_enu(
             ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), *(float(angle[0]) for angle in pose.attitude)
         )
-        return cls(
-            scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane
-        )
+        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane)
 
     def at(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
@@ -471,9 +459,7 @@ class ImageRays(NamedTuple):
         pose = self.scene.poses
         return trace(pose.lat_deg[0], pose.agl_m[0], self.at(x_px, y_px), self.scene.ground)
 
-    def map_points(
-        self, x_px: Floats | Numbers, y_px: Floats | Numbers
-    ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    def map_points(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
         seen = self.ground(x_px, y_px)
         return *self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg), seen.hit
@@ -556,9 +542,7 @@ def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
         for side in rays.scene.one_size_px
     )
     left, top = (at.ravel() for at in np.meshgrid(x, y))
-    right, bottom = (
-        np.minimum(at + _SMALLEST_PX, side) for at, side in zip((left, top), rays.scene.one_size_px)
-    )
+    right, bottom = (np.minimum(at + _SMALLEST_PX, side) for at, side in zip((left, top), rays.scene.one_size_px))
     box = np.stack([left, top, right, bottom], axis=1)
     _, v, spread, hit = _corners(rays, box)
     errors = _errors_px(rays, box, v, hit.all(axis=1))
@@ -566,10 +550,7 @@ def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
 
 
 def _first_boxes(width: int, height: int) -> Numbers:
-    x, y = (
-        np.round(np.linspace(0, size, -(-size // _LARGEST_PX) + 1)).astype(np.int64)
-        for size in (width, height)
-    )
+    x, y = (np.round(np.linspace(0, size, -(-size // _LARGEST_PX) + 1)).astype(np.int64) for size in (width, height))
     left, top = np.meshgrid(x[:-1], y[:-1])
     right, bottom = np.meshgrid(x[1:], y[1:])
     return np.stack([left.ravel(), top.ravel(), right.ravel(), bottom.ravel()], axis=1)
@@ -579,9 +560,7 @@ def _halved(box: Numbers, across_x: NDArray[np.bool_]) -> Numbers:
     """Boxes cut in two across the axis that needs it more, or the other one where that is as small as can be."""
     size = box[:, 2:] - box[:, :2]
     along = np.where(across_x, 0, 1)
-    along = np.where(
-        np.take_along_axis(size, along[:, np.newaxis], axis=1)[:, 0] <= _SMALLEST_PX, 1 - along, along
-    )
+    along = np.where(np.take_along_axis(size, along[:, np.newaxis], axis=1)[:, 0] <= _SMALLEST_PX, 1 - along, along)
     row = np.arange(len(box))
     middle = (box[row, along] + box[row, along + 2]) // 2
     first, second = box.copy(), box.copy()
@@ -616,15 +595,8 @@ def _errors_px(
     length = np.sqrt(np.sum(vectors * vectors, axis=-1))
     share = float(scene.height_share[0])
     lifted, grazed2 = grazing(-vectors[..., 2] / length, np.asarray(share))
-    good = (
-        whole
-        & (grazed2 > 0.0).all(axis=1)
-        & (lifted > 0.0).all(axis=1)
-        & (length <= _LONGEST_RAY).all(axis=1)
-    )
-    lifted, grazed2, v = (
-        np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5))
-    )
+    good = whole & (grazed2 > 0.0).all(axis=1) & (lifted > 0.0).all(axis=1) & (length <= _LONGEST_RAY).all(axis=1)
+    lifted, grazed2, v = (np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5)))
     bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
     receding, steepening = _receding(lifted, np.sqrt(grazed2), share)
     focal = float(np.broadcast_to(scene.focal_px, 1)[0])
@@ -636,9 +608,7 @@ def _errors_px(
         size = (box[:, axis + 2] - box[:, axis]).astype(np.float64)
         slopes = np.max([np.abs(steepening[:, start] - steepening[:, end]) for start, end in edges], axis=0)
         errors.append(np.where(good, uneven * size / 8.0 * (slopes * bend + size * across), np.inf))
-        ratio = np.max(
-            [np.maximum(slant[:, a] / slant[:, b], slant[:, b] / slant[:, a]) for a, b in edges], axis=0
-        )
+        ratio = np.max([np.maximum(slant[:, a] / slant[:, b], slant[:, b] / slant[:, a]) for a, b in edges], axis=0)
         unevenness.append(np.where(good, ratio, np.inf))
     return (errors[0], errors[1]), (unevenness[0], unevenness[1])
 

@@ -91,9 +91,7 @@ def _shortest(places: Floats, least: Floats, sides: Floats) -> Floats:
         for next_ in better[free].tolist():
             length[next_], before[next_] = through[next_], here
             heapq.heappush(waiting, (float(through[next_] + to_end[next_]), next_))
-    raise InvalidInput(
-        "no way leads around the no-fly areas", remedy="leave room between them, or keep less distance"
-    )
+    raise InvalidInput("no way leads around the no-fly areas", remedy="leave room between them, or keep less distance")
 
 
 def _oriented(polygons: Sequence[Sequence[Floats]]) -> list[Floats]:

@@ -161,8 +161,7 @@ def alternatives(
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
     hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
-        Message("{0}{1}", entry.listed, hint) if entry.bulk_allowed == "ask" else entry.listed
-        for entry in found
+        Message("{0}{1}", entry.listed, hint) if entry.bulk_allowed == "ask" else entry.listed for entry in found
     )
 
 
@@ -204,10 +203,7 @@ def shared_requests(asked: Sequence[tuple[Source | NamedSource, int]]) -> list[i
         Sources, which may repeat, and the requests of each.
     """
     policies = [source.policy for source, _ in asked]
-    return [
-        sum(requests for (_, requests), other in zip(asked, policies) if other == policy)
-        for policy in policies
-    ]
+    return [sum(requests for (_, requests), other in zip(asked, policies) if other == policy) for policy in policies]
 
 
 def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:
@@ -339,9 +335,7 @@ def _check_name(name: str) -> None:
             field="name",
         )
     if name in shipped_data():
-        raise InvalidInput(
-            "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
-        )
+        raise InvalidInput("source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another")
 
 
 def _entry(name: str, data: Any) -> CatalogueEntry:

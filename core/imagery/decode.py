@@ -133,9 +133,7 @@ def refuse_marked(body: bytes, headers: Mapping[str, str], placeholder: Placehol
     """Raise PartError for a body or header that is the placeholder's."""
     for name, value in placeholder.header:
         if name.lower() in headers and value in ("*", headers[name.lower()]):
-            raise PartError(
-                "no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()])
-            )
+            raise PartError("no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()]))
     if placeholder.sha256 and hashlib.sha256(body).hexdigest().startswith(placeholder.sha256):
         raise PartError(PLACEHOLDER_REASON)
 
@@ -205,9 +203,7 @@ def webp_problem() -> str:
     # The first version without CVE-2023-4863, by which a picture may run any code.
     if not _brings_libraries() or numbers >= (1, 3, 2):
         return ""
-    return Message(
-        "a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
-    )
+    return Message("a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version)
 
 
 def _brings_libraries() -> bool:
@@ -242,9 +238,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
         segments += 1 if scans else at - begin - 1
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
-            raise _broken(
-                Message("JPEG of more than {0} scans or {1} segments", MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS)
-            )
+            raise _broken(Message("JPEG of more than {0} scans or {1} segments", MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS))
         at += int.from_bytes(body[at : at + 2], "big")
         # Comments, and application data except of JFIF and Adobe, do not affect the pixels.
         if not scans and not (0xE1 <= marker <= 0xED or marker in (0xEF, 0xFE)):

@@ -124,9 +124,7 @@ class Dates:
 
     def text(self) -> Message:
         """Description for people."""
-        default = (
-            Message("{0} by default", self.default) if self.default else Message("one must be asked for")
-        )
+        default = Message("{0} by default", self.default) if self.default else Message("one must be asked for")
         if self.kind == "listed":
             if len(self.values) <= 6:
                 return Message("{0}; {1}", ", ".join(sorted(self.values)), default)
@@ -182,11 +180,7 @@ def time_dimension_dates(values: Iterable[str], default: str) -> Dates | None:
     kinds = {steps.get(ends[2] if len(ends) == 3 else "") for ends in intervals}
     kind = kinds.pop() if len(kinds) == 1 and len(intervals) == len(times) else None
     pattern = {"day": r"\d{4}-\d\d-\d\d", "year": r"\d{4}"}.get(kind or "", "(?!)")
-    if (
-        kind
-        and re.fullmatch(f"{pattern} {pattern}", f"{first} {last}")
-        and first <= (default or last) <= last
-    ):
+    if kind and re.fullmatch(f"{pattern} {pattern}", f"{first} {last}") and first <= (default or last) <= last:
         return Dates(kind, first, default or last, last)
     return Dates("any", first, default, last)
 
@@ -370,9 +364,7 @@ class CatalogueEntry:
         """Pixel grid for a tile size; None for the default size."""
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
-            raise InvalidInput(
-                "tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px))
-            )
+            raise InvalidInput("tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px)))
         # Bounds of shipped entries are those of a country; those of services enclose the imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
@@ -385,9 +377,7 @@ class CatalogueEntry:
             extent = self._limited(extent)
         return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
 
-    def _limited(
-        self, extent: tuple[tuple[float, float], ...] | None
-    ) -> tuple[tuple[float, float], ...] | None:
+    def _limited(self, extent: tuple[tuple[float, float], ...] | None) -> tuple[tuple[float, float], ...] | None:
         """Part of an extent on the map that has tiles; unchanged where it crosses the antimeridian."""
         whole_map = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
         u, v = zip(*(extent or whole_map))
@@ -417,9 +407,7 @@ class CatalogueEntry:
         """Date of the imagery; empty where there is a single one."""
         if self.dates is None:
             if wanted:
-                raise InvalidInput(
-                    "date {0!r}: {1} has no dates to choose from", wanted, self.title, field="date"
-                )
+                raise InvalidInput("date {0!r}: {1} has no dates to choose from", wanted, self.title, field="date")
             return ""
         if not wanted and not self.dates.default:
             raise InvalidInput(
@@ -447,12 +435,7 @@ class CatalogueEntry:
     def covers(self, bounds_deg: tuple[float, float, float, float]) -> bool:
         """Whether the bounds contain a box of west, south, east, north."""
         west, south, east, north = self.bounds_deg
-        return (
-            bounds_deg[0] >= west
-            and bounds_deg[1] >= south
-            and bounds_deg[2] <= east
-            and bounds_deg[3] <= north
-        )
+        return bounds_deg[0] >= west and bounds_deg[1] >= south and bounds_deg[2] <= east and bounds_deg[3] <= north
 
 
 def _differing(value: Policy | Dates, default: Policy | Dates) -> dict[str, Any]:

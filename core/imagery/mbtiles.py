@@ -138,9 +138,7 @@ class MBTilesSource:
                 if self._limit.has_ended():
                     raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
-                    raise PartError(
-                        "{0}: {1} cannot be read ({2})", tile, Path(self.name).name, wrong
-                    ) from wrong
+                    raise PartError("{0}: {1} cannot be read ({2})", tile, Path(self.name).name, wrong) from wrong
 
     def _stored(self, tile: Tile) -> bytes | None:
         with self._lock:
@@ -222,10 +220,7 @@ def _too_slow(what: str) -> PartError:
         "{0}: takes more than {1:g} s to look a tile up",
         what,
         MAX_QUERY_S,
-        remedy=(
-            "give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, "
-            "tile_column, tile_row)"
-        ),
+        remedy=("give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)"),
     )
 
 
@@ -301,8 +296,7 @@ def _check_defined(connection: sqlite3.Connection) -> None:
             or any(_may_name(sql, other) for other in computed - {name})
         ):
             raise InvalidInput(
-                "{0} is computed; must be a table, or a view that reads tables alone, of {1:,} characters "
-                "at most",
+                "{0} is computed; must be a table, or a view that reads tables alone, of {1:,} characters at most",
                 name,
                 MAX_VIEW_CHARACTERS,
             )
@@ -366,12 +360,7 @@ def _bounds(bounds: str) -> tuple[float, float, float, float] | None:
         west, south, east, north = (real_number(part) for part in bounds.split(","))
     except ValueError:
         return None
-    sound = (
-        -180.0 <= west <= 180.0
-        and -180.0 <= east <= 180.0
-        and west != east
-        and -90.0 <= south < north <= 90.0
-    )
+    sound = -180.0 <= west <= 180.0 and -180.0 <= east <= 180.0 and west != east and -90.0 <= south < north <= 90.0
     return (west, south, east, north) if sound else None
 
 

@@ -446,9 +446,7 @@ class EntrySource(NamedSource):
         entry, date, options = self.entry, self.date, self.options
         key = options.key or (self.environment_key() if entry.key_env else None)
         if entry.key_env and not key:
-            raise SourceError(
-                "{0}: needs an API key: set the environment variable {1}", entry.title, entry.key_env
-            )
+            raise SourceError("{0}: needs an API key: set the environment variable {1}", entry.title, entry.key_env)
         source: Source = self._pixels.open_entry(entry, date, key, options)
         return source
 

@@ -49,8 +49,7 @@ class Placeholder:
         for digest in self.sha256:
             if not re.fullmatch(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}", digest):
                 raise InvalidInput(
-                    "placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its "
-                    "digits or more",
+                    "placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more",
                     digest,
                     DIGEST_DIGITS,
                     field="placeholder",

@@ -88,9 +88,7 @@ class Policy:
         if self.bulk_allowed not in BULK:
             raise InvalidInput("bulk_allowed {0!r}: must be one of {1}", self.bulk_allowed, ", ".join(BULK))
         if self.bulk_allowed != "yes" and self.max_tiles is None:
-            raise InvalidInput(
-                "bulk_allowed {0!r} without max_tiles: say how many are no bulk", self.bulk_allowed
-            )
+            raise InvalidInput("bulk_allowed {0!r} without max_tiles: say how many are no bulk", self.bulk_allowed)
         for name in ("max_tiles", "max_connections", "requests_per_s"):
             value = getattr(self, name)
             # Whole numbers may be too large for a float.
@@ -135,9 +133,7 @@ class Policy:
             rest_s=0.0 if rate is None else 1.0 + delay_s,
         )
 
-    def check(
-        self, title: str, requests: int, accept_terms: bool = False, instead: tuple[str, ...] = ()
-    ) -> None:
+    def check(self, title: str, requests: int, accept_terms: bool = False, instead: tuple[str, ...] = ()) -> None:
         """Refuse a run of more requests than the terms allow.
 
         Parameters

@@ -130,9 +130,7 @@ class StaticMapSource:
         """
         lat_deg, lon_deg = self.centre(part)
         what = Message("image at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
-        read = partial(
-            read_answer, width_px=part.width_px, height_px=part.height_px, placeholder=self.placeholder
-        )
+        read = partial(read_answer, width_px=part.width_px, height_px=part.height_px, placeholder=self.placeholder)
         response, pixels = self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read)
         received = self.received
         if received is not None:
@@ -246,8 +244,6 @@ def _secret_bytes(secret: str) -> bytes:
     try:
         return base64.b64decode(padded, altchars=b"-_", validate=True)
     except ValueError:
-        wrong = InvalidInput(
-            "URL signing secret: is not URL-safe base64, as the Google Cloud console shows it"
-        )
+        wrong = InvalidInput("URL signing secret: is not URL-safe base64, as the Google Cloud console shows it")
     # Raised outside `except` so that an error that quotes the secret is not chained.
     raise wrong

@@ -117,9 +117,7 @@ def read_plane(stated: Mapping[str, Any]) -> ProjectedPlane:
     code = stated.get("crs")
     numbers = [edge for edge in edges.values() if isinstance(edge, (int, float)) and math.isfinite(edge)]
     if set(stated) != {"crs", *edges} or len(numbers) != len(edges) or min(numbers[2:]) <= 0.0:
-        raise InvalidInput(
-            "plane {0}: must be crs, and west, north, width and height as numbers", dict(stated)
-        )
+        raise InvalidInput("plane {0}: must be crs, and west, north, width and height as numbers", dict(stated))
     if not isinstance(code, str) or epsg_code(code) == MAP or not is_usable(code):
         raise InvalidInput("plane of {0!r}: must be that of a projected system, such as EPSG:2056", code)
     return ProjectedPlane(code, *map(float, numbers))
@@ -131,9 +129,7 @@ def refused(wanted: str, title: str, offered: Iterable[str]) -> InvalidInput:
     names: str = ", ".join(available[:12]) or Message("none")
     if len(available) > 12:
         names = Message("{0} and {1} more", names, len(available) - 12)
-    return InvalidInput(
-        "coordinate reference system {0}: {1} has {2}", _short(wanted), title, names, field="crs"
-    )
+    return InvalidInput("coordinate reference system {0}: {1} has {2}", _short(wanted), title, names, field="crs")
 
 
 def _short(crs: str) -> str:

@@ -148,9 +148,7 @@ class Template:
         # The values of further placeholders depend on the tile.
         return tuple(dict.fromkeys(url_host(_BRACES.sub("0", url)) for url in asked))
 
-    def url(
-        self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
-    ) -> str:
+    def url(self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = "") -> str:
         """URL of a tile; column and row determine the subdomain, so that a tile always has the same URL."""
         names = self.names
         level = next((name for zoom, name in self.levels if zoom == z), str(z))
@@ -208,8 +206,7 @@ class Template:
             )
         if missing and not names & {"q", BBOX, OWN_BBOX, OWN_BBOX_YX}:
             raise InvalidInput(
-                "URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or "
-                "{{{2}}} alone)",
+                "URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or {{{2}}} alone)",
                 shown,
                 _braced(missing),
                 BBOX,
@@ -245,9 +242,7 @@ def check_address(text: str, what: str) -> None:
         Name of the address in errors.
     """
     if not text.isprintable() or " " in text:
-        raise InvalidInput(
-            "{0} with spaces or control characters: must have none, or spaces written as %20", what
-        )
+        raise InvalidInput("{0} with spaces or control characters: must have none, or spaces written as %20", what)
     filled = _BRACES.sub("0", text)
     try:
         parts = urlsplit(filled)
@@ -262,9 +257,7 @@ def check_address(text: str, what: str) -> None:
             "{0} of {1} scheme: must start with http:// or https://", what, parts.scheme or Message("no")
         )
     if parts.username is not None or parts.password is not None:
-        raise InvalidInput(
-            "{0} for {1}: holds a user name; no credentials may stand in it", what, parts.hostname
-        )
+        raise InvalidInput("{0} for {1}: holds a user name; no credentials may stand in it", what, parts.hostname)
     for name in keys_in(text):
         raise InvalidInput(
             "{0} for {1}: holds a key in {2!r}, which would end up in files",
@@ -285,9 +278,7 @@ def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
     if first is None:
         return tuple(inline.group(5).split(","))
     if ord(first) > ord(last):
-        raise InvalidInput(
-            "URL template with subdomains {0}-{1}: the first comes after the last", first, last
-        )
+        raise InvalidInput("URL template with subdomains {0}-{1}: the first comes after the last", first, last)
     return tuple(chr(code) for code in range(ord(first), ord(last) + 1))
 
 
@@ -333,9 +324,7 @@ def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
         return key or None
     known = os.environ.get(HOSTS_ENV, "").replace(",", " ").lower().split()
     for host in hosts:
-        if not any(
-            host == named or host.endswith("." + named) for named in (one.strip(".") for one in known)
-        ):
+        if not any(host == named or host.endswith("." + named) for named in (one.strip(".") for one in known)):
             raise SourceError(
                 "{0}: {1} is not sent there, because a file names this host and not you",
                 host,

@@ -89,8 +89,7 @@ class XYZSource:
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
-            map_type: text if isinstance(text, Template) else Template(text)
-            for map_type, text in given.items()
+            map_type: text if isinstance(text, Template) else Template(text) for map_type, text in given.items()
         }
         if not self._templates:
             raise InvalidInput("source without a URL template: needs one")
@@ -109,9 +108,7 @@ class XYZSource:
         self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
-            raise InvalidInput(
-                "source {0}: its URL has a {{date}}", self.title, field="date", remedy="say which"
-            )
+            raise InvalidInput("source {0}: its URL has a {{date}}", self.title, field="date", remedy="say which")
         self._fetched: Counter[str] = Counter()
         self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()
@@ -220,9 +217,7 @@ class XYZSource:
         """Pixels of a tile; raises PartError for an answer without imagery."""
         size = self.grid.tile_px
         try:
-            return read_answer(
-                response, size, size, self.placeholder, alpha=self._alpha, any_size=self._any_size
-            )
+            return read_answer(response, size, size, self.placeholder, alpha=self._alpha, any_size=self._any_size)
         except WrongSizeError as wrong:
             if not self._encoded:
                 raise

@@ -74,6 +74,4 @@ def check_column(times_s: Sequence[float], where: str, *, dated: bool = False) -
         return
     wrong = implausible(times_s, None if dated else CLOCKS["s"].words, dated=dated)
     if wrong is not None:
-        raise InvalidInput(
-            "{0}: {1}", where, wrong, remedy="give seconds after 1970, or remove the column of times"
-        )
+        raise InvalidInput("{0}: {1}", where, wrong, remedy="give seconds after 1970, or remove the column of times")

@@ -181,9 +181,7 @@ class Summary:
             lines.append(
                 (
                     Message("imagery"),
-                    Message(
-                        "the source has imagery of {0} of the area", percent(self.imagery_share, exact=False)
-                    ),
+                    Message("the source has imagery of {0} of the area", percent(self.imagery_share, exact=False)),
                 )
             )
         for label, least, median in (
@@ -223,9 +221,7 @@ class Summary:
         """Number of several polygons, and what no-fly areas cost."""
         lines: list[tuple[str, str]] = []
         if self.polygons > 1 and self.area_m2 is not None:
-            lines.append(
-                (Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2)))
-            )
+            lines.append((Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2))))
         if self.no_fly_areas:
             words = Message("{0:,} images left out", self.images_over_no_fly)
             if self.no_fly_m2:
@@ -434,9 +430,7 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     written_m = plan.resolution.picture_m_per_px
     if mission.output.img_size is not None:
         width, height, _ = mission.output.img_size
-        written_m *= float(
-            min(np.median(plan.frames.width_px) / width, np.median(plan.frames.height_px) / height)
-        )
+        written_m *= float(min(np.median(plan.frames.width_px) / width, np.median(plan.frames.height_px) / height))
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
     zoom = min(grid.native_zoom, plan.frames.finest_zoom(plan))
     own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
@@ -460,9 +454,7 @@ def _way_out(plan: Plan, zoom: int, factor: float) -> Message:
     mission = plan.mission
     if mission.output.img_size is not None and plan.zoom <= zoom:
         width, height = (max(int(size / factor), 1) for size in mission.output.img_size[:2])
-        return Message(
-            "{0} {1} {2} {3} or less", OptionName("img_size"), width, height, mission.output.img_size[2]
-        )
+        return Message("{0} {1} {2} {3} or less", OptionName("img_size"), width, height, mission.output.img_size[2])
     if not plan.frames.on_map and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
         return Message(
             "{0} {1} or less, or fly higher",

@@ -53,9 +53,7 @@ class NamedImagery:
                 self.name,
             )
         if _DEVICE.fullmatch(self.name):
-            raise InvalidInput(
-                "imagery {0!r}: is the name of a device on Windows, and of no folder", self.name
-            )
+            raise InvalidInput("imagery {0!r}: is the name of a device on Windows, and of no folder", self.name)
         if not self.source:
             raise InvalidInput("imagery {0!r}: has no source, such as {0}=world", self.name)
         if "\0" in self.source:

@@ -48,9 +48,7 @@ def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
     return whole
 
 
-def poses_inside(
-    grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, ground: Ellipsoid = WGS84
-) -> Flags:
+def poses_inside(grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, ground: Ellipsoid = WGS84) -> Flags:
     """Which poses (n,) see ground on a source's imagery alone, over level ground.
 
     Parameters
@@ -116,6 +114,4 @@ def _rim(camera: Camera, image_px: int) -> tuple[tuple[float, float], ...]:
     width, height = (longer, shorter) if wide else (shorter, longer)
     x, y = 1.0 + 2.0 * _MARGIN_PX / width, 1.0 + 2.0 * _MARGIN_PX / height
     sides = [*((one, side) for side in (-1.0, 1.0) for one in _ALONG)]
-    return tuple((x * one, y * side) for one, side in sides) + tuple(
-        (x * side, y * one) for one, side in sides
-    )
+    return tuple((x * one, y * side) for one, side in sides) + tuple((x * side, y * one) for one, side in sides)

@@ -52,11 +52,7 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
     """
     try:
         rows = [
-            {
-                (name or "").strip().lower(): cell
-                for name, cell in row.items()
-                if isinstance(cell, str) and cell
-            }
+            {(name or "").strip().lower(): cell for name, cell in row.items() if isinstance(cell, str) and cell}
             for row in csv.DictReader([line for line in lines if line.strip()])
         ]
     except csv.Error as wrong:
@@ -79,9 +75,7 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
 
 
 def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
-    lat, lon, yaw = (
-        finite_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)")
-    )
+    lat, lon, yaw = (finite_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)"))
     # Without a pitch of its own, the gimbal is left as it is: straight down, for images of the ground.
     pitch = -90.0
     if row.get("gimbalmode", _INTERPOLATE) == _INTERPOLATE:

@@ -291,9 +291,7 @@ def choose_methods(
                 return flown, _accuracy(mission, grid, scene, Choice(footprint), Choice(found), None)
             reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
         elif mission.accuracy.frame == "map":
-            raise InvalidInput(
-                "image 'map' was asked for, but has no bound here: {0}", outside, field="frame"
-            )
+            raise InvalidInput("image 'map' was asked for, but has no bound here: {0}", outside, field="frame")
         else:
             found, reason = Method(_PICTURE, "map", math.inf, math.inf, outside), outside
         picture = Choice(found, found, reason)
@@ -426,16 +424,12 @@ def _accuracy(
             bound_text(total),
             bound_text(total / budget),
             field="error_budget_px",
-            remedy=Message(
-                "raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error")
-            ),
+            remedy=Message("raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error")),
         )
     return made
 
 
-def _left_out(
-    mission: Mission, scene: ImageGeometry, picture: Method, pixels: Choice | None
-) -> list[tuple[str, str]]:
+def _left_out(mission: Mission, scene: ImageGeometry, picture: Method, pixels: Choice | None) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     if picture.name == "map":
         found.append((Message("resampling"), Message("a map frame shows the source's own pixels")))
@@ -450,9 +444,7 @@ def _left_out(
         found.append(
             (
                 Message("wind"),
-                Message("air without gusts was asked for")
-                if mission.wind
-                else Message("still air was asked for"),
+                Message("air without gusts was asked for") if mission.wind else Message("still air was asked for"),
             )
         )
     return found

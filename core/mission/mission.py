@@ -121,9 +121,7 @@ class Mission:
     @property
     def limit_px(self) -> int | None:
         """Limit of a picture's longest side in 256 px terms, apart from the source's; None for none."""
-        return (
-            PAPER_MAX_PX if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
-        )
+        return PAPER_MAX_PX if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
 
     @property
     def kind(self) -> str:
@@ -144,9 +142,7 @@ class Mission:
 
     def over(self, imagery: NamedImagery) -> Mission:
         """Return a copy that takes its pictures of this imagery alone."""
-        return self.with_(
-            imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,)
-        )
+        return self.with_(imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
 
     def with_(self, **changes: Any) -> Mission:
         """Return a copy with some fields changed, by the names that the constructor takes; checked again."""
@@ -162,9 +158,7 @@ class Mission:
         """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``, without what equals its default."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
         plain = {
-            name: _without_defaults(part)
-            for name, part in parts.items()
-            if part != _DEFAULT_PARTS.get(name, MISSING)
+            name: _without_defaults(part) for name, part in parts.items() if part != _DEFAULT_PARTS.get(name, MISSING)
         }
         kind = type(self.area).__name__.lower()
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **plain["area"]}}
@@ -225,8 +219,7 @@ class Mission:
             raise InvalidInput("mission file {0}: cannot be read ({1})", path, wrong) from wrong
         if not text.lstrip().startswith("{"):
             raise InvalidInput(
-                "mission file {0}: holds no mission, which is a JSON object; a file of places is given as "
-                "coordinates",
+                "mission file {0}: holds no mission, which is a JSON object; a file of places is given as coordinates",
                 path,
             )
         return cls.from_json(text)
@@ -329,9 +322,7 @@ def _object(name: str, value: Any) -> Mapping[str, Any]:
 def _check_names(values: Mapping[str, Any], where: str, known: Any) -> None:
     unknown = sorted(set(values) - set(known))
     if unknown:
-        raise InvalidInput(
-            "mission field {0!r}: not one of {1}", where + unknown[0], ", ".join(sorted(known))
-        )
+        raise InvalidInput("mission field {0!r}: not one of {1}", where + unknown[0], ", ".join(sorted(known)))
 
 
 def _made(kind: type[_Part], name: str, values: Any) -> _Part:

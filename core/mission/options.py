@@ -98,9 +98,7 @@ class Option:
         low, high = self.count or (1, 1)
         if not low <= len(parts) <= high:
             wanted = str(low) if low == high else f"{low} to {high}"
-            raise InvalidInput(
-                "{0} {1} {2!r}: takes {3} value{4}", where, self.name, value, wanted, "s" * (high > 1)
-            )
+            raise InvalidInput("{0} {1} {2!r}: takes {3} value{4}", where, self.name, value, wanted, "s" * (high > 1))
         values = tuple(self._one(part, where) for part in parts)
         return values if self.count else values[0]
 
@@ -108,13 +106,9 @@ class Option:
         try:
             value = _READERS.get(self.kind, self.kind)(str(part))
         except ValueError as wrong:
-            raise InvalidInput(
-                "{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]
-            ) from wrong
+            raise InvalidInput("{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]) from wrong
         if self.choices and value not in self.choices:
-            raise InvalidInput(
-                "{0} {1} {2!r}: must be one of {3}", where, self.name, part, ", ".join(self.choices)
-            )
+            raise InvalidInput("{0} {1} {2!r}: must be one of {3}", where, self.name, part, ", ".join(self.choices))
         return value
 
 
@@ -142,9 +136,7 @@ def _truth(value: Any, what: str) -> bool:
 
 def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
     """Options of the fields of parts, but some that are given in another way."""
-    return tuple(
-        Option.of(field) for part in parts for field in declared_fields(part) if field.name not in but
-    )
+    return tuple(Option.of(field) for part in parts for field in declared_fields(part) if field.name not in but)
 
 
 _IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")
@@ -178,9 +170,7 @@ OPTIONS: tuple[Option, ...] = (
         "GeoJSON, KML or KMZ file of polygons where no camera may stand: images planned inside are left out",
         metavar="FILE",
     ),
-    Option(
-        "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
-    ),
+    Option("agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"),
     Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(LENGTHS_M)),
     Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
     Option("camera", str, None, "camera by name (see terrainav cameras) instead of --fov and --aspect-ratio"),
@@ -196,9 +186,7 @@ OPTIONS: tuple[Option, ...] = (
         metavar=("W", "H"),
     ),
     Option("focal_length", float, None, "focal length of the lens itself in mm, with --sensor"),
-    Option(
-        "aspect_ratio", float, None, "width and height of the image (4 3)", count=(2, 2), metavar=("W", "H")
-    ),
+    Option("aspect_ratio", float, None, "width and height of the image (4 3)", count=(2, 2), metavar=("W", "H")),
     *_fields(Attitude),
     Option(
         "overlap",
@@ -242,9 +230,7 @@ OPTIONS: tuple[Option, ...] = (
         "same tile in many places; with --resume, images that show them are made again",
         count=(1, 100),
     ),
-    Option(
-        "cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"
-    ),
+    Option("cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"),
     Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
     Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
 )

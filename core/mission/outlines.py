@@ -62,9 +62,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
         return
     corners = plan.corners
     lon, lat = corners.lon_deg[part], corners.lat_deg[part]
-    on_map = (
-        (np.abs(lat).max(axis=1) <= MAX_LAT_DEG) & (lon.min(axis=1) >= -180.0) & (lon.max(axis=1) <= 180.0)
-    )
+    on_map = (np.abs(lat).max(axis=1) <= MAX_LAT_DEG) & (lon.min(axis=1) >= -180.0) & (lon.max(axis=1) <= 180.0)
     straight = _straight(plan, part)
     plain = on_map & straight
     east, north = metres(lon[:, ::-1], np.clip(lat[:, ::-1], -MAX_LAT_DEG, MAX_LAT_DEG))

@@ -108,9 +108,7 @@ def _check_source(text: str) -> None:
 
 def _check_date(text: str) -> None:
     if text != text.strip() or not text.isprintable():
-        raise InvalidInput(
-            "date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date"
-        )
+        raise InvalidInput("date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date")
 
 
 def _check_bands(bands: tuple[Any, ...]) -> None:
@@ -136,9 +134,7 @@ def _check_stretch(text: str) -> None:
 def _check_heights(sources: tuple[Any, ...]) -> None:
     for one in sources:
         if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
-            raise InvalidInput(
-                "heights {0!r}: must be a file, terrarium, world or a number", one, field="elevation"
-            )
+            raise InvalidInput("heights {0!r}: must be a file, terrarium, world or a number", one, field="elevation")
 
 
 def _check_products(products: tuple[str, ...]) -> None:
@@ -545,8 +541,7 @@ class Accuracy(CheckedFields):
     accept_error: bool = declared(
         False,
         title="allow exceeding the error budget",
-        help="use the most accurate methods where none stay within the error budget, instead of refusing the "
-        "mission",
+        help="use the most accurate methods where none stay within the error budget, instead of refusing the mission",
         advanced=True,
     )
     frame: str = declared(
@@ -806,9 +801,7 @@ class Route(CheckedFields):
             object.__setattr__(self, "takeoff", tuple(map(float, self.takeoff)))
         remedy = Message("set a take-off point{0}", OptionName("takeoff").in_brackets)
         if self.takeoff is None and self.entry == NEAREST:
-            raise InvalidInput(
-                "entry nearest: needs a take-off point to be near to", field="entry", remedy=remedy
-            )
+            raise InvalidInput("entry nearest: needs a take-off point to be near to", field="entry", remedy=remedy)
         if self.takeoff is None and self.battery_min is not None:
             raise InvalidInput(
                 "battery of {0:g} min: needs a take-off point, where each sortie begins and ends",

@@ -250,9 +250,7 @@ class Plan:
     def _rectangles(self) -> tuple[Rectangles, ...]:
         """Ground that the images of each pass show, in its plane."""
         ends = [*(part.first for part in self.passes[1:]), len(self)]
-        return tuple(
-            self.frames.rectangles(self, part, slice(part.first, end)) for part, end in zip(self.passes, ends)
-        )
+        return tuple(self.frames.rectangles(self, part, slice(part.first, end)) for part, end in zip(self.passes, ends))
 
     @cached_property
     def requests(self) -> int:
@@ -356,9 +354,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
 
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     stated = stated_times_s(mission, layout.column)
-    interval_s = (
-        np.diff(stated) if stated is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
-    )
+    interval_s = np.diff(stated) if stated is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))

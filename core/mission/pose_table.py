@@ -160,9 +160,7 @@ def read_poses(
                 values[name].append(real_number(number))
             except ValueError as wrong:
                 if name != "time":
-                    raise InvalidInput(
-                        "{0} {1} {2!r}: must be a number", there, name, cell[:_SHOWN]
-                    ) from wrong
+                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell[:_SHOWN]) from wrong
                 values[name].append(time_s(cell, there))
                 dated = True
     m_per_unit = LENGTHS_M[agl_unit]

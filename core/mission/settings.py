@@ -189,18 +189,14 @@ def _wind(values: Mapping[str, Any]) -> Wind | None:
 
 def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if values["area"] is not None and values["coords"] is not None:
-        raise InvalidInput(
-            "area {0!r} and coords {1!r}: give one of the two", values["area"], values["coords"]
-        )
+        raise InvalidInput("area {0!r} and coords {1!r}: give one of the two", values["area"], values["coords"])
     agl_m = None if values["agl"] is None else values["agl"] * LENGTHS_M[values["agl_unit"]]
     if values["area"] is not None:
         if agl_m is None:
             raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])
         return load_area(values["area"]), agl_m
     if values["coords"] is None:
-        raise InvalidInput(
-            'no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"'
-        )
+        raise InvalidInput('no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"')
     area, coords_agl_m = parse_coords(values["coords"], values["mission"], values["agl_unit"], agl_m)
     if agl_m is None:
         return area, coords_agl_m
@@ -242,9 +238,7 @@ def _check_one_camera(values: Mapping[str, Any]) -> None:
     if len(given) > 1:
         raise InvalidInput("{0} and {1}: give one of the two", given[0], given[1])
     if (values["sensor"] is None) != (values["focal_length"] is None):
-        name, other = (
-            ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
-        )
+        name, other = ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
         raise InvalidInput("{0} {1}: needs {2} as well", name, _shown(values[name]), other)
 
 

@@ -138,9 +138,7 @@ class CameraViews:
             The ground is level.
         """
         heights, size = self.relief.heights, size_px or self.size_px(index)
-        scene = ImageGeometry(
-            self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground
-        )
+        scene = ImageGeometry(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
         # Share of the tolerance that is left to the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
@@ -188,9 +186,7 @@ class CameraViews:
         tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
         def made(pose: Poses) -> View:
-            return self._view_of_level(
-                ImageGeometry(self.mission.camera, *size, pose, self.ground), tolerance
-            )
+            return self._view_of_level(ImageGeometry(self.mission.camera, *size, pose, self.ground), tolerance)
 
         return self._kept("views", index, made)
 

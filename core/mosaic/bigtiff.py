@@ -92,9 +92,7 @@ def write_tiles(
                 Tag(323, TagType.LONG, [TILE_PX]),
                 Tag(324, kind, offsets.ravel().tolist()),
                 Tag(325, kind, lengths.ravel().tolist()),
-                Tag(
-                    338, TagType.SHORT, [2]
-                ),  # the last channel is alpha, and the others are not multiplied by it
+                Tag(338, TagType.SHORT, [2]),  # the last channel is alpha, and the others are not multiplied by it
                 Tag(33432, TagType.ASCII, attribution),
                 *place.tags(),
             ]

@@ -247,9 +247,7 @@ class CameraImages:
         if not all_met:
             # The relief ends within the image.
             x, y = (np.linspace(-1.0, 1.0, side // _EACH_PX + 2) for side in (width, height))
-            inner_east, inner_north, _ = self._met(
-                index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes
-            )
+            inner_east, inner_north, _ = self._met(index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes)
             east, north = np.concatenate([east, inner_east]), np.concatenate([north, inner_north])
         if not len(east):
             return Ends(math.inf, math.inf, -math.inf, -math.inf)
@@ -276,9 +274,7 @@ class CameraImages:
             )
             about_lat, about_lon = (at.ravel() for at in places(self.plane, *corners))
             known = np.isfinite(about_lat)
-            surface = self._surface(
-                np.append(about_lat[known], lat[:1]), np.append(about_lon[known], lon[:1])
-            )
+            surface = self._surface(np.append(about_lat[known], lat[:1]), np.append(about_lon[known], lon[:1]))
             seen_lat, dlon, _, _ = surface.first_points(lat, lon, agl, rays, surface.lowest_m)
         east, north = self._on_map(seen_lat, lon + dlon)
         met = np.isfinite(east) & np.isfinite(north)
@@ -326,9 +322,7 @@ class CameraImages:
         across, down = np.concatenate(x, axis=1), np.concatenate(y, axis=1)
         there = np.isfinite(across).any(axis=1) & np.isfinite(down).any(axis=1)
         across, down = (np.where(there[:, np.newaxis], at, 0.0) for at in (across, down))
-        west, east, south, north = (
-            end(at, axis=1) for at in (across, down) for end in (np.nanmin, np.nanmax)
-        )
+        west, east, south, north = (end(at, axis=1) for at in (across, down) for end in (np.nanmin, np.nanmax))
         more_x, more_y = margin * (east - west), margin * (north - south)
         box = np.stack([west - more_x, south - more_y, east + more_x, north + more_y])
         return np.where(there, box, np.nan)
@@ -555,9 +549,7 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
     sizes = sizes.astype(np.int64)
     lat, lon = table.pose_lat_deg[rows], table.pose_lon_deg[rows]
-    lat, lon = (
-        np.where(np.isnan(pose), at[rows], pose) for pose, at in ((lat, table.lat_deg), (lon, table.lon_deg))
-    )
+    lat, lon = (np.where(np.isnan(pose), at[rows], pose) for pose, at in ((lat, table.lat_deg), (lon, table.lon_deg)))
     x, y = positions(plane, lat, lon)
     if isinstance(plane, WebMercator):
         middle = affines[:, 0] + affines[:, 1] * sizes[:, 0] / 2.0 + affines[:, 2] * sizes[:, 1] / 2.0

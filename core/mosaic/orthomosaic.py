@@ -154,12 +154,8 @@ def mosaic_raster(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Ras
     else:
         middle = int(np.argmin(np.abs(frames.nadirs[1] - np.median(frames.nadirs[1]))))
         lat, lon = places(frames.plane, *(at[middle : middle + 1] for at in frames.nadirs))
-        across = down = (frames.gsd_m if gsd_m is None else gsd_m) / unit_m(
-            frames.plane, float(lat[0]), float(lon[0])
-        )
-        _check_size(
-            *(length / across if across > 0.0 else math.inf for length in (east - west, north - south))
-        )
+        across = down = (frames.gsd_m if gsd_m is None else gsd_m) / unit_m(frames.plane, float(lat[0]), float(lon[0]))
+        _check_size(*(length / across if across > 0.0 else math.inf for length in (east - west, north - south)))
         start_x, start_y = math.floor(west / across) * across, math.ceil(north / down) * down
     # Of what is whole but for rounding.
     width, height = (math.ceil(span - 1e-6) for span in ((east - start_x) / across, (start_y - south) / down))
@@ -212,9 +208,7 @@ def orthorectify(frames: CameraImages, target: Path, longest_px: int) -> None:
 
 
 def _no_ground(frames: PlacedImages) -> InvalidInput:
-    return InvalidInput(
-        "image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs
-    )
+    return InvalidInput("image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs)
 
 
 def write_orthomosaic(
@@ -285,9 +279,7 @@ def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]
                 future.cancel()
 
 
-def _made(
-    frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Images, left: int, top: int
-) -> _Made:
+def _made(frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Images, left: int, top: int) -> _Made:
     block = raster.block(left, top, _BLOCK_PX)
     choice = chosen(frames, boxes, block, images)
     there = choice.image >= 0
@@ -318,9 +310,7 @@ class ChosenImages(NamedTuple):
     y: Floats
 
 
-def chosen(
-    frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None
-) -> ChosenImages:
+def chosen(frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None) -> ChosenImages:
     """Choose the image that each pixel of a block comes from.
 
     Of those that see it equally from above, the first counts.

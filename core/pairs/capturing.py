@@ -155,9 +155,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         ) from wrong
     if found is not None:
         if found != wanted:
-            raise OutputError(
-                "folder {0}: holds pairs of other settings", path, remedy="choose another folder"
-            )
+            raise OutputError("folder {0}: holds pairs of other settings", path, remedy="choose another folder")
         if not resume:
             raise OutputError(
                 "folder {0}: already holds these pairs",
@@ -221,9 +219,7 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
                     _withdraw(path / file)
             reason = "" if outcome is None else outcome.reason
             shown = captured.relative_to(path).as_posix() if captured is not None else ""
-            rows.append(
-                _row(worked_out, place, image, reason, there, files if there and complete else [], shown)
-            )
+            rows.append(_row(worked_out, place, image, reason, there, files if there and complete else [], shown))
     cells = ([row[name] for name in COLUMNS] for row in rows)
     write_whole(path / TABLE_FILE, csv_bytes([COLUMNS, *cells]))
     write_whole(path / README_FILE, _README.encode("utf-8"))

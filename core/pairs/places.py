@@ -143,9 +143,7 @@ def read_box(text: str) -> Box:
             "places {0!r}: no such file, and no box", text, remedy=Message("give {0}", _FORMATS)
         ) from wrong
     if len(values) not in (4, 5):
-        raise InvalidInput(
-            "places {0!r}: {1} numbers", text, len(values), remedy=Message("give {0}", _FORMATS)
-        )
+        raise InvalidInput("places {0!r}: {1} numbers", text, len(values), remedy=Message("give {0}", _FORMATS))
     box = Box(*values[:4])
     check_ground(box)
     return box

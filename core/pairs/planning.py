@@ -239,9 +239,7 @@ def places_in_box(
             PairPlace(float(one), box.west_deg)
         # A hundredth more for the satellite's window, whose edges are those of pixels.
         satellite_m = settings.satellite_width_m * math.sqrt(0.5) * 1.01
-        farthest_m = max(
-            float(reach_m(lat, settings.views, settings.camera, settings.ground).max()), satellite_m
-        )
+        farthest_m = max(float(reach_m(lat, settings.views, settings.camera, settings.ground).max()), satellite_m)
         if math.isinf(farthest_m):
             raise InvalidInput(
                 "some views see the horizon, so that all places share ground: give --spacing, or tilt less"
@@ -291,9 +289,7 @@ class PairPlan:
 
     def count_requests(self, view: str) -> int:
         """Parts to fetch of the imagery of ``satellite`` or ``drone``."""
-        return sum(
-            one.requests for name, one in self.plans.items() if (name == SATELLITE) == (view == SATELLITE)
-        )
+        return sum(one.requests for name, one in self.plans.items() if (name == SATELLITE) == (view == SATELLITE))
 
     @property
     def bounds_deg(self) -> tuple[float, float, float, float]:
@@ -344,8 +340,7 @@ class PairPlan:
             "mission": {part: values for part, values in shared.items() if values},
             "missions": {name: f"captures/{name}/mission.json" for name in self.plans},
             "views": [
-                {"agl_m": view.agl_m, "yaw_deg": view.yaw_deg, "tilt_deg": view.tilt_deg}
-                for view in settings.views
+                {"agl_m": view.agl_m, "yaw_deg": view.yaw_deg, "tilt_deg": view.tilt_deg} for view in settings.views
             ],
             "places": [
                 {

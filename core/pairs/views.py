@@ -52,9 +52,7 @@ class PairView:
         check_agl(self.agl_m)
         check_yaw(self.yaw_deg)
         if not 0.0 <= self.tilt_deg <= MOST_TILT_DEG:
-            raise InvalidInput(
-                "tilt {0} deg: must be from 0 (straight down) to {1:g}", self.tilt_deg, MOST_TILT_DEG
-            )
+            raise InvalidInput("tilt {0} deg: must be from 0 (straight down) to {1:g}", self.tilt_deg, MOST_TILT_DEG)
 
 
 def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> tuple[PairView, ...]:
@@ -98,9 +96,7 @@ def spiral(
     if not 1 <= count <= MOST_VIEWS:
         raise InvalidInput("{0} views: must be from 1 to {1:,}", count, MOST_VIEWS)
     if not (math.isfinite(rounds) and 0.0 < rounds <= count):
-        raise InvalidInput(
-            "{0:g} rounds of {1} views: must be above 0, and no more than the views", rounds, count
-        )
+        raise InvalidInput("{0:g} rounds of {1} views: must be above 0, and no more than the views", rounds, count)
     top, bottom = float(max(heights_m)), float(min(heights_m))
     fall = (top - bottom) / max(count - 1, 1)
     return tuple(
@@ -115,9 +111,7 @@ def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
         if not values:
             raise InvalidInput("no {0}: give one or more", what)
         if len(set(values)) != len(values):
-            raise InvalidInput(
-                "{0}s {1}: each may be named once", what, " ".join(f"{value:g}" for value in values)
-            )
+            raise InvalidInput("{0}s {1}: each may be named once", what, " ".join(f"{value:g}" for value in values))
     for height in heights_m:
         check_agl(height)
 

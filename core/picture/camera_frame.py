@@ -126,9 +126,7 @@ def _refuse_missing(count: int) -> None:
         raise PartError("no imagery at {0} of the samples that the image is made of", count)
 
 
-def _warp(
-    picture: PixelValues, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str
-) -> None:
+def _warp(picture: PixelValues, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
     """Fill patches, each by the perspective through its corners."""
     from PIL import Image
 
@@ -150,9 +148,7 @@ def _warp(
             if wide > 1 or high > 1:
                 seen = seen.reduce((wide, high))
             values = np.asarray(seen)
-            picture[top:bottom, left:right, channels] = (
-                values if image.mode != "F" else fitted(values, picture.dtype)
-            )
+            picture[top:bottom, left:right, channels] = values if image.mode != "F" else fitted(values, picture.dtype)
         if absent is not None:
             hole = absent.transform(size, Image.PERSPECTIVE, coefficients, Image.BILINEAR)
             _refuse_missing(int(np.count_nonzero(np.asarray(hole))))
@@ -178,10 +174,7 @@ def _images(pixels: PixelValues) -> list[tuple[Any, Any]]:
     ]
     return [
         *found,
-        *(
-            (channel, Image.fromarray(np.ascontiguousarray(pixels[..., channel])))
-            for channel in range(whole, count)
-        ),
+        *((channel, Image.fromarray(np.ascontiguousarray(pixels[..., channel]))) for channel in range(whole, count)),
     ]
 
 
@@ -210,9 +203,7 @@ def _perspectives(x: Floats, y: Floats, width: NDArray[np.int64], height: NDArra
     return np.stack(columns, axis=1)
 
 
-def _gather(
-    picture: PixelValues, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str
-) -> None:
+def _gather(picture: PixelValues, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
     """Fill single pixels, each with the mean of its samples."""
     world = grid.world_px(samples.zoom)
     count = samples.du.shape[1]
@@ -222,9 +213,7 @@ def _gather(
         x = (u + samples.du[part].ravel()) * world - ground.left_px
         y = samples.v[part].ravel() * world - ground.top_px
         if ground.missing is not None:
-            near = ground.missing[
-                np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)
-            ]
+            near = ground.missing[np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)]
             _refuse_missing(int(np.count_nonzero(near)))
         values = sample(ground.pixels, x, y, kernel).reshape(-1, count, picture.shape[2]).mean(axis=1)
         picture[samples.row[part], samples.column[part]] = fitted(values, picture.dtype)

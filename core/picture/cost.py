@@ -55,9 +55,7 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     index = len(plan) // 2
     if plan.frames.on_map:
         window = capture_window(plan, index)
-        parts = tile_parts(
-            window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid
-        )
+        parts = tile_parts(window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid)
         blank = _blank(parts, bands)
         return Cost(footprints_s, _own_s(lambda: assemble(window, parts, blank, bands)))
     view, lon = plan.views.view(index), float(plan.lon_deg[index])
@@ -74,9 +72,7 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
 
 def _blank(parts: list[Part], bands: Bands) -> dict[Window, PixelValues]:
     windows = [part.window for part in parts]
-    return {
-        window: np.zeros((window.height_px, window.width_px, len(bands)), bands.dtype) for window in windows
-    }
+    return {window: np.zeros((window.height_px, window.width_px, len(bands)), bands.dtype) for window in windows}
 
 
 def _own_s(work: Callable[[], object]) -> float:

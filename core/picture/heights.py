@@ -33,9 +33,7 @@ def heights_of(mission: Mission, options: SourceOptions | None = None) -> Height
         As `elevation.heights.open_heights` does.
     """
     asked = options or SourceOptions(seed=mission.imagery.seed)
-    return heights_for(
-        mission.terrain, replace(asked, crs=landscape_crs(mission.imagery.source, mission.imagery.crs))
-    )
+    return heights_for(mission.terrain, replace(asked, crs=landscape_crs(mission.imagery.source, mission.imagery.crs)))
 
 
 def landscape_crs(source: str, crs: str) -> str:
@@ -45,9 +43,7 @@ def landscape_crs(source: str, crs: str) -> str:
 
 def with_whole_paths(terrain: Terrain) -> Terrain:
     """Terrain that names the same heights in processes with another current folder."""
-    elevation, surface = (
-        tuple(map(whole_heights_path, texts)) for texts in (terrain.elevation, terrain.surface)
-    )
+    elevation, surface = (tuple(map(whole_heights_path, texts)) for texts in (terrain.elevation, terrain.surface))
     return replace(terrain, elevation=elevation, surface=surface)
 
 

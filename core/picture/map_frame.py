@@ -151,8 +151,6 @@ def _resized_bands(picture: PixelValues, img_size: tuple[int, int, int], bands: 
         shown = (shown @ (np.array([19595, 38470, 7471]) / 65536.0))[..., np.newaxis]
     if shown.shape[:2] != (height, width):
         images = (Image.fromarray(np.ascontiguousarray(one, np.float32)) for one in np.moveaxis(shown, 2, 0))
-        shown = np.stack(
-            [np.asarray(image.resize((width, height), Image.LANCZOS)) for image in images], axis=2
-        )
+        shown = np.stack([np.asarray(image.resize((width, height), Image.LANCZOS)) for image in images], axis=2)
     sized = fitted(shown, bands.dtype)
     return sized[..., 0] if channels == 1 else sized

@@ -87,9 +87,7 @@ class Optics(NamedTuple):
 
 def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
     """Optics of some of a plan's pictures, by their indices (k,)."""
-    width, height = (
-        np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
-    )
+    width, height = (np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px))
     if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
     else:

@@ -64,9 +64,7 @@ def products(
         yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
 
 
-def sighting(
-    plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
-) -> Sighting:
+def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None) -> Sighting:
     """Ground that the pixels of one capture's picture see, for some size of it, without digits that mean nothing.
 
     Parameters

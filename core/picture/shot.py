@@ -38,11 +38,7 @@ class Shot:
     @cached_property
     def view(self) -> View:
         """How it is made."""
-        return (
-            self.plan.views.view(self.index)
-            if self.tracing is None
-            else self.plan.views.traced_view(self.tracing)
-        )
+        return self.plan.views.view(self.index) if self.tracing is None else self.plan.views.traced_view(self.tracing)
 
     @property
     def lon_deg(self) -> float:

@@ -100,8 +100,7 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
     digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 4)
     # Adding 0 takes the sign of a zero.
     lat, lon, agl, yaw, roll, time = (
-        (np.round(np.concatenate(column), places) + 0.0).tolist()
-        for column, places in zip(zip(*columns), digits)
+        (np.round(np.concatenate(column), places) + 0.0).tolist() for column, places in zip(zip(*columns), digits)
     )
     return FlownLine(
         Points(
@@ -185,9 +184,7 @@ class _RoundedLine:
 
     def count(self, flight: LineFlight) -> int:
         """Exposures that there are."""
-        every, end = (
-            (flight.every_m, self.way_m[-1]) if flight.every_s is None else (flight.every_s, self.time_s[-1])
-        )
+        every, end = (flight.every_m, self.way_m[-1]) if flight.every_s is None else (flight.every_s, self.time_s[-1])
         # Steps that are meant to end where the line does are not left out for a rounding.
         return int(end / float(every or 1.0) * (1.0 + 1e-12)) + 1
 
@@ -218,9 +215,7 @@ class _RoundedLine:
         inward = np.where(in_turn, self.arrival_deg[corner - 1], self.azimuth_deg[piece // 2])
         heading = inward + np.copysign(np.degrees(swept), turn)
         away = inward + np.degrees(np.arctan2(right, ahead))
-        lat, lon, bearing = geodesic_ends(
-            self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right)
-        )
+        lat, lon, bearing = geodesic_ends(self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right))
         # Heights are those of the line at the share of the turn that is flown.
         share = np.degrees(swept) / np.where(in_turn, np.abs(turn), 1.0)
         corners_m = np.append(0.0, np.cumsum(self.leg_m))
@@ -302,10 +297,7 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     found = []
     for coordinates, system in shapes(data, "LineString", Message("file {0}", path)):
         try:
-            corners = [
-                (corner[0], corner[1], *(corner[2:3] if agl_m is None else (agl_m,)))
-                for corner in coordinates
-            ]
+            corners = [(corner[0], corner[1], *(corner[2:3] if agl_m is None else (agl_m,))) for corner in coordinates]
             # Some corners may have a height where others have none.
             has_heights = all(len(corner) == 3 for corner in corners)
             line = np.array(corners, np.float64) if has_heights else None

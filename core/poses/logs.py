@@ -430,9 +430,7 @@ class _Log(NamedTuple):
         lat, lon, alt = (self.place[name] for name in _POSITION[:3])
         there = np.isfinite(self.place["clock_s"] + alt) & (np.abs(lat) <= 90.0) & (np.abs(lon) <= 180.0)
         if not there.any():
-            raise InvalidInput(
-                "log {0}: none of its {1:,} positions has a place and a height", path, len(there)
-            )
+            raise InvalidInput("log {0}: none of its {1:,} positions has a place and a height", path, len(there))
         flights = _flights(self.place["clock_s"][there])
         which = _chosen(flights, path, flight)
         place = _rows(_rows(self.place, there), flights[which])

@@ -160,9 +160,7 @@ def facade(
     return _points(columns, "line")
 
 
-def structure(
-    outlines: Sequence[Polygon], camera: Camera, overlaps: tuple[float, float], wanted: Scan
-) -> Points:
+def structure(outlines: Sequence[Polygon], camera: Camera, overlaps: tuple[float, float], wanted: Scan) -> Points:
     """Flights around structures, lowest first; the camera looks at their walls. Holes are inside, and not flown.
 
     Raises
@@ -316,9 +314,7 @@ def _distances(path: _Path, x: Floats, y: Floats) -> Floats:
     return nearest
 
 
-def _poses(
-    plane: LocalPlane, path: _Path, yaw_deg: Floats, agl_m: float, tilt_deg: float
-) -> tuple[Floats, ...]:
+def _poses(plane: LocalPlane, path: _Path, yaw_deg: Floats, agl_m: float, tilt_deg: float) -> tuple[Floats, ...]:
     """Latitude, longitude, height, true yaw and tilt of places of a plane, (n,) each."""
     lat, lon = plane.inverse(path.x_m, path.y_m)
     true = yaw_deg - plane.north_deg(lat, lon)

@@ -163,9 +163,7 @@ def _kept(
                 drawn,
                 remedy="choose an area that lies farther inside, lower heights, or less tilt",
             )
-        drawn = min(
-            max(2 * drawn, math.ceil(1.1 * drawn * count / max(len(at), 1))), 8 * drawn + 100, MAX_POSES
-        )
+        drawn = min(max(2 * drawn, math.ceil(1.1 * drawn * count / max(len(at), 1))), 8 * drawn + 100, MAX_POSES)
     angles = {f"{name}s_deg": tuple(points.stated_deg(name)[one] for one in at) for name in ANGLES}
     return Points(tuple(points.poses[one] for one in at), **angles)
 

@@ -61,11 +61,7 @@ class ReadPoses(NamedTuple):
 
 def log_format(path: str | os.PathLike[str]) -> str | None:
     """Format that a file's ending tells; None where it tells none."""
-    return (
-        "litchi"
-        if Path(path).name.lower().endswith(LITCHI_ENDING)
-        else ENDINGS.get(Path(path).suffix.lower())
-    )
+    return "litchi" if Path(path).name.lower().endswith(LITCHI_ENDING) else ENDINGS.get(Path(path).suffix.lower())
 
 
 def likely_format(path: str | os.PathLike[str]) -> str | None:
@@ -124,9 +120,7 @@ def read_poses_file(
 def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -> Track:
     file_format = how.format or log_format(path)
     if file_format is None:
-        raise InvalidInput(
-            "trajectory {0}: its ending does not tell its format", path, remedy="give --format"
-        )
+        raise InvalidInput("trajectory {0}: its ending does not tell its format", path, remedy="give --format")
     if file_format not in LOCAL_FORMATS and (how.origin or how.body or how.world):
         raise InvalidInput(
             "--origin, --body and --world: are for {0}, and not for {1}",

@@ -95,9 +95,7 @@ def read_trajectory(
     time_s = None if counted is None else _times(counted, file_format, times, name)
     away = np.flatnonzero((np.abs(places) > _FARTHEST_M).any(axis=1))
     if len(away):
-        raise InvalidInput(
-            "{0}: pose {1:,} must be within {2:,g} m of the origin", name, int(away[0]) + 1, _FARTHEST_M
-        )
+        raise InvalidInput("{0}: pose {1:,} must be within {2:,g} m of the origin", name, int(away[0]) + 1, _FARTHEST_M)
     world_axes = WORLDS[world or ("rdf" if file_format == "kitti" else "enu")]
     frame = LocalFrame(lat, lon, height)
     lat_deg, lon_deg, height_m = frame.geodetic(places @ world_axes.T)
@@ -152,9 +150,7 @@ def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) 
         except ValueError:
             row = []
         if len(row) not in counts or not np.isfinite(row).all() or (rows and len(row) != len(rows[0])):
-            raise InvalidInput(
-                "{0}, line {1}: {2!r}: must be {3} numbers", name, number, line.strip()[:80], counts[0]
-            )
+            raise InvalidInput("{0}, line {1}: {2!r}: must be {3} numbers", name, number, line.strip()[:80], counts[0])
         rows.append(row)
     if not rows:
         raise InvalidInput("{0}: holds no poses", name)

@@ -168,9 +168,7 @@ class Measurement:
         return all(one.within for stage in self.stages.values() for one in stage)
 
 
-def measure(
-    plan: Plan, source: Source, *, quick: bool = False, progress: Progress | None = None
-) -> Measurement:
+def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progress | None = None) -> Measurement:
     """Time and measure every method on a sample of a plan's captures.
 
     Parameters
@@ -210,9 +208,7 @@ def measure(
     floor = floor_px(positions.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
-        stages={
-            stage: tuple(replace(one, floor_px=floor) for one in methods) for stage, methods in stages.items()
-        },
+        stages={stage: tuple(replace(one, floor_px=floor) for one in methods) for stage, methods in stages.items()},
         floor_px=floor,
         kernels=kernels,
         resampling=greys,
@@ -246,9 +242,7 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
     )
 
 
-def _pictures(
-    bench: Bench, *, by_tiles: bool
-) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
+def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
     """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
     plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     own = plan.accuracy.picture
@@ -329,9 +323,7 @@ def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
         if found.bound_px > tolerance_px:
             # A mesh cannot be finer than float64 places its corners.
             outside = f"no mesh is finer than {found.bound_px:.2g} px here"
-            meshes.append(
-                PixelMethod(Method("pixels", name, math.inf, math.inf, outside), tolerance_px, False)
-            )
+            meshes.append(PixelMethod(Method("pixels", name, math.inf, math.inf, outside), tolerance_px, False))
         elif tolerance_px != own_px:
             meshes.append(PixelMethod(replace(found, name=name), tolerance_px, False))
     if own_px:
@@ -368,9 +360,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
         if chosen.seconds is not None and other.seconds is not None:
             seconds = (other.seconds - chosen.seconds) * pictures
             size = (other.size_bytes or 0) - (chosen.size_bytes or 0)
-            found.append(
-                Saving(what, why, seconds, other.seconds.differs_from(chosen.seconds), size * pictures)
-            )
+            found.append(Saving(what, why, seconds, other.seconds.differs_from(chosen.seconds), size * pictures))
     return found
 
 

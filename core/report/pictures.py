@@ -131,9 +131,7 @@ class Bench:
         scene = scene_of(self.plan, np.array([self.index], np.intp))
         return replace(scene, width_px=float(width), height_px=float(height))
 
-    def camera_frames(
-        self, ways: Sequence[Rendering], *, map_frame: bool
-    ) -> tuple[list[FrameCost], FrameCost | None]:
+    def camera_frames(self, ways: Sequence[Rendering], *, map_frame: bool) -> tuple[list[FrameCost], FrameCost | None]:
         """Camera frames of the capture and, if asked for, its map frame, timed in the same rounds.
 
         The captures of a row share their view, whose seconds count once a row.
@@ -343,9 +341,7 @@ def _spectrum(values: Floats) -> Floats:
     return np.histogram(radius, bins=np.array(BANDS), weights=power)[0]
 
 
-def encodings(
-    plan: Plan, source: Source, index: int, map_type: str, picture: Bytes, effort: Effort
-) -> list[Encoding]:
+def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: Bytes, effort: Effort) -> list[Encoding]:
     """What a picture loses and takes as each kind of file.
 
     Parameters

@@ -59,9 +59,7 @@ _KERNELS = {
 }
 
 
-def work_precision(
-    stages: dict[str, tuple[Measured, ...]], budget_px: float, floor_px: float, title: str
-) -> bytes:
+def work_precision(stages: dict[str, tuple[Measured, ...]], budget_px: float, floor_px: float, title: str) -> bytes:
     """Work-precision diagram: error against seconds a capture, one line a stage through its methods.
 
     Filled markers are measured, thin whiskers reach to the bounds, and a ring marks what was chosen.
@@ -95,14 +93,10 @@ def work_precision(
         for x, y, one in points:
             whisker(axes, x, one.seconds, look.colour)
             if 0.0 < one.method.bound_px < math.inf:
-                axes.plot(
-                    [x, one.method.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2
-                )
+                axes.plot([x, one.method.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2)
                 axes.plot([one.method.bound_px], [y], color=look.colour, marker="|", markersize=10, zorder=2)
             if one.chosen:
-                axes.plot(
-                    [x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4
-                )
+                axes.plot([x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4)
         drawn += [(x, y) for x, y, _ in points]
         lines.append((look.colour, points, stage != "image"))
     axes.axvline(budget_px, color=BLACK, linestyle="--", linewidth=1.3, zorder=1)
@@ -130,9 +124,7 @@ def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
     """Upright line from the lower to the upper quartile of a time."""
     if seconds is not None and seconds.spread_known:
         ends = seconds.quartiles
-        axes.plot(
-            [x, x], [ends.low, ends.high], color=colour, marker="_", markersize=_ENDS, linewidth=1.1, zorder=2
-        )
+        axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=_ENDS, linewidth=1.1, zorder=2)
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
@@ -141,9 +133,7 @@ def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> floa
     return max(_LEAST_PX, floor_px, min(errors, default=_LEAST_PX))
 
 
-def _label_points(
-    axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool
-) -> None:
+def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool) -> None:
     """Write each method's name beside its marker; those in one place share a label."""
     groups: list[tuple[float, float, list[str]]] = []
     wide, high = (_SAME_PLACE * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
@@ -158,8 +148,7 @@ def _label_points(
     for x, y, names in groups:
         # Beside the marker where another one stands in the way of a label above it.
         level = any(
-            abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < _CROWDED * high
-            for at, up, _ in groups
+            abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < _CROWDED * high for at, up, _ in groups
         )
         axes.annotate(
             _joined(names),

@@ -41,17 +41,13 @@ _ROUNDINGS = 8.0
 
 def spread(count: int, most: int) -> NDArray[np.intp]:
     """At most so many indices, first and last included, evenly spread over the first ``count``."""
-    indices: NDArray[np.intp] = np.unique(
-        np.round(np.linspace(0, count - 1, min(count, most))).astype(np.intp)
-    )
+    indices: NDArray[np.intp] = np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.intp))
     return indices
 
 
 def scene_of(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
     """ImageGeometry of some captures of a plan, in px of their planned images."""
-    width, height = (
-        np.asarray(size[which], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
-    )
+    width, height = (np.asarray(size[which], np.float64) for size in (plan.frames.width_px, plan.frames.height_px))
     return ImageGeometry(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
 
 
@@ -163,18 +159,14 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
         hit = np.isfinite(height)
         if not hit.any():
             continue
-        over = replace(
-            scene, poses=scene.poses._replace(agl_m=plan.height_m[index : index + 1]), ground=WGS84
-        )
+        over = replace(scene, poses=scene.poses._replace(agl_m=plan.height_m[index : index + 1]), ground=WGS84)
         x, y = 2.0 * x_px / across - 1.0, 1.0 - 2.0 * y_px / down
         one_row = (part[hit][np.newaxis] for part in (lat, dlon, x, y, height))
         found.append(float(errors_px(over, *one_row).max()))
     return max(found, default=None)
 
 
-def _level_on_relief(
-    plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats
-) -> tuple[Floats, Floats, Floats]:
+def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
     """Where image points see level ground, and how high the relief is there; NaN where neither is."""
     seen = ImageRays.of(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
@@ -190,10 +182,7 @@ def _traced(rays: ImageRays) -> list[float]:
     """Greatest error of rays through an image, none where it sees no ground that is on the map."""
     across, down = rays.scene.one_size_px
     step = max(across, down) / _RAYS
-    x, y = (
-        part.ravel()
-        for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step))
-    )
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step)))
     du, v, hit = rays.map_points(x, y)
     hit &= rays.on_map(v)
     return [_worst(rays, du[hit], v[hit], x[hit], y[hit])] if hit.any() else []
@@ -252,9 +241,7 @@ def floor_px(scene: ImageGeometry) -> float:
     return rounding_m / float(np.min(scene.nadir_px_m)) + of_image
 
 
-def map_errors_px(
-    scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR
-) -> Floats:
+def map_errors_px(scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR) -> Floats:
     """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
 
     They become degrees in long double: in float64 that is as wrong as what is measured. Those of a plane of a source's
@@ -314,9 +301,7 @@ def _seen(
     outward = (point_normal + high) * point_cos * lon_cos - (normal + agl) * cos
     east = (point_normal + high) * point_cos * lon_sin
     polar = (point_normal * (1 - e2) + high) * point_sin - (normal * (1 - e2) + agl) * sin
-    return _image(
-        scene.camera, scene.poses.attitude, (east, cos * polar - sin * outward, cos * outward + sin * polar)
-    )
+    return _image(scene.camera, scene.poses.attitude, (east, cos * polar - sin * outward, cos * outward + sin * polar))
 
 
 def _image(

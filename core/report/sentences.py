@@ -66,9 +66,7 @@ def _place(mission: Mission) -> str:
         box = area.bounds
         lat, lon = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
     lon = (lon + 180.0) % 360.0 - 180.0
-    return (
-        f"around {abs(lat):.4g}° {'N' if lat >= 0.0 else 'S'}, {abs(lon):.5g}° {'E' if lon >= 0.0 else 'W'}"
-    )
+    return f"around {abs(lat):.4g}° {'N' if lat >= 0.0 else 'S'}, {abs(lon):.5g}° {'E' if lon >= 0.0 else 'W'}"
 
 
 def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, str]]:
@@ -194,9 +192,7 @@ def saving_notes(plan: Plan, found: Measurement) -> list[str]:
             "have been a camera frame, and its grey levels off by what the table of kernels says."
         )
     if "wind" in left and plan.frames.on_map:
-        notes.append(
-            "Wind would also turn the camera, and so need camera frames; its own row counts the flight alone."
-        )
+        notes.append("Wind would also turn the camera, and so need camera frames; its own row counts the flight alone.")
     return notes
 
 
@@ -213,10 +209,7 @@ def how_measured(found: Measurement) -> list[str]:
             "Errors are the greatest over captures spread over the mission's rows; pixels are those of the "
             f"planned image, {width} × {height} px."
         ),
-        (
-            "Rounding a map frame's edges to whole source pixels is not an error: the image says where it "
-            "lies, exactly."
-        ),
+        ("Rounding a map frame's edges to whole source pixels is not an error: the image says where it lies, exactly."),
         (
             f"{TIMES} Rounds after one to warm up: {_rounds(found)}. What the captures of a row share is counted "
             f"once a row. The source's parts were fetched beforehand ({found.parts} of them) and kept in memory."
@@ -224,9 +217,7 @@ def how_measured(found: Measurement) -> list[str]:
     ]
     if found.timed_px != found.planned_px:
         wide, high = found.timed_px
-        notes.append(
-            f"Images were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels."
-        )
+        notes.append(f"Images were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels.")
     return notes
 
 
@@ -247,8 +238,7 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
         )
     else:
         moved, turned, together = (
-            next(one for one in effect.displacements if one.what == what)
-            for what in (MOVED, TURNED, TOGETHER)
+            next(one for one in effect.displacements if one.what == what) for what in (MOVED, TURNED, TOGETHER)
         )
         text.append(
             f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the image by "

@@ -61,9 +61,7 @@ def metres_text(value_m: float) -> str:
         return "without limit"
     for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("µm", 1e-6)):
         if value_m >= size:
-            return (
-                f"{value_m / size:.2g} {unit}" if value_m < 100.0 * size else f"{value_m / size:.0f} {unit}"
-            )
+            return f"{value_m / size:.2g} {unit}" if value_m < 100.0 * size else f"{value_m / size:.0f} {unit}"
     return f"{value_m * 1e9:.2g} nm"
 
 
@@ -173,9 +171,7 @@ def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
         if choice.rejected is None:
             why = "the cheapest there is"
         else:
-            why = (
-                f"{FRAME_NAMES.get(choice.rejected.name, choice.rejected.name)} was rejected: {choice.reason}"
-            )
+            why = f"{FRAME_NAMES.get(choice.rejected.name, choice.rejected.name)} was rejected: {choice.reason}"
         rows.append(
             (
                 STAGES[method.stage],

@@ -102,9 +102,7 @@ def _figures(one: Plan) -> dict[str, float]:
 def wind_effect(flown: Plan) -> WindEffect:
     """Compare a plan in wind with its nominal poses, and with the same mission in still air."""
     which = spread(len(flown), _COMPARED)
-    return WindEffect(
-        _displacements(flown, which), len(which), flown, plan(flown.mission.with_(wind=None), flown.grid)
-    )
+    return WindEffect(_displacements(flown, which), len(which), flown, plan(flown.mission.with_(wind=None), flown.grid))
 
 
 def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, ...]:
@@ -117,8 +115,7 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
         ground.normal_radius_m(meant.lat_deg) * np.cos(np.radians(meant.lat_deg)),
     )
     north, east = (
-        np.radians(is_deg - was_deg) * radius_m
-        for is_deg, was_deg, radius_m in zip(real[:2], meant[:2], radii_m)
+        np.radians(is_deg - was_deg) * radius_m for is_deg, was_deg, radius_m in zip(real[:2], meant[:2], radii_m)
     )
     heading = np.radians(legs(meant.lat_deg, meant.lon_deg).headings_deg())
     sine, cosine = np.sin(heading), np.cos(heading)
@@ -142,9 +139,7 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
         (TOGETHER, "", None, real),
     )
     return tuple(
-        Displacement(
-            what, unit, None if values is None else Spread.of(values), _shift_px(flown, poses, which)
-        )
+        Displacement(what, unit, None if values is None else Spread.of(values), _shift_px(flown, poses, which))
         for what, unit, values, poses in kinds
     )
 

@@ -75,9 +75,7 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except FileExistsError as wrong:
-        raise OutputError(
-            "folder {0}: a file is in its place", folder, remedy="choose another folder"
-        ) from wrong
+        raise OutputError("folder {0}: a file is in its place", folder, remedy="choose another folder") from wrong
     except OSError as wrong:
         raise OutputError(
             "folder {0}: cannot be made ({1})", folder, wrong.strerror, remedy="choose another folder"
@@ -109,9 +107,7 @@ def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
     return file
 
 
-def open_foreign(
-    path: str | os.PathLike[str], most_bytes: int | None = None, buffering: int = -1
-) -> IO[bytes]:
+def open_foreign(path: str | os.PathLike[str], most_bytes: int | None = None, buffering: int = -1) -> IO[bytes]:
     """Open a file that somebody else may have made, to read it: no device and no pipe, which have no end.
 
     An object of a store is copied to a temporary file first, see `stores.open_object`.
@@ -246,9 +242,7 @@ def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
         raise InvalidInput("folder {0}: cannot be read ({1})", paths[0].parent, wrong) from wrong
 
 
-def write_whole(
-    path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False
-) -> None:
+def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False) -> None:
     """Write a file under a temporary name beside it, then rename it: readers see all of it or nothing.
 
     Large files come as an iterable of blocks, so that they need not be in memory. Two calls at once must not
@@ -282,9 +276,7 @@ def write_whole(
         if durable:
             _sync_folder(target.parent)
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror) from wrong
 
 
 def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
@@ -308,9 +300,7 @@ def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
     except FileExistsError:
         return False
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror) from wrong
     return True
 
 
@@ -415,9 +405,7 @@ def open_locked(path: Path) -> IO[bytes]:
         # Not inherited by programs that the run starts, which may outlive it.
         file = open_own(path, "ab", buffering=0)
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
     if not _is_locked_by(file):
         file.close()
         raise OutputError(

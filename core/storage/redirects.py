@@ -19,9 +19,7 @@ _REDIRECTS = (301, 302, 303, 307, 308)
 _REGION = "x-amz-bucket-region"
 _ELSEWHERE = "redirect to another host"
 #: Words of a redirect that is not followed: ours, S3's, and those of its codes where an answer has none, as to HEAD.
-_REDIRECT = re.compile(
-    rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect"
-)
+_REDIRECT = re.compile(rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect")
 
 
 class Redirected(OSError):
@@ -43,9 +41,7 @@ def is_redirect(wrong: BaseException) -> bool:
 
 def led_elsewhere(place: str) -> OutputError:
     """Return the error of a store or server that leads to another one."""
-    return OutputError(
-        "{0}: its server leads to another one, which is not asked (name that one if it is meant)", place
-    )
+    return OutputError("{0}: its server leads to another one, which is not asked (name that one if it is meant)", place)
 
 
 def unredirected(kind: str) -> dict[str, Any]:
@@ -100,9 +96,7 @@ def _s3_session_class() -> Any:
                 return await super().send(request)
             except failed as wrong:
                 # As any other error of a request it would be tried again.
-                raise (
-                    redirect if isinstance(redirect := wrong.kwargs.get("error"), Redirected) else wrong
-                ) from None
+                raise (redirect if isinstance(redirect := wrong.kwargs.get("error"), Redirected) else wrong) from None
 
         async def _get_session(self, proxy_url: str | None) -> Any:
             return _Unredirected(await super()._get_session(proxy_url))

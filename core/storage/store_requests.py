@@ -123,9 +123,7 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
 
     async def all_copied(moved: Moved) -> list[bool]:
         turn = asyncio.Semaphore(_AT_ONCE)
-        return await asyncio.gather(
-            *(copied_if_there(key, file, moved, turn) for key, file in zip(keys, files))
-        )
+        return await asyncio.gather(*(copied_if_there(key, file, moved, turn) for key, file in zip(keys, files)))
 
     found: list[bool] = _ended(store, all_copied)
     return found
@@ -332,9 +330,7 @@ async def _sent(client: Any, request: Any) -> Any:
             # Where botocore itself keeps what it has read.
             answer._content = await limited(answer.raw.content)
         except (asyncio.TimeoutError, OSError) as wrong:
-            raise errors.ConnectionClosedError(
-                error=wrong, request=request, endpoint_url=request.url
-            ) from wrong
+            raise errors.ConnectionClosedError(error=wrong, request=request, endpoint_url=request.url) from wrong
     return answer
 
 

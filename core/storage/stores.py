@@ -116,9 +116,7 @@ def store_path(place: Address) -> Path:
     OutputError
         A package that it needs is missing, or there are no credentials.
     """
-    check_no_credentials(
-        place, "address", Message("credentials are taken from where the store's own tools have them")
-    )
+    check_no_credentials(place, "address", Message("credentials are taken from where the store's own tools have them"))
     if not isinstance(place, str):
         return place if is_address(place) else Path(place)  # type: ignore[return-value]
     scheme = _SCHEME.match(place)
@@ -239,9 +237,7 @@ def open_object(path: Path, most_bytes: int) -> IO[bytes]:
     try:
         file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-")  # noqa: SIM115 (the caller closes it)
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror) from wrong
     try:
         with _if_there(path):
             fetch(_of_store(path), _key(path), file, most_bytes)
@@ -390,15 +386,11 @@ def _problem(path: Path, wrong: Exception) -> OutputError:
     if isinstance(wrong, PermissionError) or _REFUSED.search(said):
         return OutputError("{0}: access is refused: the credentials do not allow it", what)
     if _NO_CREDENTIALS.search(said):
-        return OutputError(
-            "{0}: no valid credentials: they are taken from where the store's own tools have them", what
-        )
+        return OutputError("{0}: no valid credentials: they are taken from where the store's own tools have them", what)
     if isinstance(wrong, FileNotFoundError) or _NOT_THERE.search(said):
         return OutputError("{0}: is not there, or {1} is not", what, root, remedy="make the bucket first")
     known = isinstance(wrong, OSError) and wrong.strerror
-    return OutputError(
-        "{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:_SAID_CHARACTERS]
-    )
+    return OutputError("{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:_SAID_CHARACTERS])
 
 
 def _root(path: Path) -> str:

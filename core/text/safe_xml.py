@@ -88,9 +88,7 @@ def text_of(body: bytes) -> str:
     try:
         text = body.decode(encoding)
     except UnicodeDecodeError:
-        raise UnreadableXMLError(
-            Message("is not {0}; must be {1}, and say which", encoding, _ENCODINGS_TOLD)
-        ) from None
+        raise UnreadableXMLError(Message("is not {0}; must be {1}, and say which", encoding, _ENCODINGS_TOLD)) from None
     found_text = _DECLARATION.match(text, 0, _HEAD_CHARACTERS)
     return text[found_text.end() :] if found_text else text
 
@@ -180,11 +178,7 @@ def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
     # Each element has one bracket that begins it; those within comments and attributes count as if they had begun one.
     elements = text.count("<") - text.count("</")
-    if (
-        len(text) > MAX_CAPABILITIES_BYTES
-        or elements > MAX_XML_ELEMENTS
-        or text.count("</") > MAX_XML_ELEMENTS
-    ):
+    if len(text) > MAX_CAPABILITIES_BYTES or elements > MAX_XML_ELEMENTS or text.count("</") > MAX_XML_ELEMENTS:
         raise UnreadableXMLError(
             Message("more than {0} MB or {1:,} elements", MAX_CAPABILITIES_BYTES >> 20, MAX_XML_ELEMENTS)
         )
@@ -212,17 +206,13 @@ def _check_layers(root: Any) -> None:
     for layer in root.iter("{*}Layer"):
         depth, passed_on = known.get(layer.getparent(), (0, 0))
         depth += 1
-        passed_on += sum(
-            max(len((child.text or "").split()), 1) for child in layer if _name(child) in _INHERITED
-        )
+        passed_on += sum(max(len((child.text or "").split()), 1) for child in layer if _name(child) in _INHERITED)
         known[layer] = depth, passed_on
         # OWSLib reads a layer once more for each of those around it.
         total += depth * (1 + passed_on + len(layer))
         if total > MAX_XML_INHERITED:
             raise UnreadableXMLError(
-                Message(
-                    "layers that pass on more than {0:,} properties to those within them", MAX_XML_INHERITED
-                )
+                Message("layers that pass on more than {0:,} properties to those within them", MAX_XML_INHERITED)
             )
 
 

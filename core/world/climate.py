@@ -30,11 +30,7 @@ def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
     weights = []
     for n, stop in enumerate(stops):
         rise = 1.0 if n == 0 else np.clip((x - stops[n - 1]) * (1.0 / (stop - stops[n - 1])), 0.0, 1.0)
-        fall = (
-            1.0
-            if n == len(stops) - 1
-            else np.clip((stops[n + 1] - x) * (1.0 / (stops[n + 1] - stop)), 0.0, 1.0)
-        )
+        fall = 1.0 if n == len(stops) - 1 else np.clip((stops[n + 1] - x) * (1.0 / (stops[n + 1] - stop)), 0.0, 1.0)
         weights.append(np.minimum(rise, fall))
     return weights
 
@@ -66,9 +62,7 @@ def natural_colour(f: dict[str, Array]) -> Array:
 def settled(f: dict[str, Array]) -> Array:
     """Share of the land that is farmed and built on, 0..1."""
     share: Array = (
-        smoothstep(0.28, 0.44, f["heat"])
-        * smoothstep(-0.5, -0.1, f["wet"])
-        * smoothstep(0.01, 0.06, f["land"])
+        smoothstep(0.28, 0.44, f["heat"]) * smoothstep(-0.5, -0.1, f["wet"]) * smoothstep(0.01, 0.06, f["land"])
     )
     share *= np.float32(1) - smoothstep(0.30, 0.55, f["rough"])
     jungle = smoothstep(0.35, 0.6, f["wet"]) * smoothstep(0.75, 0.95, f["heat"])

@@ -210,12 +210,7 @@ def _build(leaves: Leaves) -> Buildings:
     vacant = bits(h, 0, 8) < np.where(leaves.density > 0.3, 0.06, 0.16)
     roadside = (leaves.sides >= LANE).any(axis=0)
     farmstead = (
-        (leaves.kind == FARM)
-        & (bits(h, 0, 8) < 0.14)
-        & (least > 90.0)
-        & (least < 700.0)
-        & leaves.resolved
-        & roadside
+        (leaves.kind == FARM) & (bits(h, 0, 8) < 0.14) & (least > 90.0) & (least < 700.0) & leaves.resolved & roadside
     )
     hall = plot & (least > HALL_M)
     ridge_x = np.where(width > 1.15 * length, True, np.where(length > 1.15 * width, False, bits(h, 8, 1) > 0))
@@ -298,13 +293,7 @@ def _towns(seed: int, roots: LatticeWindow, least_m: float) -> Towns:
         if level > ROOT:
             x, y = x + cell * bits(h, 0, 8), y + cell * bits(h, 8, 8)
         radius = least + (largest - least) * bits(h, 16, 8).astype(np.float64) ** 2.5
-        near = (
-            (bits(h, 24, 8) < share)
-            & (x > -radius)
-            & (x < width + radius)
-            & (y > -radius)
-            & (y < length + radius)
-        )
+        near = (bits(h, 24, 8) < share) & (x > -radius) & (x < width + radius) & (y > -radius) & (y < length + radius)
         x, y, radius, h = x[near], y[near], radius[near], h[near]
         if x.size:
             keep = _climate(seed, roots, x, y)[0] > 0.25 + 0.5 * bits(mix(h + np.uint32(77)), 0, 8)

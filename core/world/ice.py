@@ -148,9 +148,7 @@ class Ice:
         east, south = self.samples.local_m()
         x, y = self.samples.origin_m
         start = (float(x) * cosine + float(y) * sine) % _PERIOD_M
-        return np.asarray(
-            east * np.float32(cosine) + south * np.float32(sine) + np.float32(start), np.float32
-        )
+        return np.asarray(east * np.float32(cosine) + south * np.float32(sine) + np.float32(start), np.float32)
 
     def pack(self) -> Array:
         """Share of the sea that pack ice covers."""
@@ -178,9 +176,7 @@ def _drift_table(seed: int, pixel_m: float) -> Array:
         k = np.floor(cell).astype(np.int64)
         f = (cell - k).astype(np.float32)
         f = f * f * (np.float32(3) - np.float32(2) * f)
-        value = signed(
-            mix((np.arange(count + 1) % count).astype(np.uint32) + np.uint32(salt(seed, 24, band)))
-        )
+        value = signed(mix((np.arange(count + 1) % count).astype(np.uint32) + np.uint32(salt(seed, 24, band))))
         out += np.float32(weight) * (value[k] * (np.float32(1) - f) + value[k + 1] * f)
     out.flags.writeable = False
     return out

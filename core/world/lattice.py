@@ -89,9 +89,7 @@ def signed(h: Array) -> NDArray[np.float32]:
 
 def bits(h: Array, shift: int, count: int) -> NDArray[np.float32]:
     """Take `count` bits of hashes as float32 in [0, 1): several independent numbers from one hash."""
-    return ((h >> np.uint32(shift)) & np.uint32((1 << count) - 1)).astype(np.float32) * np.float32(
-        2.0**-count
-    )
+    return ((h >> np.uint32(shift)) & np.uint32((1 << count) - 1)).astype(np.float32) * np.float32(2.0**-count)
 
 
 @dataclass(frozen=True)

@@ -108,9 +108,7 @@ class BuildingOutlines:
         def own(table: Array) -> Array:
             return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
 
-        inside = np.where(
-            own(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east)
-        )
+        inside = np.where(own(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east))
         return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(_GABLE) * (own(buildings.pitch) > 0))
 
     def roofs(self) -> list[Array]:
@@ -285,9 +283,7 @@ class _Drawn:
         return self.cells.spread(table, self.cells.window()) if self.few is None else table[self.few.cells]
 
     def sample(self, values: Array) -> Array:
-        return (
-            values.reshape(self.cells.inner()) if self.few is None else values.take(self.few.at, mode="clip")
-        )
+        return values.reshape(self.cells.inner()) if self.few is None else values.take(self.few.at, mode="clip")
 
     def placed(self, crowns: Crowns, pixel_m: float) -> tuple[Array, Array, Array, Array]:
         """Inverse of the radii, places from the middles in radii, and pixels that half a radius is."""
@@ -346,9 +342,7 @@ def draw(
     light *= np.float32(contrast / _MEAN_LIGHT)
     light += np.float32(1 - contrast)
     light *= drawn.take(one + (crowns.tone - one) * np.float32(contrast))
-    drawn.blend(
-        cover, [light * drawn.take(np.float32(c) + crowns.hue * np.float32(s)) for c, s in zip(canopy, _HUES)]
-    )
+    drawn.blend(cover, [light * drawn.take(np.float32(c) + crowns.hue * np.float32(s)) for c, s in zip(canopy, _HUES)])
 
 
 def raise_crowns(canvas: Canvas, cells: LatticeCells, crowns: Crowns, pixel_m: float) -> None:

@@ -51,9 +51,7 @@ class Canvas:
                 few += step
             plane[at] = few
 
-    def stroke(
-        self, distance_m: Array, pixel_m: float, *strokes: tuple[float, float, Sequence[float]]
-    ) -> None:
+    def stroke(self, distance_m: Array, pixel_m: float, *strokes: tuple[float, float, Sequence[float]]) -> None:
         """Draw strokes (half width in m, opacity, colour), the widest first, along a line whose distance is given."""
         d = distance_m.ravel()
         at = np.flatnonzero(d < np.float32(strokes[0][0] + pixel_m))

@@ -51,9 +51,7 @@ def _squares(ends: Array) -> Array:
 def root_squares(region: Region, samples: Positions) -> Array:
     """Return the first and last column, and row, of the root squares that each tile touches, shape (tiles, 4)."""
     places = zip(bent_plane(region, samples), samples.origin_m)
-    return _squares(
-        np.stack([end for c, origin in places for end in _extents(c, origin, samples.pixel_m)], axis=1)
-    )
+    return _squares(np.stack([end for c, origin in places for end in _extents(c, origin, samples.pixel_m)], axis=1))
 
 
 class Parcels:
@@ -72,9 +70,7 @@ class Parcels:
         i0, i1, j0, j1 = (int(end) for end in _squares(np.array([west, east, north, south])))
         self.roots = LatticeWindow(ROOT, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
         whole = samples.zoom >= WHOLE_ZOOM
-        self.division = (
-            whole_division(seed, self.roots) if whole else divide(seed, self.roots, samples.pixel_m)
-        )
+        self.division = whole_division(seed, self.roots) if whole else divide(seed, self.roots, samples.pixel_m)
         left, top = i0 * ROOT_M, j0 * ROOT_M
         self.corner = (left - samples.origin_m[0], top - samples.origin_m[1])
         self._low, self._high = (west - left, north - top), (east - left, south - top)

@@ -84,9 +84,7 @@ _RIDGED = _INDEX["relief"]
 
 def left_out_sd(name: str, level: int) -> float:
     """Return the standard deviation of the octaves of a field that lie beyond a level."""
-    return float(
-        CELL_SD * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64)))
-    )
+    return float(CELL_SD * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64))))
 
 
 def smoothstep(low: float, high: float, x: Array) -> Array:
@@ -95,9 +93,7 @@ def smoothstep(low: float, high: float, x: Array) -> Array:
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
-def _add_octave(
-    seed: int, window: LatticeWindow, c: Array, ridge_noise: Array | None
-) -> tuple[Array, Array | None]:
+def _add_octave(seed: int, window: LatticeWindow, c: Array, ridge_noise: Array | None) -> tuple[Array, Array | None]:
     """Add the octave of the window's level to coefficients of that level; return them and relief's own noise."""
     level = window.level
     if ridge_noise is not None:
@@ -105,13 +101,9 @@ def _add_octave(
         # nearly values.
         mountains = smoothstep(0.1, 0.95, c[_INDEX["rough"]]) + np.float32(0.06)
         if level > 9:  # flat valley floors along the rivers
-            mountains *= np.float32(0.15) + np.float32(0.85) * smoothstep(
-                0.02, 0.3, np.abs(c[_INDEX["river"]])
-            )
+            mountains *= np.float32(0.15) + np.float32(0.85) * smoothstep(0.02, 0.3, np.abs(c[_INDEX["river"]]))
         c[_RIDGED] += (
-            mountains
-            * (np.float32(0.66) - np.float32(2.2) * np.abs(ridge_noise))
-            * _AMPLITUDE[_RIDGED, level - 1]
+            mountains * (np.float32(0.66) - np.float32(2.2) * np.abs(ridge_noise)) * _AMPLITUDE[_RIDGED, level - 1]
         )
     amplitude = _AMPLITUDE[:, level] if level <= FINEST_OCTAVE else _AMPLITUDE[:, -1]
     active = np.flatnonzero(amplitude)
@@ -125,9 +117,7 @@ def _add_octave(
     return c, (own[0] if own.size else None)
 
 
-def _descend(
-    seed: int, windows: list[LatticeWindow], c: Array, ridge: Array | None
-) -> tuple[Array, Array | None]:
+def _descend(seed: int, windows: list[LatticeWindow], c: Array, ridge: Array | None) -> tuple[Array, Array | None]:
     """Take coefficients from the first window down to the last, an octave at each."""
     for coarse, fine in zip(windows, windows[1:]):
         c = refine(c, coarse, fine)
@@ -191,9 +181,7 @@ def _continent(pole: int, from_pole: Array) -> Array:
     degrees = np.degrees(from_pole)
     if pole > 0:
         return np.asarray(-0.5 * smoothstep(19.0, 9.0, degrees), np.float32)
-    return np.asarray(
-        0.75 * smoothstep(30.0, 8.0, degrees) - 0.45 * smoothstep(18.0, 30.0, degrees), np.float32
-    )
+    return np.asarray(0.75 * smoothstep(30.0, 8.0, degrees) - 0.45 * smoothstep(18.0, 30.0, degrees), np.float32)
 
 
 def finest_level(zoom: int) -> int:
@@ -250,9 +238,7 @@ class Region:
     def slope(self, name: str, samples: Positions) -> tuple[Array, Array]:
         """Evaluate a field's slope per Mercator metre, east and south."""
         c, per_m = self.coefficients[_INDEX[name]], np.float32((1 << self.level) / WORLD_M)
-        return samples.spline(c, self.window, dx=True) * per_m, samples.spline(
-            c, self.window, dy=True
-        ) * per_m
+        return samples.spline(c, self.window, dx=True) * per_m, samples.spline(c, self.window, dy=True) * per_m
 
     def steepness(self, name: str, samples: Positions) -> Array:
         """Evaluate the length of a field's slope, per Mercator metre."""
@@ -302,9 +288,7 @@ class Region:
             return samples.spline(c, window)
         return np.stack([samples.spline(part, window) for part in c])
 
-    def derived_span(
-        self, function: Callable[[dict[str, Array]], Array], samples: Positions
-    ) -> tuple[float, float]:
+    def derived_span(self, function: Callable[[dict[str, Array]], Array], samples: Positions) -> tuple[float, float]:
         """Bound a function of the fields over samples."""
         c = self._under(self.derived(function), self.window.grown(-1), samples)
         return float(c.min()), float(c.max())

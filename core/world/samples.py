@@ -112,9 +112,7 @@ class LatticeCells(ABC):
             columns, rows = int(self.i.max()) - i0 + 1, int(self.j.max()) - j0 + 1
             self._window = LatticeWindow(self.level, i0, j0, columns, rows)
         held, more = self._window, before + after
-        return LatticeWindow(
-            self.level, held.i0 - before, held.j0 - before, held.columns + more, held.rows + more
-        )
+        return LatticeWindow(self.level, held.i0 - before, held.j0 - before, held.columns + more, held.rows + more)
 
     def support(self) -> LatticeWindow:
         """Return the block of coefficients that a cubic spline needs at the samples."""
@@ -346,9 +344,7 @@ class Grid(Positions):
         i, x = divmod(self.block.i0 + half, per_cell)
         j, y = divmod(self.block.j0 + half, per_cell)
         rows = self.block.rows if y or self.block.rows % per_cell else per_cell
-        return GridCells(
-            level, (i, j), _Axis(x, self.block.columns, shift), _Axis(y, rows, shift), self.shape
-        )
+        return GridCells(level, (i, j), _Axis(x, self.block.columns, shift), _Axis(y, rows, shift), self.shape)
 
 
 class TilePositions(Positions):

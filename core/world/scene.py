@@ -108,9 +108,7 @@ class Scene:
         reach = self._reach("lake", 0.0)
         if any(high < least - reach for _, high in self._bounds("lake")):
             return None
-        above = self._value("lake") - (
-            np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness")
-        )
+        above = self._value("lake") - (np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness"))
         steep = self.region.steepness("lake", self.samples) * np.float32(self.pixel_m)
         return ramp(above, steep + np.float32(self.region.blur("lake") + 1e-12))
 
@@ -121,9 +119,9 @@ class Scene:
     @cached_property
     def woods(self) -> Array | None:
         """Coverage by woods, water left out."""
-        if self.region.extremes("wood")[1] < self.region.derived_extremes(climate.wood_threshold)[
-            0
-        ] - self._reach("wood", 0.0):
+        if self.region.extremes("wood")[1] < self.region.derived_extremes(climate.wood_threshold)[0] - self._reach(
+            "wood", 0.0
+        ):
             return None
         low, high = self.region.span("wood", self.samples)
         least, most = self.region.derived_span(climate.wood_threshold, self.samples)

@@ -181,9 +181,7 @@ class World:
             raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
         return (_ON_CAPS if self.crs in _POLES else _ON_MAP)[style]
 
-    def _at_whole_zooms(
-        self, painter: styles.Painter, u: Array, v: Array, zoom: Array
-    ) -> NDArray[np.float32]:
+    def _at_whole_zooms(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
         for at, samples in _by_tile(u, v, zoom):
             out[at] = painter(Scene(self._landscape, samples)).pixels()
@@ -206,9 +204,7 @@ class World:
         if not 0 <= zoom <= MAX_ZOOM:
             raise InvalidInput("zoom {0}: must be from 0 to {1}", zoom, MAX_ZOOM)
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
-            raise InvalidInput(
-                "tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1
-            )
+            raise InvalidInput("tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1)
 
 
 def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
@@ -255,9 +251,7 @@ class WorldSource:
         """
         return self.world.tile(map_type, part.zoom, int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX)
 
-    def walls(
-        self, map_type: str, lat_deg: Array, lon_deg: Array, east: Array, north: Array
-    ) -> NDArray[np.float32]:
+    def walls(self, map_type: str, lat_deg: Array, lon_deg: Array, east: Array, north: Array) -> NDArray[np.float32]:
         """Colours of walls below roofs, as `imagery.source.Walled` has them: street maps and relief show none."""
         if map_type != SATELLITE:
             return np.full((lat_deg.size, 3), np.nan, np.float32)

@@ -55,9 +55,7 @@ class AreaMark(QObject):
     is_shown : bool
     """
 
-    def __init__(
-        self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = ""
-    ) -> None:
+    def __init__(self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = "") -> None:
         super().__init__()
         self._canvas = canvas
         self.area: Area | None = None
@@ -108,9 +106,7 @@ class AreaMark(QObject):
 class AreaBands:
     """Outline and handles of one area."""
 
-    def __init__(
-        self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = ""
-    ) -> None:
+    def __init__(self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = "") -> None:
         self._canvas, self._colours, self._symbol = canvas, colours, symbol
         self._bands: list[QgsRubberBand] = []
 
@@ -191,9 +187,7 @@ class PointerText:
             self._label = None
 
 
-def area_band(
-    canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = AREA_COLOURS
-) -> QgsRubberBand:
+def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
     """Make a band for an area, or for points of it."""
     band = QgsRubberBand(canvas, kind)
     band.setStrokeColor(colours.line)

@@ -106,9 +106,7 @@ class AreaControl(QObject):
         self.polygon_tool = PolygonTool(self._canvas, tr("Click the first corner"))
         self.hole_tool = PolygonTool(self._canvas, tr("Click the first corner of the hole"))
         self.part_tool = PolygonTool(self._canvas, tr("Click the first corner of one more polygon"))
-        self.no_fly_tool = PolygonTool(
-            self._canvas, tr("Click the first corner of the no-fly area"), NO_FLY_COLOURS
-        )
+        self.no_fly_tool = PolygonTool(self._canvas, tr("Click the first corner of the no-fly area"), NO_FLY_COLOURS)
         self.takeoff_tool = PointTool(self._canvas)
         self.mark, self._previewed = AreaMark(self._canvas), False
         self.no_fly_mark = AreaMark(self._canvas, NO_FLY_COLOURS)
@@ -220,9 +218,7 @@ class AreaControl(QObject):
         except FormError as wrong:
             self._refuse(translate(wrong))
 
-    def read(
-        self, step: str, reading: Callable[[], Reading], take: Callable[[Found, str], None] | None = None
-    ) -> None:
+    def read(self, step: str, reading: Callable[[], Reading], take: Callable[[Found, str], None] | None = None) -> None:
         """Read an area on a thread, and enter it when it is there; a reading under way is dropped.
 
         Parameters
@@ -289,9 +285,7 @@ class AreaControl(QObject):
         self.read(step, lambda: polygons(layer, self._project, only_selected))
 
     def _ask_for_no_fly_layer(self) -> None:
-        dialog = PolygonDialog(
-            self._iface.mainWindow(), tr("No-fly areas from a layer"), self._iface.activeLayer()
-        )
+        dialog = PolygonDialog(self._iface.mainWindow(), tr("No-fly areas from a layer"), self._iface.activeLayer())
         dialog.select.hide()
 
         def take() -> None:
@@ -340,9 +334,7 @@ class AreaControl(QObject):
             step = tr("line of {layer}").format(layer=layer.name())
             self.read(
                 step,
-                lambda: flown_lines(
-                    layer, flight(), agl_m(), utc_time(state.start).timestamp(), self._project
-                ),
+                lambda: flown_lines(layer, flight(), agl_m(), utc_time(state.start).timestamp(), self._project),
             )
 
         self._open(dialog, take)

@@ -33,9 +33,7 @@ def pointed(lon_deg: float, lat_deg: float) -> Position:
     return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
 
 
-def move_corner(
-    area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float
-) -> Polygon | Polygons:
+def move_corner(area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float) -> Polygon | Polygons:
     """Area with one corner moved by degrees, no further than images go."""
 
     def move(ring: list[Position]) -> None:
@@ -45,9 +43,7 @@ def move_corner(
     return _changed(area, corner, move)
 
 
-def insert_corner(
-    area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_deg: float
-) -> Polygon | Polygons:
+def insert_corner(area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_deg: float) -> Polygon | Polygons:
     """Area with another corner on the edge after one."""
 
     def add(ring: list[Position]) -> None:
@@ -119,9 +115,7 @@ def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tu
         at = QgsPointXY(west + (lon_deg - west) % 360.0, lat_deg)
         if not polygon_geometry(rings[:1]).contains(at):
             continue
-        holes = (
-            number for number, ring in enumerate(rings) if number and polygon_geometry([ring]).contains(at)
-        )
+        holes = (number for number, ring in enumerate(rings) if number and polygon_geometry([ring]).contains(at))
         return part, next(holes, 0)
     return None
 
@@ -172,9 +166,7 @@ def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[l
     return [[(corner.x(), corner.y()) for corner in ring[:-1]] for ring in polygons[0]]
 
 
-def _on_turn_of(
-    rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]
-) -> list[list[Position]]:
+def _on_turn_of(rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]) -> list[list[Position]]:
     """Rings of another polygon, their longitudes on the turn of the world of a polygon."""
     turn = _nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]

@@ -126,9 +126,7 @@ class PolygonDialog(LayerDialog):
         self.select.setEnabled(layer is not None)
         super().show_layer(layer)
         if layer is None:
-            self.words.setText(
-                tr("The project has no layer of polygons: add one, or draw a polygon instead.")
-            )
+            self.words.setText(tr("The project has no layer of polygons: add one, or draw a polygon instead."))
 
     def _add_entries(self) -> None:
         self.all = named(QRadioButton(tr("&All")), "all")
@@ -224,12 +222,8 @@ class PointsDialog(LayerDialog):
         self.by_value.setObjectName("by_value")
         self.by_field.setObjectName("by_field")
         self.by_value.setToolTip(tr("The same height above ground (AGL) for all points"))
-        self.by_field.setToolTip(
-            tr("An attribute holds each point's height above ground (AGL), in the unit below")
-        )
-        self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) in the unit below")
-        )
+        self.by_field.setToolTip(tr("An attribute holds each point's height above ground (AGL), in the unit below"))
+        self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) in the unit below"))
         self.agl.setValue(self._agl)
         self.agl_field = _fields("agl_field", tr("Numbers above 0, in the unit below"))
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
@@ -237,9 +231,7 @@ class PointsDialog(LayerDialog):
         self.form.addRow(self.by_value, self.agl)
         self.form.addRow(self.by_field, self.agl_field)
         self.form.addRow(tr("&Unit of heights"), self.unit)
-        self.yaw_field = _fields(
-            "yaw_field", tr("Degrees clockwise from north; empty: the mission's own yaw")
-        )
+        self.yaw_field = _fields("yaw_field", tr("Degrees clockwise from north; empty: the mission's own yaw"))
         self.tilt_field = _fields("tilt_field", tr("Degrees; empty: the mission's own tilt"))
         self.tilt_is = combo(
             "tilt_is",
@@ -311,9 +303,7 @@ class LineDialog(LayerDialog):
             self.words.setText(tr("The project has no layer of lines: add one, or draw a box instead."))
 
     def _add_entries(self) -> None:
-        self.speed, self.bank = (
-            number_entry(field_named(LineFlight, name)) for name in ("speed_m_per_s", "bank_deg")
-        )
+        self.speed, self.bank = (number_entry(field_named(LineFlight, name)) for name in ("speed_m_per_s", "bank_deg"))
         self.interval: NumberBox = spin(
             "interval",
             0.001,
@@ -327,9 +317,7 @@ class LineDialog(LayerDialog):
             (("every_s", tr("seconds")), ("every_m", tr("metres"))),
             tr("Time, or distance flown"),
         )
-        self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) of the whole flight")
-        )
+        self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) of the whole flight"))
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         camera = field_named(LineFlight, "fixed_camera")
         self.fixed_camera = tick("fixed_camera", field_label(camera), field_tip(camera))
@@ -348,9 +336,7 @@ class LineDialog(LayerDialog):
     def _words(self, layer: QgsVectorLayer) -> str:
         selected, count = layer.selectedFeatureCount(), layer.featureCount()
         if selected > 1:
-            which = tr("{n} lines are selected and will be flown one after the other.").format(
-                n=number_text(selected)
-            )
+            which = tr("{n} lines are selected and will be flown one after the other.").format(n=number_text(selected))
         elif selected == 1:
             which = tr("1 line is selected.")
         elif count == 1:
@@ -414,9 +400,7 @@ class PosesDialog(QDialog):
         interval = self.interval_in.currentData()
         return PoseFile(
             file_format,
-            origin=(self.origin_lat.value(), self.origin_lon.value(), self.origin_height.value())
-            if is_local
-            else (),
+            origin=(self.origin_lat.value(), self.origin_lon.value(), self.origin_height.value()) if is_local else (),
             body=self.body.currentData() if is_local else None,
             world=self.world.currentData() if is_local else None,
             ground_height_m=None if by_value else self.ground.number(),
@@ -443,9 +427,7 @@ class PosesDialog(QDialog):
         show_row(self.form, self.flight, is_log)
         choose(self.interval_in, "every_s" if is_log else "")
         self._show_interval()
-        self.ground.setSpecialValueText(
-            tr("the origin") if is_local else tr("home") if is_log else tr("not set")
-        )
+        self.ground.setSpecialValueText(tr("the origin") if is_local else tr("home") if is_log else tr("not set"))
         self.words.setText(self._words(file_format))
 
     def _show_times(self, file_format: str) -> None:
@@ -466,8 +448,7 @@ class PosesDialog(QDialog):
     def _add_frame(self) -> None:
         fields = {name: field_named(PoseFile, name) for name in ("format", "origin", "body", "world")}
         self.format, self.body, self.world = (
-            combo(name, field_choices(fields[name]), field_tip(fields[name]))
-            for name in ("format", "body", "world")
+            combo(name, field_choices(fields[name]), field_tip(fields[name])) for name in ("format", "body", "world")
         )
         tip = field_tip(fields["origin"])
         self.origin_lat = spin("origin_lat", -90.0, 90.0, DEGREES, " °", tip)
@@ -485,9 +466,7 @@ class PosesDialog(QDialog):
 
     def _add_heights(self) -> None:
         agl, ground = (field_named(PoseFile, name) for name in ("agl_m", "ground_height_m"))
-        self.by_file = named(
-            QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", field_tip(ground)
-        )
+        self.by_file = named(QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", field_tip(ground))
         self.by_value = named(QRadioButton(tr("&Height of all")), "by_value", field_tip(agl))
         self.ground = spin("ground", ground.least, ground.most, 3, ground.unit.suffix, field_tip(ground))
         self.ground.let_be_left_out(ground.least - 1.0)
@@ -538,9 +517,7 @@ class PosesDialog(QDialog):
         if file_format in LOCAL_FORMATS:
             return tr("Poses in metres of a local frame. Where that lies, the file does not say.")
         if file_format == "gpx":
-            return tr(
-                "Heights of GPX are above the sea, as a rule. The top of each image points along the way."
-            )
+            return tr("Heights of GPX are above the sea, as a rule. The top of each image points along the way.")
         return tr(
             "Heights are those above home, or above the first position. The camera is fixed to the aircraft and looks "
             "down, the top of its image ahead."

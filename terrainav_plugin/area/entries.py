@@ -231,9 +231,7 @@ def _tool_button(name: str, image: str) -> QToolButton:
 def _edge(name: str) -> EdgeLine:
     tips = {
         "north": tr("Northern edge: latitude in degrees, up to 90"),
-        "west": tr(
-            "Western edge: longitude in degrees; greater than the eastern one across the antimeridian"
-        ),
+        "west": tr("Western edge: longitude in degrees; greater than the eastern one across the antimeridian"),
         "south": tr("Southern edge: latitude in degrees, down to -90"),
         "east": tr("Eastern edge: longitude in degrees"),
     }

@@ -25,19 +25,14 @@ def same_area(one: FormState, other: FormState) -> bool:
 def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
     """Entries beside the area in which two states differ, with those that go with them."""
     return tuple(
-        name
-        for names in _BESIDE
-        if any(getattr(one, each) != getattr(other, each) for each in names)
-        for name in names
+        name for names in _BESIDE if any(getattr(one, each) != getattr(other, each) for each in names) for name in names
     )
 
 
 class _Step(QUndoCommand):
     """One change, which is already made when it is pushed."""
 
-    def __init__(
-        self, name: str, kind: int, before: FormState, after: FormState, history: AreaHistory
-    ) -> None:
+    def __init__(self, name: str, kind: int, before: FormState, after: FormState, history: AreaHistory) -> None:
         super().__init__(name)
         self._kind, self._before, self.after, self._history = kind, before, after, history
         self._done = True

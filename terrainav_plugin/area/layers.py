@@ -160,9 +160,7 @@ def polygon_of_rings(
         Naming the rings' feature: a place that the CRS has not, an edge through a pole, or a hole around one.
     """
     place = _Places(crs, context, name, tolerance_m)
-    return Polygon(
-        tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings))
-    )
+    return Polygon(tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings)))
 
 
 def read_points(
@@ -309,9 +307,7 @@ def line_reader(
     return read
 
 
-def outline_reader(
-    layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject
-) -> Reading:
+def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject) -> Reading:
     """Reader of what is made of the selected polygons of a layer, each by itself, of all where none is selected."""
     crs, context = _crs(layer), project.transformContext()
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
@@ -332,9 +328,7 @@ def flown_words(flown: FlownLine) -> str:
     if not flown.tight:
         return words
     slow = tr("Tighter turns between short legs: {count}, flown at down to {speed} m/s.")
-    return f"{words} " + slow.format(
-        count=number_text(flown.tight), speed=number_text(flown.slowest_m_per_s, ".1f")
-    )
+    return f"{words} " + slow.format(count=number_text(flown.tight), speed=number_text(flown.slowest_m_per_s, ".1f"))
 
 
 def text_file(path: str, agl_unit: str) -> Reading:
@@ -476,9 +470,9 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
         if where.hasWhere():
             what += f" ({number_text(where.where().x(), '.10g')}, {number_text(where.where().y(), '.10g')})"
         raise InvalidInput(
-            tr(
-                "{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)"
-            ).format(feature=name, what=what)
+            tr("{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)").format(
+                feature=name, what=what
+            )
         )
 
 
@@ -530,9 +524,7 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
         # An edge that is not straight after 24 halvings holds a pole or the map's edge.
         if depth == 24:
             raise InvalidInput(
-                tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(
-                    feature=name
-                )
+                tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(feature=name)
             )
         middle = QgsPointXY((one.x() + other.x()) / 2.0, (one.y() + other.y()) / 2.0)
         between = place(middle)
@@ -542,9 +534,7 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
 def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Position, place: _Places) -> bool:
     dlon, dlat = _nearest_turn(there[0], here[0]) - here[0], there[1] - here[1]
     for share in (0.25, 0.5, 0.75):
-        lon, lat = place(
-            QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y()))
-        )
+        lon, lat = place(QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y())))
         wanted = here[0] + share * dlon
         east = (_nearest_turn(lon, wanted) - wanted) * math.cos(math.radians(lat))
         north = lat - (here[1] + share * dlat)
@@ -560,9 +550,7 @@ def _nearest_turn(lon_deg: float, other_deg: float) -> float:
 
 def _points(geometry: QgsGeometry, name: str) -> list[QgsPointXY]:
     if geometry.isEmpty():
-        raise InvalidInput(
-            tr("{feature} has no geometry: give it a point, or leave it out").format(feature=name)
-        )
+        raise InvalidInput(tr("{feature} has no geometry: give it a point, or leave it out").format(feature=name))
     if geometry.type() != POINT:
         raise InvalidInput(tr("{feature} is no point: take a layer of points").format(feature=name))
     return geometry.asMultiPoint() if geometry.isMultipart() else [geometry.asPoint()]
@@ -570,9 +558,7 @@ def _points(geometry: QgsGeometry, name: str) -> list[QgsPointXY]:
 
 def _line_parts(geometry: QgsGeometry, name: str) -> list[list[QgsPointXY]]:
     if geometry.isEmpty():
-        raise InvalidInput(
-            tr("{feature} has no geometry: give it a line, or leave it out").format(feature=name)
-        )
+        raise InvalidInput(tr("{feature} has no geometry: give it a line, or leave it out").format(feature=name))
     if geometry.type() != LINE:
         raise InvalidInput(tr("{feature} is no line: take a layer of lines").format(feature=name))
     return geometry.asMultiPolyline() if geometry.isMultipart() else [geometry.asPolyline()]
@@ -584,9 +570,7 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
     what = tr("{feature}: height in “{field}”").format(feature=name, field=fields.agl_field)
     agl = _number(feature, fields.agl_field, what) * fields.m_per_unit
     if not agl > 0.0:
-        raise InvalidInput(
-            tr("{what} is {value} m: must be above 0").format(what=what, value=number_text(agl, "g"))
-        )
+        raise InvalidInput(tr("{what} is {value} m: must be above 0").format(what=what, value=number_text(agl, "g")))
     return agl
 
 
@@ -601,9 +585,7 @@ def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str
     ):
         if not field:
             continue
-        what = tr("{feature}: {what} in “{field}”").format(
-            feature=name, what=point_words()[angle], field=field
-        )
+        what = tr("{feature}: {what} in “{field}”").format(feature=name, what=point_words()[angle], field=field)
         degrees = _number(feature, field, what)
         declared = None if angle == "gimbal_pitch" else field_named(Attitude, f"{angle}_deg")
         least, most = _GIMBAL_PITCHES_DEG if declared is None else (declared.least, declared.most)

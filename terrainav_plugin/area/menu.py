@@ -119,9 +119,7 @@ class AreaMenu(MenuButton):
                     AreaAction.POLYGON,
                     "/mIconPolygonLayer.svg",
                     tr("Poly&gons of a layer…"),
-                    tr(
-                        "The selected polygons, or all, with their holes; images that touch none are left out"
-                    ),
+                    tr("The selected polygons, or all, with their holes; images that touch none are left out"),
                 ),
                 (
                     AreaAction.POINTS,

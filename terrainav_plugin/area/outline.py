@@ -204,10 +204,7 @@ class AreaOutline:
 
     def _place_corners(self, area: Polygon | Polygons) -> None:
         shapes = area_rings(area)
-        if (
-            area.bounds.span_deg >= _TURN_DEG
-            or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS
-        ):
+        if area.bounds.span_deg >= _TURN_DEG or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS:
             return
         for part, rings in enumerate(shapes):
             for number, ring in enumerate(rings):
@@ -230,9 +227,7 @@ class AreaOutline:
         first, middle, last = places
         if _distance(middle, first, last) <= _CURVED * first.distance(last):
             return [(first, last)]
-        return list(
-            self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)])
-        )
+        return list(self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)]))
 
     def _is_cut(self, start: Position, end: Position) -> bool:
         """Whether the map is cut open between two places."""
@@ -348,15 +343,11 @@ def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
         return Polygons(tuple(_moved_polygon(part, dlat, dlon_deg) for part in area.parts))
     if isinstance(area, Polygon):
         return _moved_polygon(area, dlat, dlon_deg)
-    return replace(
-        area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses)
-    )
+    return replace(area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses))
 
 
 def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygon:
-    return Polygon(
-        tuple(tuple((lon + dlon_deg, _kept(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings)
-    )
+    return Polygon(tuple(tuple((lon + dlon_deg, _kept(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings))
 
 
 def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float) -> Box:

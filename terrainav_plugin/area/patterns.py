@@ -88,9 +88,7 @@ class _PatternDialog(LayerDialog):
 
     PART: type = Corridor
 
-    def __init__(
-        self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object, state: FormState
-    ) -> None:
+    def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object, state: FormState) -> None:
         self._state = state
         super().__init__(parent, title, active, kind)
 
@@ -138,9 +136,9 @@ class CorridorDialog(_PatternDialog):
         )
 
     def _panel_values(self) -> str:
-        return tr(
-            "Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel."
-        ).format(height=length_text(self._state.agl_m, self._state.agl_unit), **_percents(self._state))
+        return tr("Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel.").format(
+            height=length_text(self._state.agl_m, self._state.agl_unit), **_percents(self._state)
+        )
 
 
 class FacadeDialog(_PatternDialog):
@@ -306,7 +304,4 @@ def _overlaps(state: FormState) -> tuple[float, float]:
 
 
 def _percents(state: FormState) -> dict[str, str]:
-    return {
-        name: number_text(100.0 * overlap, ".3g")
-        for name, overlap in zip(("along", "across"), _overlaps(state))
-    }
+    return {name: number_text(100.0 * overlap, ".3g") for name, overlap in zip(("along", "across"), _overlaps(state))}

@@ -164,9 +164,7 @@ class BoxTool(TemporaryTool):
         self._readout.say(text, at)
 
     def _area(self, at: QPoint) -> Area:
-        return rectangle_area(
-            self._rectangle(at), self.canvas().mapSettings().destinationCrs(), QgsProject.instance()
-        )
+        return rectangle_area(self._rectangle(at), self.canvas().mapSettings().destinationCrs(), QgsProject.instance())
 
     def _clear(self) -> None:
         self._readout.clear()
@@ -473,9 +471,7 @@ class AreaTool(TemporaryTool):
             )
         if place is not None:
             lon, lat = place
-            entries.append(
-                ("set_takeoff", tr("Set &take-off point here"), lambda: self.takeoff_set.emit(lat, lon))
-            )
+            entries.append(("set_takeoff", tr("Set &take-off point here"), lambda: self.takeoff_set.emit(lat, lon)))
         for name, text, act in entries:
             action = menu.addAction(text)
             action.setObjectName(name)
@@ -528,9 +524,7 @@ class AreaTool(TemporaryTool):
     def _find_corner(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return find_corner(
-            self._outline, self.toMapCoordinates(at), _REACH_PX * self.canvas().mapUnitsPerPixel()
-        )
+        return find_corner(self._outline, self.toMapCoordinates(at), _REACH_PX * self.canvas().mapUnitsPerPixel())
 
     def _find_edge(self, at: QPoint) -> Corner | None:
         if self._outline is None:
@@ -545,12 +539,7 @@ class AreaTool(TemporaryTool):
         return self._is_at_point(at)
 
     def _is_at_point(self, at: QPoint) -> bool:
-        if (
-            self._outline is None
-            or self._area is None
-            or self._area.covers_ground
-            or self._outline.shape.isEmpty()
-        ):
+        if self._outline is None or self._area is None or self._area.covers_ground or self._outline.shape.isEmpty():
             return False
         reach = _REACH_PX * self.canvas().mapUnitsPerPixel()
         return self._outline.shape.distance(QgsGeometry.fromPointXY(self.toMapCoordinates(at))) <= reach

@@ -122,9 +122,7 @@ class Runs(QObject):
 
     def can_start(self, state: FormState) -> bool:
         """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
-        return self.questions.folder_is_given(state.folder) and self.questions.has_usable_key(
-            state.source_name
-        )
+        return self.questions.folder_is_given(state.folder) and self.questions.has_usable_key(state.source_name)
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
@@ -219,9 +217,7 @@ class Runs(QObject):
             self._messages.refused(translate(wrong), tr("No test shot."))
             return
         questions = self.questions
-        if questions.has_usable_key(mission.imagery.source) and questions.terms_allow(
-            mission, steps.requests
-        ):
+        if questions.has_usable_key(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
             self._add(BackgroundRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
@@ -255,15 +251,11 @@ class Runs(QObject):
 
     def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
         mission = plan.mission
-        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(
-            mission, requests
-        ):
+        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(mission, requests):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.
-            run = BackgroundRun(
-                replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed
-            )
+            run = BackgroundRun(replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False

@@ -122,9 +122,7 @@ class BackgroundRun(QObject):
     def all_made(self) -> bool:
         """Whether every picture is there or has failed."""
         progress = self.progress
-        return (
-            progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
-        )
+        return progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
 
     def begin(self) -> None:
         """Hand it to QGIS's task manager: its turn has come."""
@@ -285,9 +283,7 @@ def _end_text(run: BackgroundRun) -> str:
         return tr("Stopped before the first image")
     there = number_text(result.written + result.skipped)
     if result.cancelled:
-        return tr("Stopped with {there} of {total} images").format(
-            there=there, total=number_text(result.total)
-        )
+        return tr("Stopped with {there} of {total} images").format(there=there, total=number_text(result.total))
     if run.task.failed:
         total = len(run.plan) * len(run.mission.imagery.map_types)
         return tr("Missing: {failed} of {total} images").format(

@@ -144,9 +144,7 @@ class CaptureTask(Task):
             self._next_look_s = time.monotonic() + _FAILED_LOOK_S
         self._check_mosaics()
         with closing(self._transport) as transport:
-            source = open_for_capture(
-                self.plan.mission, self._key, transport=transport, snapshot=self._snapshot
-            )
+            source = open_for_capture(self.plan.mission, self._key, transport=transport, snapshot=self._snapshot)
             with closing(source):
                 self.result = capture(
                     self.plan,

@@ -133,9 +133,7 @@ class Outlines:
             transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
             x, y = transformer.transform(self.x, self.y)
         except ProjError as wrong:
-            raise InvalidInput(
-                tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)
-            ) from wrong
+            raise InvalidInput(tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)) from wrong
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
     def bounds(self, stem: str) -> Bounds | None:
@@ -309,9 +307,7 @@ def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
         fraction |= is_dot
         length += alive
     values = np.where(negative, -mantissa, mantissa) / np.power(10.0, places)
-    for odd in np.flatnonzero(
-        np.isin(padded[np.minimum(at + length, len(padded) - 1)], (ord("e"), ord("E")))
-    ):
+    for odd in np.flatnonzero(np.isin(padded[np.minimum(at + length, len(padded) - 1)], (ord("e"), ord("E")))):
         found = _NUMBER.match(padded[at[odd] : at[odd] + 2 * _WIDTH].tobytes())
         if found is not None:
             values[odd], length[odd] = float(found[0]), len(found[0])

@@ -144,9 +144,7 @@ class MosaicRaster(NamedTuple):
                 os.replace(_made(self.path), self.path)
 
 
-def build_any_mosaics(
-    plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress
-) -> list[MosaicRaster]:
+def build_any_mosaics(plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress) -> list[MosaicRaster]:
     """Write the mosaics that suit a run's pictures: virtual rasters or orthomosaics; none of too many pictures.
 
     Parameters and errors are those of `build_mosaics` and `build_orthomosaics`.
@@ -453,9 +451,7 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
     """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
-        own_width, own_height = (
-            plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
-        )
+        own_width, own_height = plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
         name = xml_text(path.relative_to(folder).as_posix())
         properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="{data_type}"'
         source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
@@ -544,9 +540,7 @@ def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
                 future.cancel()
 
 
-def _reduce_picture(
-    channels: int, path: Path, left: int, top: int, width: int, height: int
-) -> tuple[int, int, Sums]:
+def _reduce_picture(channels: int, path: Path, left: int, top: int, width: int, height: int) -> tuple[int, int, Sums]:
     picture = open_shown(path)
     pixels = picture.ReadAsArray(buf_xsize=width, buf_ysize=height) if picture is not None else None
     if pixels is None:

@@ -121,9 +121,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
     there = metres[~np.isnan(metres)]
     least, most = (float(there.min()), float(there.max())) if there.size else (np.nan, np.nan)
     span = np.log(most / least) if most > least else 1.0
-    return Depth(
-        metres, least, most, _image(np.moveaxis(depth_colours(np.log(metres / least) / span), -1, 0))
-    )
+    return Depth(metres, least, most, _image(np.moveaxis(depth_colours(np.log(metres / least) / span), -1, 0)))
 
 
 def legend_image(width: int) -> QImage:
@@ -166,9 +164,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
         return DisplayImage(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
     if bands is None:
         reason = gdal.GetLastErrorMsg()
-        return DisplayImage(
-            path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason)
-        )
+        return DisplayImage(path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason))
     return DisplayImage(path, _image(bands), width, height, metadata)
 
 

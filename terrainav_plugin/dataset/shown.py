@@ -110,9 +110,7 @@ def _stated(band: gdal.Band) -> dict[str, str]:
     """Description, unit, offset and scale of a band, as far as its file states them."""
     found = {"Description": band.GetDescription(), "UnitType": band.GetUnitType()}
     numbers = {"Offset": (band.GetOffset(), 0.0), "Scale": (band.GetScale(), 1.0)}
-    found.update(
-        {name: repr(value) for name, (value, plain) in numbers.items() if value not in (None, plain)}
-    )
+    found.update({name: repr(value) for name, (value, plain) in numbers.items() if value not in (None, plain)})
     return {name: text for name, text in found.items() if text}
 
 

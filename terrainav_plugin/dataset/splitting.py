@@ -110,8 +110,6 @@ def outcome(made: Split) -> list[Line]:
     if len(zones) > 1:
         text = tr("The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.")
         lines.append(
-            Line(
-                text.format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs), warns=True
-            )
+            Line(text.format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs), warns=True)
         )
     return lines

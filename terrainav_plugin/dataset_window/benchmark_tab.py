@@ -34,9 +34,7 @@ class BenchmarkTab(Tab):
         self.score = push_button(
             "score_benchmark", tr("Score benchmark…"), tr("Open Processing's window with this benchmark")
         )
-        self.score.clicked.connect(
-            lambda _checked: self.score_wanted.emit(self.folder if self._is_benchmark else None)
-        )
+        self.score.clicked.connect(lambda _checked: self.score_wanted.emit(self.folder if self._is_benchmark else None))
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
         for text, button in (

@@ -124,9 +124,7 @@ class Chart(QWidget):
         below = 2 * metrics.height() + _TICK_PX + 2 * _GAP_PX
         above = metrics.height() + 2 * _GAP_PX + _HANDLE_PX
         right = self.width() - metrics.horizontalAdvance("00") - _GAP_PX
-        return PlotArea(
-            left + metrics.height(), above, max(right, left + 1), max(self.height() - below, above + 1)
-        )
+        return PlotArea(left + metrics.height(), above, max(right, left + 1), max(self.height() - below, above + 1))
 
     def sizeHint(self) -> QSize:
         """Room to see the shape of a distribution."""
@@ -218,9 +216,7 @@ class Chart(QWidget):
         if not len(self.bits):
             flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
             # Also of a chart that is not enabled: it may say what is wrong.
-            painter.setPen(
-                self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText)
-            )
+            painter.setPen(self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText))
             painter.drawText(self.rect().adjusted(_GAP_PX, _GAP_PX, -_GAP_PX, -_GAP_PX), flags, self._hint)
             return
         frame = self.frame()
@@ -256,17 +252,13 @@ class Chart(QWidget):
             painter.setPen(faint)
             painter.drawLine(QPointF(x, frame.bottom), QPointF(x, frame.bottom + _TICK_PX))
             painter.setPen(text)
-            at = QPointF(
-                x - metrics.horizontalAdvance(label) / 2.0, frame.bottom + _TICK_PX + metrics.ascent()
-            )
+            at = QPointF(x - metrics.horizontalAdvance(label) / 2.0, frame.bottom + _TICK_PX + metrics.ascent())
             painter.drawText(at, label)
         across, up = self.titles()
         middle = (frame.left + frame.right - metrics.horizontalAdvance(across)) / 2.0
         painter.drawText(QPointF(middle, self.height() - _GAP_PX - metrics.descent()), across)
         painter.save()
-        painter.translate(
-            metrics.ascent() + 1.0, (frame.top + frame.bottom + metrics.horizontalAdvance(up)) / 2.0
-        )
+        painter.translate(metrics.ascent() + 1.0, (frame.top + frame.bottom + metrics.horizontalAdvance(up)) / 2.0)
         painter.rotate(-90.0)
         painter.drawText(QPointF(0.0, 0.0), up)
         painter.restore()

@@ -160,9 +160,7 @@ class CleanTab(QWidget):
             notes.append(
                 tr("The roadmap decides for all of them.")
                 if found.by_roadmap == len(found)
-                else tr("The roadmap decides for {count} of them.").format(
-                    count=number_text(found.by_roadmap)
-                )
+                else tr("The roadmap decides for {count} of them.").format(count=number_text(found.by_roadmap))
             )
         if found.failed:
             notes.append(tr("{count} images could not be captured.").format(count=number_text(found.failed)))
@@ -245,9 +243,7 @@ class CleanTab(QWidget):
             "clean_map_type",
             tr("Map type shown here; cleaning applies this threshold to all map types"),
         )
-        self.map_type.activated.connect(
-            lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
-        )
+        self.map_type.activated.connect(lambda index: self.map_type_chosen.emit(self.map_type.itemData(index)))
         tip = tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum")
         self.threshold = spin("threshold", LOWEST, HIGHEST, DECIMALS, tr(" bits"), tip)
         self.threshold.setStepType(self.threshold.StepType.DefaultStepType)
@@ -405,9 +401,7 @@ def read_examples(
 ) -> tuple[list[ExampleImage], list[ExampleImage]]:
     """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
     longest_px = round(max(_ICON_PX) * ratio)
-    below, above = (
-        [ExampleImage(one, read_picture(one.path, longest_px)) for one in side] for side in examples
-    )
+    below, above = ([ExampleImage(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
     return below, above
 
 

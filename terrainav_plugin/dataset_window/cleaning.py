@@ -186,9 +186,7 @@ class Cleaning(QObject):
         folder = self._folder
         if folder is None or not self._is_right():
             return
-        chosen = QFileDialog.getExistingDirectory(
-            self.panel, tr("TerrAInav: folder for the charts"), str(folder)
-        )
+        chosen = QFileDialog.getExistingDirectory(self.panel, tr("TerrAInav: folder for the charts"), str(folder))
         if chosen and not self._reader.closed:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
             self._work.start(task, self._pictures_saved)

@@ -52,9 +52,7 @@ class Datasets(QObject):
     score_wanted = pyqtSignal(object)
     compare_wanted = pyqtSignal()
 
-    def __init__(
-        self, iface: QgisInterface, messages: Messages, folders: Callable[[], Iterable[Path]]
-    ) -> None:
+    def __init__(self, iface: QgisInterface, messages: Messages, folders: Callable[[], Iterable[Path]]) -> None:
         super().__init__()
         self._iface, self._messages, self._folders = iface, messages, folders
         self.window: DatasetWindow | None = None

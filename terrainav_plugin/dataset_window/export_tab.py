@@ -75,9 +75,7 @@ class ExportTab(Tab):
         self.target = folder_entry(
             "export_folder",
             tr("TerrAInav: folder of the export"),
-            tr(
-                "Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."
-            ),
+            tr("Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."),
         )
         self.target.fileChanged.connect(lambda _path: self.enable())
         self.export = push_button("export", tr("E&xport"), tr("Write the dataset in this format"))
@@ -155,9 +153,7 @@ class ExportTab(Tab):
                 for name in map_types:
                     self.map_type.addItem(map_type_title(name), name)
             usual = None if self.kind in DATASETS else SATELLITE
-            self.map_type.setCurrentIndex(
-                max(self.map_type.findData(before if before in map_types else usual), 0)
-            )
+            self.map_type.setCurrentIndex(max(self.map_type.findData(before if before in map_types else usual), 0))
         self._suggest_folder()
         self.enable()
 

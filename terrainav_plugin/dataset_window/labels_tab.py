@@ -121,9 +121,7 @@ class LabelsTab(Tab):
                 total=number_text(total),
             )
         )
-        self.reader.ask(
-            lambda _: learned.previews(*chosen, COUNT, longest_px), partial(self._show_cards, learned)
-        )
+        self.reader.ask(lambda _: learned.previews(*chosen, COUNT, longest_px), partial(self._show_cards, learned))
         self.enable()
 
     def _show_cards(self, learned: Learned, previews: list[ImagePreview]) -> None:
@@ -214,9 +212,7 @@ def _lines(preview: ImagePreview, is_split: bool) -> list[str]:
         lines.append(tr("Label: easting {east}, northing {north}").format(east=east, north=north))
     if not np.isnan(preview.entropy):
         lines.append(tr("Entropy: {bits} bits").format(bits=number_text(preview.entropy, ".3f")))
-    lines.append(
-        tr("Rejected: {reason}").format(reason=preview.rejected) if preview.rejected else tr("Not rejected")
-    )
+    lines.append(tr("Rejected: {reason}").format(reason=preview.rejected) if preview.rejected else tr("Not rejected"))
     if preview.depth is not None and preview.depth.problem:
         lines.append(preview.depth.problem)
     return lines
@@ -269,10 +265,7 @@ class DepthScale(QWidget):
         self.texts = (
             [tr("no ground")]
             if np.isnan(ends[0])
-            else [
-                tr("{depth} m").format(depth=number_text(one, ",.4g" if one < 1e4 else ",.0f"))
-                for one in ends
-            ]
+            else [tr("{depth} m").format(depth=number_text(one, ",.4g" if one < 1e4 else ",.0f")) for one in ends]
         )
         self.setAccessibleName(tr("Depth: {range}").format(range=" – ".join(self.texts)))
         self.updateGeometry()

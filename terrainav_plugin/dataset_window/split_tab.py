@@ -115,9 +115,7 @@ class SplitTab(Tab):
         if counts.of_parts is None:
             text = tr("Not split yet: {count} images.").format(count=number_text(counts.images))
         else:
-            each = ", ".join(
-                f"{title} {number_text(counts.of_parts[part])}" for part, title in parts().items()
-            )
+            each = ", ".join(f"{title} {number_text(counts.of_parts[part])}" for part, title in parts().items())
             text = tr("Parts now: {parts}.").format(parts=each)
             rest = counts.images - sum(counts.of_parts.values())
             if rest:
@@ -176,9 +174,7 @@ class SplitTab(Tab):
         self.block.may_be_left_out = True
         self.block.setSpecialValueText(tr("automatic"))
         self.gap = spin("split_gap", 0.0, WIDEST_M, 1, "", text["gap"])
-        self.frame = combo(
-            "split_frame", [(value, title) for value, title in frames().items()], text["frame"]
-        )
+        self.frame = combo("split_frame", [(value, title) for value, title in frames().items()], text["frame"])
         self.frame.setEditable(True)
         self.frame.setInsertPolicy(self.frame.InsertPolicy.NoInsert)
         self.frame.setCurrentIndex(self.frame.findData(UTM))

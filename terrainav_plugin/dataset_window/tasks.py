@@ -45,9 +45,7 @@ class Work(QObject):
         """Whether a task is under way."""
         return self.task is not None
 
-    def start(
-        self, task: Task, done: Callable[[Any], None], refused: Callable[[str], None] | None = None
-    ) -> None:
+    def start(self, task: Task, done: Callable[[Any], None], refused: Callable[[str], None] | None = None) -> None:
         """Begin a task unless one is under way.
 
         Parameters

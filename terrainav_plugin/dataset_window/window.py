@@ -54,9 +54,7 @@ class DatasetWindow(QgsDockWidget):
         self.bar = named(QProgressBar(), "dataset_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(6)
-        self.stop = push_button(
-            "stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone")
-        )
+        self.stop = push_button("stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone"))
         self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
         self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
         self.setWidget(self._contents())

@@ -276,12 +276,8 @@ def area_words(area: Area, unit: str) -> str:
     if not isinstance(area, Points):
         return _polygon_words(area, unit)
     heights = [agl / LENGTHS_M[unit] for _, _, agl in area.poses]
-    words = [
-        tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))
-    ]
-    low, high = (
-        localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
-    )
+    words = [tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))]
+    low, high = (localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights)))
     words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
     own = [what for name, what in point_words().items() if name in ANGLES and area.stated_deg(name)]
     own += [tr("time")] if area.times_s else []

@@ -86,9 +86,7 @@ def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] |
     # By the diagonal, as cameras are made from their data sheets.
     half_mm = math.hypot(width_mm, height_mm) / 2.0
     focal_length_mm = half_mm / math.hypot(*camera.half_tangents)
-    return replace(
-        plain, focal_length_mm=focal_length_mm, sensor_width_mm=width_mm, sensor_height_mm=height_mm
-    )
+    return replace(plain, focal_length_mm=focal_length_mm, sensor_width_mm=width_mm, sensor_height_mm=height_mm)
 
 
 def shown_gsd(state: FormState) -> float:

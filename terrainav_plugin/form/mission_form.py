@@ -69,9 +69,7 @@ class _Checks:
         try:
             return parse(text)
         except ValueError:
-            self.messages[field] = tr("{what} “{text}”: must be a number").format(
-                what=what, text=text.strip()
-            )
+            self.messages[field] = tr("{what} “{text}”: must be a number").format(what=what, text=text.strip())
         return None
 
 
@@ -123,18 +121,14 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
     entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED}
-    entries.update(
-        _pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state))
-    )
+    entries.update(_pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state)))
     if not state.map_types:
         checks.messages["map_types"] = tr("no map type: tick one or more")
     for name, value in entries.items():
         checks(field_entry(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
     no_fly = checks("no_fly", lambda: parse_no_fly(state.no_fly))
-    checks.messages.update(
-        (name, unread_text(name, text)) for name, text in state.unread if name not in state.hidden
-    )
+    checks.messages.update((name, unread_text(name, text)) for name, text in state.unread if name not in state.hidden)
     if checks.messages:
         raise FormError(checks.messages)
     try:
@@ -272,11 +266,7 @@ def _camera(state: FormState, checks: _Checks) -> Any:
     if state.height_by == "gsd" and not state.camera_gsd > 0.0:
         checks.messages["camera_gsd"] = tr("GSD: must be above 0")
     # The diagonal itself, which the numbers typed may stand for with other digits.
-    return (
-        checks(field, lambda: Camera(state.fov_deg, ratio))
-        if sound and field not in checks.messages
-        else None
-    )
+    return checks(field, lambda: Camera(state.fov_deg, ratio)) if sound and field not in checks.messages else None
 
 
 def _box(state: FormState, checks: _Checks) -> Box | None:
@@ -356,6 +346,4 @@ def extras_text(state: FormState) -> str:
 
 def drop_extras(state: FormState) -> FormState:
     """State with the defaults of what the panel has no entries for."""
-    return replace(
-        state, wind_seed=None, **{name: ENTERED_AS_DECLARED[name].default for name in WITHOUT_ENTRY}
-    )
+    return replace(state, wind_seed=None, **{name: ENTERED_AS_DECLARED[name].default for name in WITHOUT_ENTRY})

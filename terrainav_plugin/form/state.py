@@ -24,10 +24,7 @@ BOX_FIELDS = ("north", "west", "south", "east")
 _ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
 #: All other fields that a mission is given by name are entries of the same name, value and default.
 ENTERED_AS_DECLARED: dict[str, Field] = {
-    one.name: one
-    for part in FLAT_PARTS.values()
-    for one in declared_fields(part)
-    if one.name not in _ENTERED_OTHERWISE
+    one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
 #: Those of them that the panel has no entries for: it carries them along, and says so.
 WITHOUT_ENTRY = ("imageries", "mesh", "seed", "max_images")
@@ -181,11 +178,7 @@ class FormState(_Asked):
             default = getattr(state, entry.name)
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
-            if any(
-                "\0" in text
-                for text in (value if isinstance(value, tuple) else (value,))
-                if isinstance(text, str)
-            ):
+            if any("\0" in text for text in (value if isinstance(value, tuple) else (value,)) if isinstance(text, str)):
                 # No file, source or place has it.
                 continue
             if type(value) is type(default) or (default is None and type(value) in (int, float)):
@@ -212,8 +205,7 @@ def keep_unchanged(read: FormState, shown: FormState, given: FormState) -> FormS
     kept = {
         entry.name: getattr(given, entry.name)
         for entry in fields(FormState)
-        if isinstance(getattr(read, entry.name), float)
-        and getattr(read, entry.name) == getattr(shown, entry.name)
+        if isinstance(getattr(read, entry.name), float) and getattr(read, entry.name) == getattr(shown, entry.name)
     }
     if set(read.map_types) == set(given.map_types):
         kept["map_types"] = given.map_types

@@ -32,9 +32,7 @@ def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoo
     return QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), project.transformContext())
 
 
-def canvas_lon_lat(
-    point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
-) -> tuple[float, float]:
+def canvas_lon_lat(point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> tuple[float, float]:
     """Longitude in [-180, 180) and latitude in degrees of a point on the canvas.
 
     Raises
@@ -95,9 +93,7 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
         return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
     except QgsCsException as wrong:
         raise InvalidInput(
-            tr("this place cannot be shown in the project's CRS {crs}; choose another CRS").format(
-                crs=_named(crs)
-            )
+            tr("this place cannot be shown in the project's CRS {crs}; choose another CRS").format(crs=_named(crs))
         ) from wrong
 
 
@@ -228,9 +224,7 @@ def check_earthly(transform: QgsCoordinateTransform) -> None:
     crs = transform.sourceCrs()
     if crs.isValid() and not transform.isValid():
         raise InvalidInput(
-            tr("CRS {crs}: must be one of the Earth that can be transformed to degrees").format(
-                crs=_named(crs)
-            )
+            tr("CRS {crs}: must be one of the Earth that can be transformed to degrees").format(crs=_named(crs))
         )
 
 

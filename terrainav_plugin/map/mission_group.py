@@ -68,17 +68,11 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
         if not group.customProperty(_MISSION):
             continue
         captured = _child_layer(group, CAPTURED)
-        if (
-            captured is not None
-            and captured.providerType() == "ogr"
-            and is_path(str(layer_dataset(captured)))
-        ):
+        if captured is not None and captured.providerType() == "ogr" and is_path(str(layer_dataset(captured))):
             group.setCustomProperty(_FOLDER, str(layer_dataset(captured)))
         folder = _text(group, _FOLDER)
         current = bool(group.customProperty(_CURRENT))
-        missions.append(
-            SavedMission(group.name(), folder if is_path(folder) else "", _text(group, _MISSION), current)
-        )
+        missions.append(SavedMission(group.name(), folder if is_path(folder) else "", _text(group, _MISSION), current))
     return missions
 
 

@@ -261,9 +261,7 @@ class Missions(QObject):
         menu.addAction(tr("&Open mission file…"), self.ask_for_file)
         menu.addAction(tr("Open &dataset folder…"), self.ask_for_dataset)
         at_address = menu.addAction(tr("Open dataset at an &address…"), self.ask_for_address)
-        at_address.setToolTip(
-            tr("On a web server or in an object store, such as https://host/run or s3://bucket/run")
-        )
+        at_address.setToolTip(tr("On a web server or in an object store, such as https://host/run or s3://bucket/run"))
         last = menu.addMenu(tr("Open &recent"))
         for path in recent():
             address = copied_address(path)
@@ -273,9 +271,7 @@ class Missions(QObject):
         menu.addAction(tr("&Save mission as file…"), self.save_as)
         export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)
         export.setToolTip(
-            tr(
-                "For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table"
-            )
+            tr("For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table")
         )
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
@@ -392,9 +388,7 @@ class Missions(QObject):
         folder = self._settings.missions / path.stem
         try:
             mission = Mission.load(path)
-            state = self._state_of(
-                mission, self._suggested(next_folder(folder) if exists(folder) else folder)
-            )
+            state = self._state_of(mission, self._suggested(next_folder(folder) if exists(folder) else folder))
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
@@ -415,9 +409,9 @@ class Missions(QObject):
         try:
             if not is_there(folder / MISSION_FILE):
                 raise InvalidInput(
-                    tr(
-                        "folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder"
-                    ).format(folder=folder, name=MISSION_FILE)
+                    tr("folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder").format(
+                        folder=folder, name=MISSION_FILE
+                    )
                 )
             mission = Mission.load(folder / MISSION_FILE)
             state = self._state_of(mission, folder)
@@ -525,9 +519,7 @@ class Missions(QObject):
             mission = Mission.from_json(saved.text)
             state = self._state_of(mission, Path(saved.folder))
         except TerrAInavError as wrong:
-            self._messages.warning(
-                tr("The project's mission cannot be read: {error}").format(error=translate(wrong))
-            )
+            self._messages.warning(tr("The project's mission cannot be read: {error}").format(error=translate(wrong)))
             return
 
         def take_up() -> None:
@@ -554,9 +546,7 @@ class Missions(QObject):
         self._messages.withdraw(_UNAGREED)
         if not self._unagreed:
             return
-        named = dict.fromkeys(
-            one_line(place, _MOST_TITLE) for one, _ in self._unagreed.values() for place in one
-        )
+        named = dict.fromkeys(one_line(place, _MOST_TITLE) for one, _ in self._unagreed.values() for place in one)
         shown = ", ".join([*named][:_MOST_PLACES]) + (" …" if len(named) > _MOST_PLACES else "")
         with self._messages.about(_UNAGREED):
             self._messages.warning(
@@ -618,15 +608,11 @@ class Missions(QObject):
         self.zoom_wanted.emit(task.mission.area.bounds)
         if task.left_out:
             self._messages.warning(
-                tr("{name}: opened without mosaic: {reason}").format(
-                    name=task.folder.name, reason=task.left_out
-                )
+                tr("{name}: opened without mosaic: {reason}").format(name=task.folder.name, reason=task.left_out)
             )
 
     def _tell_broken(self, name: str, wrong: TerrAInavError) -> None:
-        self._messages.warning(
-            tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong))
-        )
+        self._messages.warning(tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong)))
 
 
 def _read_mission(folder: Path) -> Mission | None:

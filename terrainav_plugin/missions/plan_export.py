@@ -112,9 +112,7 @@ class PlanExport(QObject):
         """Let the user choose a file, and write the plan of what is entered into it."""
         if self._task is not None:
             self._messages.info(
-                tr("{name} is still being written; try again when it is there.").format(
-                    name=self._task.path.name
-                )
+                tr("{name} is still being written; try again when it is there.").format(name=self._task.path.name)
             )
             return
         settings, known = Settings(), formats()

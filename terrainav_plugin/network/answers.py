@@ -54,9 +54,7 @@ _AWAY = frozenset(
 _NOT_A_URL = frozenset([_Error.ProtocolUnknownError, _Error.ProtocolInvalidOperationError])
 
 
-def read_answer(
-    reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: Callable[[QUrl], bool]
-) -> Response:
+def read_answer(reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: Callable[[QUrl], bool]) -> Response:
     """Read a reply that has finished.
 
     Parameters
@@ -79,8 +77,7 @@ def read_answer(
     if len(body) > max_body_bytes:
         raise too_long(max_body_bytes)
     headers = {
-        bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1")
-        for name, value in reply.rawHeaderPairs()
+        bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1") for name, value in reply.rawHeaderPairs()
     }
     if status not in (None, 204, 304):
         check_length(len(body), headers)

@@ -111,8 +111,7 @@ def _await(exchange: PendingRequest) -> None:
         if main:
             # The worker looks after requests under way, so events are never far.
             QEventLoop().processEvents(
-                QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents
-                | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
+                QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
             )
         else:
             exchange.done.wait(0.1)

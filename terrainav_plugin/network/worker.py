@@ -336,9 +336,7 @@ class NetworkWorker(QObject):
                 )
             applied, request = manager.updateNetworkRequest(request, authcfg)
             if not applied:
-                raise TransportError(
-                    "QGIS could not apply the authentication configuration {0}", authcfg, again=False
-                )
+                raise TransportError("QGIS could not apply the authentication configuration {0}", authcfg, again=False)
         if url.scheme() == "https":
             request.setSslConfiguration(self._tls_configuration(request, bool(authcfg)))
         # Hooks of other plugins and of the user's organisation.

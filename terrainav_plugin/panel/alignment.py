@@ -71,9 +71,7 @@ class RowAlignment(QObject):
 
     def _enter(self, state: FormState, found: Alignment) -> None:
         if self._form.state() != state:
-            self._messages.info(
-                tr("The entries changed while the rows were being aligned: press the button again.")
-            )
+            self._messages.info(tr("The entries changed while the rows were being aligned: press the button again."))
             return
         self._form.set_state(replace(state, row_azimuth_deg=found.azimuth_deg))
         # In the words of the flight's figure, which is then the same.
@@ -101,6 +99,4 @@ class AlignTask(Task):
         from ..sources import mission_heights
 
         mission = self._planned.mission
-        self.found = align_rows(
-            mission, self._planned.plan.grid, mission_heights(mission), self._way, self.go_on
-        )
+        self.found = align_rows(mission, self._planned.plan.grid, mission_heights(mission), self._way, self.go_on)

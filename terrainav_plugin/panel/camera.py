@@ -148,9 +148,7 @@ class CameraEntries(Entries):
         self.camera.clear()
         for choice in self._cameras:
             self.camera.addItem(choice.name, choice)
-            self.camera.setItemData(
-                self.camera.count() - 1, shown_plain(choice.tip), Qt.ItemDataRole.ToolTipRole
-            )
+            self.camera.setItemData(self.camera.count() - 1, shown_plain(choice.tip), Qt.ItemDataRole.ToolTipRole)
         self.camera.addItem(tr("Custom"), None)
         self._name_camera(self._state)
 
@@ -167,9 +165,7 @@ class CameraEntries(Entries):
             found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
             self.camera.setCurrentIndex(len(self._cameras) if found is None else found)
             current = self.camera.currentData()
-        self.camera.setToolTip(
-            shown_plain(current.tip) if current is not None and current.tip else _chooser_tip()
-        )
+        self.camera.setToolTip(shown_plain(current.tip) if current is not None and current.tip else _chooser_tip())
         self.remove.setEnabled(current is not None and current.user)
 
     def _save(self) -> None:
@@ -268,9 +264,7 @@ def _choice(preset: CameraPreset) -> CameraChoice:
     ]
     if preset.width_px is not None and preset.height_px is not None:
         lines.append(
-            tr("The real camera's images: {width} × {height} px").format(
-                width=preset.width_px, height=preset.height_px
-            )
+            tr("The real camera's images: {width} × {height} px").format(width=preset.width_px, height=preset.height_px)
         )
     if preset.sensor_mm is not None:
         lines.append(

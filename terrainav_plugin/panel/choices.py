@@ -101,17 +101,14 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
         wrong = translate(unreadable)
     choices = [_entry_choice(entry) for entry in entries]
     choices += [_connection_choice(name) for name in connection_names()]
-    asked = tr(
-        "A service with several layers: choose it, then a layer. The layer is saved with your own sources."
-    )
+    asked = tr("A service with several layers: choose it, then a layer. The layer is saved with your own sources.")
     choices += [
         SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
         for name in service_names()
     ]
     drawn = tr("QGIS draws it as on the map, from the layer's own data source.")
     choices += [
-        SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn))
-        for name, title in layer_choices(project)
+        SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn)) for name, title in layer_choices(project)
     ]
     return sorted(choices, key=lambda choice: choice.group), wrong
 
@@ -151,9 +148,7 @@ def limits_html(entry: CatalogueEntry) -> str:
     if policy.bulk_allowed == "yes" or policy.max_tiles is None:
         bulk = tr("unlimited requests")
     elif policy.bulk_allowed == "ask":
-        bulk = tr("over {count} requests require accepting the terms").format(
-            count=number_text(policy.max_tiles)
-        )
+        bulk = tr("over {count} requests require accepting the terms").format(count=number_text(policy.max_tiles))
     else:
         bulk = tr("at most {count} requests").format(count=number_text(policy.max_tiles))
     words = [bulk, tr("zoom {least} to {most}").format(least=entry.min_zoom, most=entry.max_zoom)]

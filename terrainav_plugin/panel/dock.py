@@ -88,9 +88,7 @@ class Dock(QgsDockWidget):
         self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
-        self.preview = push_button(
-            "preview", tr("Preview"), tr("Show every planned image on the map"), icon("preview")
-        )
+        self.preview = push_button("preview", tr("Preview"), tr("Show every planned image on the map"), icon("preview"))
         self.preview.setCheckable(True)
         self.preview.toggled.connect(self.preview_toggled)
         self.test_shot = push_button(

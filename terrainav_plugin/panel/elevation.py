@@ -61,9 +61,7 @@ class HeightsLine(WordsLine):
             self._more.deleteLater()
             self._more = None
         for title, source in self._offered():
-            self._menu.addAction(
-                shown_plain(title).replace("&", "&&"), lambda source=source: self.enter((source,))
-            )
+            self._menu.addAction(shown_plain(title).replace("&", "&&"), lambda source=source: self.enter((source,)))
         self._menu.addSeparator()
         self._menu.addAction(tr("File…"), self._choose_file)
         self._menu.addAction(tr("Level ground"), self.clear)
@@ -93,13 +91,9 @@ class HeightsLine(WordsLine):
         provider = None if properties is None else properties().terrainProvider()
         terrain = provider.layer() if hasattr(provider, "layer") else None
         if isinstance(terrain, QgsRasterLayer) and _layer_file(terrain):
-            found.append(
-                (tr("Terrain of the project ({name})").format(name=terrain.name()), _layer_file(terrain))
-            )
+            found.append((tr("Terrain of the project ({name})").format(name=terrain.name()), _layer_file(terrain)))
         layers = [layer for layer in project.mapLayers().values() if isinstance(layer, QgsRasterLayer)]
-        found += [
-            (one.name(), _layer_file(one)) for one in layers if one.bandCount() == 1 and _layer_file(one)
-        ]
+        found += [(one.name(), _layer_file(one)) for one in layers if one.bandCount() == 1 and _layer_file(one)]
         return [*found, *_titled()]
 
     def _choose_file(self) -> None:

@@ -293,9 +293,7 @@ def declared_number(name: str) -> NumberBox:
     field, unit = DECLARED[name], DECLARED[name].unit
     is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
     least, most = (0.0 if is_positive else -_MOST, _MOST) if unit.times == 1.0 else (0.0, unit.times)
-    number = spin(
-        name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, field_tip(field)
-    )
+    number = spin(name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, field_tip(field))
     number.times = unit.times
     if field.optional and name in ENTERED_AS_DECLARED:
         number.let_be_left_out(least if field.least is None else field.least - 1.0)

@@ -85,9 +85,7 @@ class Figures(QScrollArea):
             offer = tr("The source has no finer detail here.")
             link = tr("Allow upsampling")
             warnings.append(f'{html.escape(offer)} <a href="upsample">{html.escape(link)}</a>')
-        self._show(
-            warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
-        )
+        self._show(warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html())
         self.details.setToolTip(readout.why)
 
     def show_outdated(self) -> None:
@@ -174,9 +172,7 @@ class Readout:
         return _table(self.details)
 
 
-def readout(
-    plan: Plan, summary: Summary, unit: str = "m", cost: str = "", policy: Policy | None = None
-) -> Readout:
+def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", policy: Policy | None = None) -> Readout:
     """Figures of a plan.
 
     Parameters
@@ -225,9 +221,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
         lines.append((tr("Coverage"), _coverage(summary, unit)))
     if summary.imagery_share is not None and summary.imagery_share < 1.0:
         share = tr("The source covers {share} of the area")
-        lines.append(
-            (tr("Imagery"), share.format(share=translate(percent(summary.imagery_share, exact=False))))
-        )
+        lines.append((tr("Imagery"), share.format(share=translate(percent(summary.imagery_share, exact=False)))))
     if _is_overlapping(mission):
         lines += _overlap(summary)
     lines.append((tr("GSD"), _gsd(summary, unit, coarser_m)))
@@ -277,8 +271,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
         text = tr("{count} requests. Over {most} requests require accepting the terms: Capture asks you to.")
     else:
         text = tr(
-            "{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another "
-            "source"
+            "{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source"
         )
     return [(tr("Limit"), text.format(count=number_text(requests), most=number_text(policy.max_tiles)))]
 
@@ -335,9 +328,7 @@ def _why_html(accuracy: ChosenMethods) -> str:
         if rejected is not None:
             text += tr("; not {name}: {reason}").format(name=rejected.name, reason=translate(choice.reason))
         lines.append((translate(method.stage).capitalize(), text))
-    lines += [
-        (tr("No {what}").format(what=translate(what)), translate(why)) for what, why in accuracy.left_out
-    ]
+    lines += [(tr("No {what}").format(what=translate(what)), translate(why)) for what, why in accuracy.left_out]
     lines.append((tr("Condition number"), translate(accuracy.condition_text())))
     return _table(lines)
 
@@ -372,8 +363,7 @@ def _picture(summary: Summary) -> str:
 def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
     """Ground sample distances; with a hint where the source's own pixels, ``coarser_m``, are the coarser ones."""
     requested, delivered = (
-        gsd_text(value_m, unit)
-        for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
+        gsd_text(value_m, unit) for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
     )
     text = tr("Requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
     if coarser_m is None:
@@ -397,9 +387,7 @@ def _held(summary: Summary, unit: str) -> str:
         area = tr("{area} outside no-fly areas").format(area=area)
     if summary.complete:
         text = (
-            tr("100 % of {area}, except where imagery is missing")
-            if summary.lacks_imagery
-            else tr("100 % of {area}")
+            tr("100 % of {area}, except where imagery is missing") if summary.lacks_imagery else tr("100 % of {area}")
         )
         return text.format(area=area)
     # Rounded down: what is not complete never reads 100.
@@ -428,9 +416,7 @@ def _overlap(summary: Summary) -> list[tuple[str, str]]:
 
 def _tiles(summary: Summary) -> str:
     """Tiles of all map types together."""
-    return tr("{count}, each fetched once").format(
-        count=number_text(summary.unique_tiles * len(summary.map_types))
-    )
+    return tr("{count}, each fetched once").format(count=number_text(summary.unique_tiles * len(summary.map_types)))
 
 
 def _time(plan: Plan, summary: Summary) -> str:

@@ -165,9 +165,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.key.setToolTip(
             tr("API key, kept in QGIS's authentication database as the password of a configuration")
             if is_key
-            else tr(
-                "How QGIS authenticates requests to this source; a configuration of its authentication database"
-            )
+            else tr("How QGIS authenticates requests to this source; a configuration of its authentication database")
         )
         self._form_row(self._key_label, self._key_field, shown)
 

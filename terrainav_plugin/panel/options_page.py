@@ -270,9 +270,7 @@ class KeysTable(QTableWidget):
     def __init__(self, settings: Settings) -> None:
         super().__init__(0, 2)
         self.setObjectName("keys")
-        self.setToolTip(
-            tr("Sources that need a key or are authenticated, and the configurations that hold it")
-        )
+        self.setToolTip(tr("Sources that need a key or are authenticated, and the configurations that hold it"))
         self._settings = settings
         self.choosers: dict[str, QgsAuthConfigSelect] = {}
         self.setHorizontalHeaderLabels([tr("Source"), tr("Authentication configuration")])
@@ -324,9 +322,7 @@ class CacheDialog(QDialog):
         self._cache = Settings().tile_cache()
         self.notice = wrapped_label("told")
         self.table = QTableWidget(0, 5)
-        self.table.setHorizontalHeaderLabels(
-            [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
-        )
+        self.table.setHorizontalHeaderLabels([tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")])
         self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.table.verticalHeader().hide()
@@ -365,9 +361,7 @@ class CacheDialog(QDialog):
                 self.table.setItem(line, column, item)
         size = translate(size_text(sum(file.bytes for file in files)))
         limit = translate(size_text(self._cache.limit_bytes))
-        text = tr("{size} of at most {limit} in {folder}").format(
-            size=size, limit=limit, folder=self._cache.folder
-        )
+        text = tr("{size} of at most {limit} in {folder}").format(size=size, limit=limit, folder=self._cache.folder)
         self.notice.setText(f"{more} {text}".strip())
         self.clear_all.setEnabled(bool(files))
         self._show_selection()

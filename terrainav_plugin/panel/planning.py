@@ -135,9 +135,7 @@ class Planning(QObject):
     def _form_changed(self) -> None:
         if self._when_planned is not None:
             self._stop_waiting()
-            self._messages.info(
-                tr("The entries changed while the plan was being computed: press the button again.")
-            )
+            self._messages.info(tr("The entries changed while the plan was being computed: press the button again."))
         self.plan()
 
     def _stop_waiting(self) -> None:

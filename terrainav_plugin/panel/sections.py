@@ -263,13 +263,9 @@ class ReliefSection(Section):
         super().__init__("relief", tr("Relief"), marks)
         for name in ("elevation", "surface"):
             line = HeightsLine(name, field_tip(DECLARED[name]))
-            line.setPlaceholderText(
-                tr("level ground") if name == "elevation" else tr("same as the elevation")
-            )
+            line.setPlaceholderText(tr("level ground") if name == "elevation" else tr("same as the elevation"))
             self.take(name, line)
-            self._form.addRow(
-                field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button))
-            )
+            self._form.addRow(field_label(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
         self.add_declared("height_above")
         self.add_declared("climb_m_per_s")
         for name in ("clearance_m", "clearance_distance_m"):
@@ -319,9 +315,7 @@ class WindSection(Section):
         super().__init__("wind", tr("Wind"), marks)
         self.setCheckable(True)
         self.setChecked(False)
-        self.setToolTip(
-            tr("Gusts move and turn the camera at every exposure; images show what the moved camera sees")
-        )
+        self.setToolTip(tr("Gusts move and turn the camera at every exposure; images show what the moved camera sees"))
         for name in ("wind_speed_m_per_s", "wind_from_deg", "turbulence"):
             self.add_declared(name)
         self.toggled.connect(lambda: self.edited.emit("wind"))

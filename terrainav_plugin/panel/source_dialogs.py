@@ -132,9 +132,7 @@ class AddSourceDialog(QDialog):
         self.find_layers = push_button(
             "find", tr("&Find layers"), tr("Ask the service what it is, and which layers it offers")
         )
-        self.key = line_edit(
-            "key", tr("API key for {key} in the address; kept in QGIS's authentication database")
-        )
+        self.key = line_edit("key", tr("API key for {key} in the address; kept in QGIS's authentication database"))
         self.key.setEchoMode(QLineEdit.EchoMode.Password)
         self.layers = named(QListWidget(), "layers", tr("Layers that the service offers"))
         self.layers.setMaximumHeight(_LAYERS_ROOM_PX)
@@ -144,9 +142,7 @@ class AddSourceDialog(QDialog):
         self.tile = named(QLabel(), "tile")
         self.tile.setFixedSize(_TILE_ROOM_PX, _TILE_ROOM_PX)
         self.about_tile = wrapped_label("about_tile")
-        self.name = line_edit(
-            "name", tr("Names it in missions and on the command line: lower-case letters and digits")
-        )
+        self.name = line_edit("name", tr("Names it in missions and on the command line: lower-case letters and digits"))
         self.title = line_edit("title", tr("What you call it"))
         self.attribution = line_edit("attribution", tr("Credit that goes into every image's metadata"))
         self.licence = line_edit("licence", tr("Licence of the imagery, such as CC BY 4.0"))
@@ -158,9 +154,7 @@ class AddSourceDialog(QDialog):
         )
         self.max_zoom = whole_spin("max_zoom", 0, 30, tr("Highest zoom with detail of its own, 0 to 30"))
         self.max_zoom.setValue(19)
-        self.tile_px = combo(
-            "tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile")
-        )
+        self.tile_px = combo("tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile"))
         tip = tr("Requests under way at once, as many as the provider allows")
         self.connections = whole_spin("connections", 1, 64, tip)
         self.connections.setValue(_CONNECTIONS)
@@ -323,9 +317,7 @@ class AddSourceDialog(QDialog):
             self._task.close()
             self._task = None
 
-    def _ask(
-        self, description: str, work: Callable[[QgisTransport], object], then: Callable[[Any], None]
-    ) -> None:
+    def _ask(self, description: str, work: Callable[[QgisTransport], object], then: Callable[[Any], None]) -> None:
         """Do something with the network in the background; ``then`` is given what comes of it."""
         self._stop()
 
@@ -431,9 +423,7 @@ class AddSourceDialog(QDialog):
         from ...core.imagery.trial import try_tile
 
         try:
-            entry = under_provider(
-                CatalogueEntry.from_dict(self.name.text().strip() or "own", self._data(), user=True)
-            )
+            entry = under_provider(CatalogueEntry.from_dict(self.name.text().strip() or "own", self._data(), user=True))
         except TerrAInavError as wrong:
             self.marks.show(_field_message(wrong))
             return
@@ -694,9 +684,7 @@ class _Asking(Task):
 
         self.result: object = None
         self._work = work
-        self._transport = QgisTransport(
-            1, max_body_bytes=MAX_CAPABILITIES_BYTES, home=credential_home(address)
-        )
+        self._transport = QgisTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES, home=credential_home(address))
 
     def work(self) -> None:
         """Ask."""
@@ -738,9 +726,7 @@ class _Capabilities(Task):
         self.entry: CatalogueEntry | None = None
         self._service, self._layer = service, layer
         home = credential_home(service.address)
-        self._transport = QgisTransport(
-            1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home
-        )
+        self._transport = QgisTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home)
 
     def work(self) -> None:
         """Ask."""

@@ -79,9 +79,7 @@ class SourceList(QObject):
         choices, problem = source_choices(self._project)
         self._imagery.set_choices(choices)
         if problem and problem != self._told:
-            self._messages.warning(
-                tr("Some of your own sources are left out: {reason}").format(reason=problem)
-            )
+            self._messages.warning(tr("Some of your own sources are left out: {reason}").format(reason=problem))
         self._told = problem
 
     def add(self) -> None:
@@ -118,9 +116,7 @@ class SourceList(QObject):
         answer = QMessageBox.question(
             self._window,
             tr("TerrAInav: remove source"),
-            shown_plain(
-                tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title)
-            ),
+            shown_plain(tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title)),
         )
         if answer != QMessageBox.StandardButton.Yes:
             return

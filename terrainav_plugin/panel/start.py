@@ -117,6 +117,4 @@ def local_text(time: datetime) -> str:
         return ""
     local = QDateTime.fromSecsSinceEpoch(seconds)
     shown = QLocale().toString(local, QLocale.FormatType.ShortFormat)
-    return tr("{time} {zone}, local time of this computer").format(
-        time=shown, zone=local.timeZoneAbbreviation()
-    )
+    return tr("{time} {zone}, local time of this computer").format(time=shown, zone=local.timeZoneAbbreviation())

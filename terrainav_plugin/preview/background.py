@@ -89,9 +89,7 @@ class SourceOnMap(QObject):
             stay = area is None and seen is not None
             if state.source == WORLD:
                 # The fields of the published dataset, where nothing is entered and the map shows nothing.
-                self._show_world(
-                    area or seen or Box(35.16, -89.90, 35.115, -89.823), map_type, state.seed, stay
-                )
+                self._show_world(area or seen or Box(35.16, -89.90, 35.115, -89.823), map_type, state.seed, stay)
                 return
             title = self._title()
             if source_kind(state.source).is_file:
@@ -253,9 +251,7 @@ class Background:
         if not self._canvas.layers():
             return None
         try:
-            return rectangle_box(
-                self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project
-            )
+            return rectangle_box(self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project)
         except InvalidInput:
             return None
 
@@ -372,9 +368,7 @@ def coarser(picture: WorldPicture) -> WorldPicture:
     left, top = picture.left >> steps, picture.top >> steps
     right = (picture.left + picture.columns - 1 >> steps) + 1
     bottom = (picture.top + picture.rows - 1 >> steps) + 1
-    return picture._replace(
-        zoom=picture.zoom - steps, left=left, top=top, columns=right - left, rows=bottom - top
-    )
+    return picture._replace(zoom=picture.zoom - steps, left=left, top=top, columns=right - left, rows=bottom - top)
 
 
 def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:
@@ -415,9 +409,7 @@ def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
     def draw(column: int, row: int) -> None:
         left, top = (picture.left + column) * size, (picture.top + row) * size
         tile = source.fetch(picture.map_type, Window(picture.zoom, left, top, size, size))
-        pixels[:, row * size : (row + 1) * size, column * size : (column + 1) * size] = np.moveaxis(
-            tile, -1, 0
-        )
+        pixels[:, row * size : (row + 1) * size, column * size : (column + 1) * size] = np.moveaxis(tile, -1, 0)
 
     with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="terrainav-world") as pool:
         drawing = [pool.submit(draw, *place) for place in places]

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
 
 #: A polygon of one closed ring of five corners, in well-known binary.
-_RECTANGLE = np.dtype(
-    [("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))]
-)
+_RECTANGLE = np.dtype([("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))])
 _LITTLE_ENDIAN, _POLYGON, _MULTI_POLYGON = 1, 3, 6
 
 
@@ -74,14 +72,11 @@ def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
     batch = 1 << 17
     for start in range(0, len(boxes.west), batch):
         west, south, east, north = (
-            (edge[start : start + batch] - low) / size
-            for edge, low in zip(boxes.edges, 2 * (world.west, world.south))
+            (edge[start : start + batch] - low) / size for edge, low in zip(boxes.edges, 2 * (world.west, world.south))
         )
         low, high = (np.clip(edge - cells.row, 0.0, cells.rows) for edge in (south, north))
         for shift in (-around, 0, around) if world.wraps else (0,):
-            left, right = (
-                np.clip(edge + (shift - cells.column), 0.0, cells.columns) for edge in (west, east)
-            )
+            left, right = (np.clip(edge + (shift - cells.column), 0.0, cells.columns) for edge in (west, east))
             seen = (left < right) & (low < high)
             along = _edge_steps(low[seen], high[seen], cells.rows)
             across = _edge_steps(left[seen], right[seen], cells.columns)
@@ -144,9 +139,7 @@ def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]
     return features
 
 
-def _rectangles(
-    cells: DensityCells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers
-) -> NDArray[np.void]:
+def _rectangles(cells: DensityCells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers) -> NDArray[np.void]:
     """Rectangles from rows and columns of cells up to others (excluded), in well-known binary."""
     size, around, world = cells.size_m, 1 << cells.level, cells.world
     turn = np.floor_divide(cells.column + first, around) * around if world.wraps else 0

@@ -86,9 +86,7 @@ def area_features(plan: Plan) -> list[QgsFeature]:
     found = []
     for part in area.parts:
         outer, *holes = (
-            ring_polygon(
-                plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring)
-            )
+            ring_polygon(plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
             for ring in _rings(part)
         )
         for hole in holes:
@@ -245,11 +243,7 @@ class FlightLine:
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
         plane = self._plan.grid.plane
         # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.
-        shrunk = (
-            np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole]))))
-            if plane.wraps
-            else plane.unit_m
-        )
+        shrunk = np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if plane.wraps else plane.unit_m
         length_m = self._plan.direct.distance_m / shrunk
         # Legs closer than 10 px on the screen would hide everything else.
         return bool(area_m2 * px_per_m >= 10.0 * length_m)

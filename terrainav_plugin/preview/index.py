@@ -25,9 +25,7 @@ class Rects(NamedTuple):
     world: PreviewWorld = MERCATOR
 
     @classmethod
-    def wrapped(
-        cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR
-    ) -> Rects:
+    def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR) -> Rects:
         """Rectangles of continuous eastings, at most as wide as the world."""
         if world.wraps:
             east = np.minimum(east, west + world.size)
@@ -159,9 +157,7 @@ def count_shown(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
     shown = np.zeros(len(order), np.int64)
     # To bound memory.
     pairs_at_once = 1_000_000
-    cuts = np.searchsorted(
-        pairs, np.arange(pairs_at_once, pairs[-1] if len(pairs) else 0, pairs_at_once)
-    ).tolist()
+    cuts = np.searchsorted(pairs, np.arange(pairs_at_once, pairs[-1] if len(pairs) else 0, pairs_at_once)).tolist()
     for begin, end in zip([0, *cuts], [*cuts, len(first)]):
         place = _ranges(first[begin:end], last[begin:end])
         box = np.repeat(np.arange(begin, end), (last - first)[begin:end])

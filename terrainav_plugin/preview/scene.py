@@ -231,9 +231,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     margin = _BULGE * np.maximum(north - south, east - west)
     south, north, west, east = south - margin, north + margin, west - margin, east + margin
     ample = np.flatnonzero(
-        ~corners.hit.all(axis=1)
-        | (plan.views.poles != 0)
-        | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
+        ~corners.hit.all(axis=1) | (plan.views.poles != 0) | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
     )
     if len(ample):
         reach = _horizon_deg(plan.height_m[ample])

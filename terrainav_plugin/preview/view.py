@@ -108,9 +108,7 @@ class Rect(NamedTuple):
     world: PreviewWorld = MERCATOR
 
     @classmethod
-    def fitted(
-        cls, west: float, south: float, east: float, north: float, world: PreviewWorld = MERCATOR
-    ) -> Rect:
+    def fitted(cls, west: float, south: float, east: float, north: float, world: PreviewWorld = MERCATOR) -> Rect:
         """Rectangle brought to where the world is; at most once around it."""
         south, north = max(south, world.south), min(north, world.north)
         if not world.wraps:
@@ -212,9 +210,7 @@ def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapVie
     if settings.isTemporal():
         shown = settings.temporalRange()
         times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
-    rect = (
-        _visible_web_rect(extent, crs, context) if world.wraps else _visible_own_rect(extent, to_map, world)
-    )
+    rect = _visible_web_rect(extent, crs, context) if world.wraps else _visible_own_rect(extent, to_map, world)
     return MapView(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
 

@@ -182,9 +182,7 @@ class Algorithm(QgsProcessingAlgorithm):
             packages=", ".join(missing)
         )
 
-    def add(
-        self, parameter: QgsProcessingParameterDefinition, help_text: str, *, advanced: bool = False
-    ) -> None:
+    def add(self, parameter: QgsProcessingParameterDefinition, help_text: str, *, advanced: bool = False) -> None:
         """Add a parameter and what there is to say of it."""
         parameter.setHelp(help_text)
         if advanced:

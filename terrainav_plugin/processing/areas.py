@@ -71,9 +71,9 @@ def check_crs(run: AlgorithmRun, name: str, what: str) -> None:
     crs, degrees = QgsCoordinateReferenceSystem(named[1].strip()), QgsCoordinateReferenceSystem(_GEOGRAPHIC)
     if not QgsCoordinateTransform(crs, degrees, run.context.transformContext()).isValid():
         raise InvalidInput(
-            tr(
-                "{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]"
-            ).format(what=what, text=one_line(text))
+            tr("{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]").format(
+                what=what, text=one_line(text)
+            )
         )
 
 
@@ -110,9 +110,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     if len(polygons) == 1:
         return polygons[0], agl_m
     run.feedback.pushInfo(
-        tr("The area has {count} polygons: each has rows of its own.").format(
-            count=number_text(len(polygons))
-        )
+        tr("The area has {count} polygons: each has rows of its own.").format(count=number_text(len(polygons)))
     )
     return _together(polygons), agl_m
 

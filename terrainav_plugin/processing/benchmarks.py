@@ -136,15 +136,11 @@ class MakeBenchmark(WithImagery):
         raster = QgsProcessing.SourceType.TypeRaster
         by_name = tr("SOURCE, SOURCE@DATE or SOURCE:roadmap, with NAME= in front for a name of your own.")
         self.add(
-            QgsProcessingParameterMultipleLayers(
-                "QUERY_LAYERS", tr("Queries: rasters"), raster, optional=True
-            ),
+            QgsProcessingParameterMultipleLayers("QUERY_LAYERS", tr("Queries: rasters"), raster, optional=True),
             tr("Every query is taken of each of them. They are named as their layers are."),
         )
         self.add(
-            QgsProcessingParameterString(
-                "QUERIES", tr("Queries: imagery by name"), multiLine=True, optional=True
-            ),
+            QgsProcessingParameterString("QUERIES", tr("Queries: imagery by name"), multiLine=True, optional=True),
             tr("One per line, beside the rasters: {form} If neither is given, that of the mission.").format(
                 form=by_name
             ),
@@ -198,9 +194,7 @@ class MakeBenchmark(WithImagery):
                 tr("From which a tile is nearly right."),
             ),
         ):
-            self.add(
-                QgsProcessingParameterNumber(name, title, real, usual, False, 0.0, 1.0), text, advanced=True
-            )
+            self.add(QgsProcessingParameterNumber(name, title, real, usual, False, 0.0, 1.0), text, advanced=True)
 
     def _add_parts(self) -> None:
         self.add(
@@ -241,17 +235,14 @@ class MakeBenchmark(WithImagery):
         worked_out, made = off_main_thread(work, run.feedback)
         return self._results(run, folder, worked_out, made)
 
-    def _made(
-        self, worked_out: BenchmarkPlan, folder: Path, watch: WorkFeedback, *, accepted: bool
-    ) -> BenchmarkResult:
+    def _made(self, worked_out: BenchmarkPlan, folder: Path, watch: WorkFeedback, *, accepted: bool) -> BenchmarkResult:
         from ...core.benchmark.making import make_benchmark
         from ...core.capture.progress import Listener
         from ...core.imagery.catalogue import shared_requests
 
         with ExitStack() as open_now:
             sources = {
-                name: open_now.enter_context(imagery.opened())
-                for name, imagery in zip(self._named, self._taken)
+                name: open_now.enter_context(imagery.opened()) for name, imagery in zip(self._named, self._taken)
             }
             captures = [(plan, sources[str(imagery)]) for imagery, plan in worked_out.captures.values()]
             needed = shared_requests([(source, plan.requests) for plan, source in captures])
@@ -293,9 +284,7 @@ class MakeBenchmark(WithImagery):
             QUERY_COUNT=len(benchmark.queries),
             TILE_COUNT=len(benchmark.references),
             WITHOUT_TILE=sum(not len(right) for right in benchmark.positives()),
-            **{
-                f"{part.upper()}_QUERIES": benchmark.queries_of_parts.get(part, 0) for part in (*PARTS, "gap")
-            },
+            **{f"{part.upper()}_QUERIES": benchmark.queries_of_parts.get(part, 0) for part in (*PARTS, "gap")},
         )
         if run.flag("LOAD"):
             _load(run, benchmark, self._known, _query_layers(benchmark))
@@ -337,15 +326,11 @@ class ScoreBenchmark(Algorithm):
     def define(self) -> None:
         """Add its parameters and outputs."""
         self.add(
-            QgsProcessingParameterFile(
-                "BENCHMARK", tr("Benchmark folder"), QgsProcessingParameterFile.Behavior.Folder
-            ),
+            QgsProcessingParameterFile("BENCHMARK", tr("Benchmark folder"), QgsProcessingParameterFile.Behavior.Folder),
             tr("As “Make a benchmark” leaves it."),
         )
         self.add(
-            ChoiceParameter(
-                "METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))
-            ),
+            ChoiceParameter("METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))),
             tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
         )
         self.add(
@@ -367,9 +352,7 @@ class ScoreBenchmark(Algorithm):
                 QgsProcessingParameterFile.Behavior.Folder,
                 optional=True,
             ),
-            tr(
-                "If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part."
-            ),
+            tr("If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part."),
         )
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Scores")))
         self.addOutput(QgsProcessingOutputVectorLayer("ERRORS", tr("Errors of the queries")))
@@ -416,9 +399,7 @@ class ScoreBenchmark(Algorithm):
             run.feedback.pushInfo(f"{title}: {values_text} ({definition})")
         results = {"FOLDER": str(target), "HTML": str(page), **_numbers(figures)}
         if "MEDIAN_M" not in results:
-            run.feedback.pushWarning(
-                tr("The answers have no positions: there are no errors to show on the map.")
-            )
+            run.feedback.pushWarning(tr("The answers have no positions: there are no errors to show on the map."))
             return results
         results["ERRORS"] = str(target / MAP_FILE)
         if run.flag("LOAD"):
@@ -455,9 +436,7 @@ def _imageries(run: AlgorithmRun, mission: Mission) -> tuple[NamedImagery, ...]:
     layers = run.algorithm.parameterAsLayerList(run.parameters, "QUERY_LAYERS", run.context)
     if not (lines or layers):
         own = mission.imagery
-        return own.named or tuple(
-            NamedImagery(map_type, own.source, own.date, map_type) for map_type in own.map_types
-        )
+        return own.named or tuple(NamedImagery(map_type, own.source, own.date, map_type) for map_type in own.map_types)
     return named_imageries([*map(_source_text, layers), *lines])
 
 
@@ -592,10 +571,7 @@ def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path
     imageries = list(dict.fromkeys(scores.errors.imagery))
     if len(imageries) == 1:
         return {f"{ERRORS}/{name}": (path, "", title)}
-    return {
-        f"{ERRORS}/{name}/{one}": (path, f"|subset=\"imagery\" = '{one}'", f"{title}, {one}")
-        for one in imageries
-    }
+    return {f"{ERRORS}/{name}/{one}": (path, f"|subset=\"imagery\" = '{one}'", f"{title}, {one}") for one in imageries}
 
 
 def _load(

@@ -83,9 +83,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
             return True
         given = self._given(value)
         if not given:
-            return bool(self.flags() & self.Flag.FlagOptional) or (
-                value is None and self.defaultValue() is not None
-            )
+            return bool(self.flags() & self.Flag.FlagOptional) or (value is None and self.defaultValue() is not None)
         return self._how["more"] or all(self._found(one) is not None for one in given)
 
     def chosen(self, value: object) -> tuple[str, ...]:

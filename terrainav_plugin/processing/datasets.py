@@ -291,9 +291,7 @@ class Export(Algorithm):
         return Words(
             tr("Export a dataset or benchmark"),
             tr("Writes a dataset or a benchmark in a format of other programs."),
-            tr(
-                "dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark"
-            ),
+            tr("dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark"),
             (
                 tr(
                     "Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay "
@@ -324,9 +322,7 @@ class Export(Algorithm):
             QgsProcessingParameterFolderDestination(
                 "FOLDER", tr("Folder of the export"), optional=True, createByDefault=False
             ),
-            tr(
-                "Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."
-            ),
+            tr("Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."),
         )
         self.add_numbers({"COUNT": tr("Images, files or queries written")})
 
@@ -334,9 +330,7 @@ class Export(Algorithm):
         """Export."""
         folder, target, kind = run.text("DATASET"), run.text("FOLDER") or None, run.choice("FORMAT")
         map_type = run.text("MAP_TYPE").strip() or None
-        done = off_main_thread(
-            lambda watch: export_as(folder, target, kind, map_type, watch.progress), run.feedback
-        )
+        done = off_main_thread(lambda watch: export_as(folder, target, kind, map_type, watch.progress), run.feedback)
         return {"FOLDER": target or folder, "COUNT": done.written}
 
 
@@ -415,9 +409,7 @@ class MakeMosaic(Algorithm):
                 True,
                 0.0,
             ),
-            tr(
-                "If empty, that of the images, or a larger one where the mosaic would have over 268 million pixels."
-            ),
+            tr("If empty, that of the images, or a larger one where the mosaic would have over 268 million pixels."),
         )
         self.add(
             QgsProcessingParameterRasterDestination("OUTPUT", tr("Orthomosaic")),

@@ -74,9 +74,7 @@ class PosesAlongLine(Algorithm):
                 field_sentence(one),
             )
         start = field_named(Flight, "start")
-        self.add(
-            QgsProcessingParameterString("START", field_title(start), start.default), field_sentence(start)
-        )
+        self.add(QgsProcessingParameterString("START", field_title(start), start.default), field_sentence(start))
         self.addParameter(
             QgsProcessingParameterFeatureSink("OUTPUT", tr("Poses"), QgsProcessing.SourceType.TypeVectorPoint)
         )
@@ -114,9 +112,7 @@ class PosesAlongLine(Algorithm):
             run.parameters,
             "OUTPUT",
             run.context,
-            make_fields(
-                (("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))
-            ),
+            make_fields((("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))),
             QgsWkbTypes.Type.Point,
             QgsCoordinateReferenceSystem("EPSG:4326"),
         )

@@ -233,9 +233,7 @@ def _add_area(algorithm: Algorithm) -> None:
 def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
         ChoiceParameter("CAMERA", tr("Camera"), {name: name for name in _cameras(listed)}),
-        tr(
-            "Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply."
-        ),
+        tr("Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply."),
     )
     field = field_named(Lens, "fov_deg")
     algorithm.add(
@@ -243,9 +241,7 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
         tr("{help} Where no camera is chosen.").format(help=field_sentence(field)),
     )
     algorithm.add(
-        QgsProcessingParameterString(
-            "ASPECT", tr("Aspect ratio, width:height"), aspect_text(Lens.aspect_ratio)
-        ),
+        QgsProcessingParameterString("ASPECT", tr("Aspect ratio, width:height"), aspect_text(Lens.aspect_ratio)),
         tr("Where no camera is chosen; such as 4:3, 16:9 or 1.5."),
     )
 
@@ -253,9 +249,7 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
 def _add_source(algorithm: Algorithm, listed: bool) -> None:
     field = field_named(Imagery, "source")
     algorithm.add(
-        ChoiceParameter(
-            "SOURCE", tr("Source of imagery"), _sources(listed), field.default, titled=True, more=listed
-        ),
+        ChoiceParameter("SOURCE", tr("Source of imagery"), _sources(listed), field.default, titled=True, more=listed),
         tr(
             "By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no "
             "network."
@@ -317,9 +311,7 @@ def _area(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     given = [name for name in ("EXTENT", "AREA", "COORDS") if run.is_given(name)]
     if len(given) != 1:
         raise InvalidInput(
-            tr("{count} areas given: needs one of extent, polygons or points, and coordinates").format(
-                count=len(given)
-            )
+            tr("{count} areas given: needs one of extent, polygons or points, and coordinates").format(count=len(given))
         )
     if given == ["EXTENT"]:
         return area_of_extent(run), agl_m

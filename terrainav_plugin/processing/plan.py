@@ -107,9 +107,7 @@ class PlanAlgorithm(Algorithm):
             ("MISSION_FILE", tr("Mission as a file"), tr("Mission files (*.json)")),
             ("EXPORT", tr("Plan as a file"), f"{tr('All files (*.*)')};;{file_filters()}"),
         ):
-            file = QgsProcessingParameterFileDestination(
-                name, title, ending, optional=True, createByDefault=False
-            )
+            file = QgsProcessingParameterFileDestination(name, title, ending, optional=True, createByDefault=False)
             self.addParameter(file)
         self.add_numbers(_figures())
 
@@ -199,9 +197,7 @@ def capture_fields() -> QgsFields:
 
 def flight_fields() -> QgsFields:
     """Attributes of the flight line."""
-    return make_fields(
-        (("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer"))
-    )
+    return make_fields((("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer")))
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
@@ -239,9 +235,7 @@ def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
         yield make_feature(lines, (images, one.distance_m, seconds, number + 1))
 
 
-def fill(
-    sink: QgsFeatureSink, found: Iterable[QgsFeature], count: int, feedback: QgsProcessingFeedback
-) -> None:
+def fill(sink: QgsFeatureSink, found: Iterable[QgsFeature], count: int, feedback: QgsProcessingFeedback) -> None:
     """Write features to a sink, as far as the user lets it."""
     for done, feature in enumerate(found):
         # Look every 1,000 features whether the user has cancelled.
@@ -250,9 +244,7 @@ def fill(
             if feedback.isCanceled():
                 return
         if not sink.addFeature(feature, QgsFeatureSink.Flag.FastInsert):
-            raise QgsProcessingException(
-                tr("The layer cannot be written: {reason}").format(reason=sink.lastError())
-            )
+            raise QgsProcessingException(tr("The layer cannot be written: {reason}").format(reason=sink.lastError()))
 
 
 def _figures() -> dict[str, str]:
@@ -326,9 +318,7 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     from ...core.geodesy.mercator import wrap_lon_deg
     from ...core.mission.parts import utc_time
 
-    start = QDateTime.fromMSecsSinceEpoch(
-        round(utc_time(plan.direct.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
-    )
+    start = QDateTime.fromMSecsSinceEpoch(round(utc_time(plan.direct.start).timestamp() * 1000.0), Qt.TimeSpec.UTC)
     columns = (
         plan.column,
         plan.row,

@@ -66,9 +66,7 @@ class BenchmarkWindows(QObject):
         algorithm = QgsApplication.processingRegistry().createAlgorithmById(name)
         if algorithm is None or "processing" not in plugins:
             self._messages.warning(
-                tr(
-                    "Benchmarks need QGIS's own plugin Processing and its provider TerrAInav; one is not enabled."
-                )
+                tr("Benchmarks need QGIS's own plugin Processing and its provider TerrAInav; one is not enabled.")
             )
             return None
         from processing.gui.AlgorithmDialog import AlgorithmDialog

@@ -119,9 +119,7 @@ def connection(source: str) -> Connection:
         if name == wanted:
             return parse_connection(name, uri)
     raise InvalidInput(
-        tr("source {name}: QGIS has no such XYZ connection (any more); choose another source").format(
-            name=wanted
-        )
+        tr("source {name}: QGIS has no such XYZ connection (any more); choose another source").format(name=wanted)
     )
 
 

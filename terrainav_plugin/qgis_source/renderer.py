@@ -223,9 +223,7 @@ class Pipes:
             raise PartError("QGIS could not read it: {0}", feedback.errors()[0])
         image = block.image()
         if not block.isValid() or image.isNull():
-            raise PartError(
-                "QGIS could not read it: {0}", block.error().summary() or Message("no reason given")
-            )
+            raise PartError("QGIS could not read it: {0}", block.error().summary() or Message("no reason given"))
         return to_array(image)[margin : margin + height, margin : margin + width]
 
 

@@ -108,9 +108,7 @@ def sampled(
     return picture.reshape(height, width, 4)
 
 
-def averaged(
-    pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs
-) -> Bytes | None:
+def averaged(pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs) -> Bytes | None:
     """Pixels of a layer as its raster has them, or means of several.
 
     Parameters
@@ -160,9 +158,7 @@ def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) 
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
-def _raster_positions(
-    layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats
-) -> tuple[Floats, Floats]:
+def _raster_positions(layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats) -> tuple[Floats, Floats]:
     """Columns and rows of a raster at points of the picture's CRS; infinite where there is no such place."""
     transform = QgsCoordinateTransform(settings.destinationCrs(), layer.crs(), settings.transformContext())
     if not transform.isShortCircuited():
@@ -195,8 +191,7 @@ def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_
     steps = [np.abs(np.diff(values, axis=axis)) for values in (x, y) for axis in (0, 1)]
     # Of the longer of the two ways along each axis of the picture; a raster may lie turned.
     ratio = min(
-        float(np.median(np.hypot(steps[axis], steps[2 + axis]))) if steps[axis].size else 1.0
-        for axis in (0, 1)
+        float(np.median(np.hypot(steps[axis], steps[2 + axis]))) if steps[axis].size else 1.0 for axis in (0, 1)
     )
     factor = 1 << max(math.floor(math.log2(ratio)) - 1, 0) if math.isfinite(ratio) and ratio > 0.0 else 1
     columns, rows = x.ravel()[inside] / factor, y.ravel()[inside] / factor

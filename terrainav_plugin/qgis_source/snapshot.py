@@ -134,14 +134,10 @@ def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
     layer = project.mapLayer(name[len(_LAYER) :]) if name.startswith(_LAYER) else None
     if layer is None:
         raise InvalidInput(
-            tr("source {name}: the project has no such layer (any more); choose another source").format(
-                name=name
-            )
+            tr("source {name}: the project has no such layer (any more); choose another source").format(name=name)
         )
     if not (layer.isValid() and layer.isSpatial()):
-        raise InvalidInput(
-            tr("layer {name}: shows nothing; repair its data source").format(name=layer.name())
-        )
+        raise InvalidInput(tr("layer {name}: shows nothing; repair its data source").format(name=layer.name()))
     return [layer]
 
 
@@ -197,9 +193,7 @@ def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str
 
 def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
     """Where layers have their tiles from, by the layers' ids."""
-    return {
-        layer.id(): tile_address(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers
-    }
+    return {layer.id(): tile_address(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
 
 
 def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProject) -> Pipes | ServerTiles:
@@ -376,9 +370,7 @@ def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float
         places = [transform.transform(x, y) for x, y in outline]
     except QgsCsException:
         return None
-    return extent_of_outline(
-        np.array([place.x() for place in places]), np.array([place.y() for place in places])
-    )
+    return extent_of_outline(np.array([place.x() for place in places]), np.array([place.y() for place in places]))
 
 
 def _attribution(layers: list[QgsMapLayer]) -> str:

@@ -128,9 +128,7 @@ class LayerSource:
             x, y = max(part.dx_px, 0), max(part.dy_px, 0)
             right = min(part.dx_px + part.window.width_px, window.width_px)
             bottom = min(part.dy_px + part.window.height_px, window.height_px)
-            ground[y:bottom, x:right] = tile[
-                y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px
-            ]
+            ground[y:bottom, x:right] = tile[y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px]
         return ground
 
     def _tile(self, tile: Window) -> Bytes:
@@ -163,9 +161,7 @@ class LayerSource:
         for drawn in self._snapshot.ground:
             if not _is_shown(drawn.layer, settings):
                 continue
-            pixels = (
-                drawn.pixels(tile) if isinstance(drawn, ServerTiles) else self._pixels(drawn, settings, tile)
-            )
+            pixels = drawn.pixels(tile) if isinstance(drawn, ServerTiles) else self._pixels(drawn, settings, tile)
             if pixels is not None:
                 _paint(image, pixels, _COVERING)
                 if blended is not None:

@@ -63,9 +63,7 @@ class ServerTiles:
         How the server is to be asked.
     """
 
-    def __init__(
-        self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection
-    ) -> None:
+    def __init__(self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection) -> None:
         from ..network.transport import QgisTransport
         from ..settings import Settings, credential_home
 

@@ -49,14 +49,10 @@ class DatasetAddress(NamedTuple):
         """
         text = text.strip()
         if not text:
-            raise InvalidInput(
-                tr("address: is missing; it must be such as https://host/run or s3://bucket/run")
-            )
+            raise InvalidInput(tr("address: is missing; it must be such as https://host/run or s3://bucket/run"))
         if len(text) > MAX_HEADER_CHARACTERS or not text.isprintable():
             raise InvalidInput(
-                tr("address: must be of {most} printable characters at most").format(
-                    most=MAX_HEADER_CHARACTERS
-                )
+                tr("address: must be of {most} printable characters at most").format(most=MAX_HEADER_CHARACTERS)
             )
         try:
             parts = urlsplit(text)
@@ -66,17 +62,13 @@ class DatasetAddress(NamedTuple):
         if scheme not in ("https", "http", "s3"):
             raise InvalidInput(
                 tr("address {address}: must begin with https://, http:// or s3://").format(
-                    address=f"{scheme}://…"
-                    if holds_credentials(text)
-                    else text.partition("?")[0].rpartition("@")[2]
+                    address=f"{scheme}://…" if holds_credentials(text) else text.partition("?")[0].rpartition("@")[2]
                 )
             )
         bare = re.split(r"[?#]", text)[0]
         if "@" in parts.netloc or holds_credentials(bare):
             raise InvalidInput(
-                tr(
-                    "address: holds a user's name or password; it must not, as QGIS's authentication is for these"
-                )
+                tr("address: holds a user's name or password; it must not, as QGIS's authentication is for these")
             )
         if parts.query or parts.fragment:
             raise InvalidInput(tr("address: holds ? or #; it must be that of the dataset's folder alone"))

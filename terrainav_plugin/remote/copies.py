@@ -166,9 +166,7 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
         return
     pieces = store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share))
     try:
-        _write_footprints(
-            folder / place / FOOTPRINTS_FILE, pieces, store.address.file(place + FOOTPRINTS_FILE)
-        )
+        _write_footprints(folder / place / FOOTPRINTS_FILE, pieces, store.address.file(place + FOOTPRINTS_FILE))
     except NotThere as wrong:
         raise InvalidInput(
             tr("{address}: has no {name}").format(address=store.address.url, name=place + FOOTPRINTS_FILE)
@@ -199,9 +197,7 @@ def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
             write_whole(unchecked, checked_geojson(pieces, name))
             check_driver(unchecked)
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
 
 
 def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:

@@ -147,6 +147,4 @@ def _rows(features: Iterator[ogr.Feature], headers: Sequence[str]) -> Iterator[b
 
 
 def _unreadable(items: Path, reason: object) -> InvalidInput:
-    return InvalidInput(
-        tr("table {path}: cannot be read ({reason})").format(path=items, reason=one_line(str(reason)))
-    )
+    return InvalidInput(tr("table {path}: cannot be read ({reason})").format(path=items, reason=one_line(str(reason))))

@@ -74,9 +74,7 @@ class _InShard(NamedTuple):
         start, length = (whole_number(row.get(name, "")) for name in ("offset_bytes", "size_bytes"))
         # Foreign tables may name files in their folder only.
         if not is_name(shard) or start is None or start < TAR_BLOCK_BYTES or not length:
-            raise InvalidInput(
-                tr("image {name}: its row of the table names no part of a shard").format(name=file)
-            )
+            raise InvalidInput(tr("image {name}: its row of the table names no part of a shard").format(name=file))
         if length > MAX_FETCHED_IMAGE_BYTES:
             raise _too_large(file)
         return cls(shard, start, length)
@@ -95,9 +93,7 @@ class ImageFetcher:
             store.close()
         self._stores.clear()
 
-    def fetch(
-        self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool
-    ) -> Fetched | None:
+    def fetch(self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool) -> Fetched | None:
         """Image of a dataset; None where it is neither at an address nor in a shard, but a file as usual.
 
         Parameters
@@ -147,9 +143,7 @@ class ImageFetcher:
         try:
             data = _whole(store, name)
         except NotThere as wrong:
-            raise InvalidInput(
-                tr("There is no image (yet) at {address}").format(address=address.file(name))
-            ) from wrong
+            raise InvalidInput(tr("There is no image (yet) at {address}").format(address=address.file(name))) from wrong
         depth = None
         if with_depth:
             depth = _read_optional(store, f"{DEPTH}/{PurePosixPath(file).stem}.tif")
@@ -176,9 +170,7 @@ class ImageFetcher:
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
             if len(text) < TAR_BLOCK_BYTES + part.length:
-                raise InvalidInput(
-                    tr("shard {shard}: is torn, it ends before the image does").format(shard=shard)
-                )
+                raise InvalidInput(tr("shard {shard}: is torn, it ends before the image does").format(shard=shard))
             if (
                 first is None
                 or not holds_file(first)
@@ -186,9 +178,9 @@ class ImageFetcher:
                 or PurePosixPath(first.name).suffix != ending
             ):
                 raise InvalidInput(
-                    tr(
-                        "shard {shard}: holds no image where the table says; it is torn, or another one"
-                    ).format(shard=shard)
+                    tr("shard {shard}: holds no image where the table says; it is torn, or another one").format(
+                        shard=shard
+                    )
                 )
             stem = first.name[: -len(ending)]
             wanted = (_WORLD_FILES.get(ending, ""), ending + _NOTES)
@@ -245,9 +237,7 @@ def _read_optional(store: Store, name: str) -> bytes | None:
 
 
 def _too_large(name: str) -> InvalidInput:
-    return InvalidInput(
-        tr("image {name}: has more than {most} bytes").format(name=name, most=MAX_FETCHED_IMAGE_BYTES)
-    )
+    return InvalidInput(tr("image {name}: has more than {most} bytes").format(name=name, most=MAX_FETCHED_IMAGE_BYTES))
 
 
 def _stamp(folder: Path) -> int:

@@ -158,9 +158,7 @@ class Store:
         what = self.address.file(name)
         wanted = {"Range": f"bytes={start}-{end - 1}"}
         url = self.address.request_url(name)
-        response = self._client.get(
-            url, what, wanted, self._refuse_redirects(url) if self.address.is_s3 else None
-        )
+        response = self._client.get(url, what, wanted, self._refuse_redirects(url) if self.address.is_s3 else None)
         version = response.headers.get("etag", "")
         is_part = response.status == HTTPStatus.PARTIAL_CONTENT
         self._sends_parts = is_part

@@ -125,9 +125,7 @@ def _places(text: str) -> Iterator[str]:
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
     # Of two servers with \@ between them, some programs take the first, and some the second.
-    if (_VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text))) or (
-        found and "\\@" in readings[-1]
-    ):
+    if (_VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text))) or (found and "\\@" in readings[-1]):
         found.append(text)
     yield from found
 

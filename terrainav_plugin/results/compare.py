@@ -215,9 +215,7 @@ class CompareDialog(QDialog):
         self.switch.clicked.connect(lambda _checked: self.switch_wanted.emit())
         self.flicker = push_button("compare_flicker", tr("&Flicker"), tr("Switch again and again"))
         self.flicker.setCheckable(True)
-        self.pause = spin(
-            "compare_pause", _LEAST_S, _MOST_S, 1, tr(" s"), tr("Time that each image is shown")
-        )
+        self.pause = spin("compare_pause", _LEAST_S, _MOST_S, 1, tr(" s"), tr("Time that each image is shown"))
         self.pause.setValue(_USUAL_S)
         self.closing = push_button("compare_close", tr("&Close"), tr("Show the map as it was before"))
         self.closing.clicked.connect(lambda _checked: self.close())

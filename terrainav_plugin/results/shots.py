@@ -111,9 +111,7 @@ class Finder:
         self._cancelled = cancelled
         self._files: dict[Path, FootprintFile] = {}
 
-    def find_shots(
-        self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float
-    ) -> list[CapturedImage]:
+    def find_shots(self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float) -> list[CapturedImage]:
         """Images whose footprints hold a place, in the order of their missions' plans."""
         point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
         found = []
@@ -152,21 +150,15 @@ class Finder:
         try:
             pose = feature["properties"]
             name = str(pose["name"])
-            polygons = [
-                [[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in polygon_rings(feature)
-            ]
+            polygons = [[[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in polygon_rings(feature)]
         except (KeyError, TypeError) as wrong:
             raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
         # Foreign footprints may name files in their folder only.
         if not (is_name(name) and name.isprintable()):
             raise InvalidInput(
-                tr("footprints {path}: {name} is no name of an image").format(
-                    path=file.path, name=one_line(repr(name))
-                )
+                tr("footprints {path}: {name} is no name of an image").format(path=file.path, name=one_line(repr(name)))
             )
-        return CapturedImage(
-            footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons)
-        )
+        return CapturedImage(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
 def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> Seen:

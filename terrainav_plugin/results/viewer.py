@@ -83,9 +83,7 @@ class Viewer(QgsDockWidget):
         self.under_click = named(QComboBox(), "under_click", tr("Images that show the clicked place"))
         self.under_click.activated.connect(self.chosen)
         self.map_type = named(QComboBox(), "shown_map_type", tr("Map type shown"))
-        self.map_type.activated.connect(
-            lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
-        )
+        self.map_type.activated.connect(lambda index: self.map_type_wanted.emit(self.map_type.itemData(index)))
         self.details = wrapped_label("details")
         self.details.setTextFormat(Qt.TextFormat.RichText)
         self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -119,9 +117,7 @@ class Viewer(QgsDockWidget):
         self.under_click.clear()
         count = len(shots)
         for number, shot in enumerate(shots):
-            text = tr("{number} of {count} here: {name}").format(
-                number=number + 1, count=count, name=shot.name
-            )
+            text = tr("{number} of {count} here: {name}").format(number=number + 1, count=count, name=shot.name)
             self.under_click.addItem(text)
         self.under_click.setCurrentIndex(index)
         self.under_click.setVisible(count > 1)
@@ -137,9 +133,7 @@ class Viewer(QgsDockWidget):
         self.details.setText(details_html(seen))
         count = seen.shot.count
         self.place.setText(
-            tr("{number} of {count}").format(
-                number=number_text(seen.shot.number + 1), count=number_text(count)
-            )
+            tr("{number} of {count}").format(number=number_text(seen.shot.number + 1), count=number_text(count))
         )
         self.previous.setEnabled(seen.shot.number > 0)
         self.following.setEnabled(seen.shot.number + 1 < count)
@@ -179,9 +173,7 @@ class Viewer(QgsDockWidget):
         self.on_map = push_button(
             "show_on_map",
             tr("Show on m&ap"),
-            tr(
-                "Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it"
-            ),
+            tr("Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it"),
             of_qgis("/mActionAddRasterLayer.svg"),
         )
         self.on_map.setCheckable(True)
@@ -304,9 +296,7 @@ class PictureView(QWidget):
         painter.drawImage(place, self.image)
         if self._mark is None:
             return
-        middle = QPointF(
-            place.left() + self._mark.x() * place.width(), place.top() + self._mark.y() * place.height()
-        )
+        middle = QPointF(place.left() + self._mark.x() * place.width(), place.top() + self._mark.y() * place.height())
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for colour, width in ((Qt.GlobalColor.black, 3.0), (Qt.GlobalColor.white, 1.0)):
             painter.setPen(QPen(QColor(colour), width))
@@ -375,9 +365,7 @@ class DepthPane(QWidget):
             return
         metres = self._depth.metres_at_point(at.x(), at.y())
         self.here.setText(
-            tr("No ground here")
-            if math.isnan(metres)
-            else tr("Depth here: {metres}").format(metres=_metres(metres))
+            tr("No ground here") if math.isnan(metres) else tr("Depth here: {metres}").format(metres=_metres(metres))
         )
 
 

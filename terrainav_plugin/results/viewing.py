@@ -87,9 +87,7 @@ class Viewing(QObject):
         """Let the user click footprints; without any, say so and return False."""
         if not self._layers():
             self._messages.info(
-                tr(
-                    "There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”."
-                )
+                tr("There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.")
             )
             return False
         self._shown_viewer()
@@ -124,9 +122,7 @@ class Viewing(QObject):
         nodes = [
             node
             for node in self._project.layerTreeRoot().findLayers()
-            if node.layer() is not None
-            and node.layer().customProperty(ROLE) == CAPTURED
-            and node.layer().isValid()
+            if node.layer() is not None and node.layer().customProperty(ROLE) == CAPTURED and node.layer().isValid()
         ]
         return [node.layer() for node in nodes if node.isVisible()] or [node.layer() for node in nodes]
 
@@ -212,9 +208,7 @@ class Viewing(QObject):
         def laid(_: object) -> Path:
             from ..dataset.rectify import lay_image_on_map
 
-            return lay_image_on_map(
-                folder, map_type, file, _agreed_heights, None if fetched is None else save
-            )
+            return lay_image_on_map(folder, map_type, file, _agreed_heights, None if fetched is None else save)
 
         self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
 

@@ -106,9 +106,7 @@ def shown(wrong: BaseException) -> str:
 @pytest.mark.parametrize("text", STORES)
 @pytest.mark.parametrize("door", FOLDERS)
 def test_every_door_of_a_store_refuses_credentials_and_does_not_repeat_them(door, text):
-    with pytest.raises(
-        InvalidInput, match="no user name, password, key or signature may stand in it"
-    ) as wrong:
+    with pytest.raises(InvalidInput, match="no user name, password, key or signature may stand in it") as wrong:
         FOLDERS[door](text)
     assert SECRET not in shown(wrong.value)
     assert "\n" not in str(wrong.value)

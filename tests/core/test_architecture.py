@@ -154,9 +154,7 @@ def identify(path: Path) -> str:
 
 def in_fresh_interpreter(code: str) -> list[str]:
     """Run `code` where nothing is imported yet; returns what it prints, split."""
-    result = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT.parent, capture_output=True, text=True, check=False
-    )
+    result = subprocess.run([sys.executable, "-c", code], cwd=ROOT.parent, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     return result.stdout.split()
 
@@ -199,15 +197,8 @@ def test_inside_the_package_imports_are_relative(path):
     absolute = [
         node.lineno
         for node in nodes_of(path)
-        if (
-            isinstance(node, ast.ImportFrom)
-            and not node.level
-            and str(node.module).partition(".")[0] == "terrainav"
-        )
-        or (
-            isinstance(node, ast.Import)
-            and any(alias.name.partition(".")[0] == "terrainav" for alias in node.names)
-        )
+        if (isinstance(node, ast.ImportFrom) and not node.level and str(node.module).partition(".")[0] == "terrainav")
+        or (isinstance(node, ast.Import) and any(alias.name.partition(".")[0] == "terrainav" for alias in node.names))
     ]
     assert absolute == []
 
@@ -327,9 +318,7 @@ OWN_READS = {
         "sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)": "of a file that open_foreign has opened"
     },
     "core/mission/areas/files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
-    "core/mission/export/flown.py": {
-        "zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"
-    },
+    "core/mission/export/flown.py": {"zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"},
     "core/mission/export/wpml.py": {"zipfile.ZipFile(packed, 'w', zipfile.ZIP_DEFLATED)": "is written"},
     "core/report/machine.py": {"_CPUINFO.read_text(encoding='utf-8', errors='replace')": "the system's"},
     "core/report/pictures.py": {"Image.open(io.BytesIO(data))": "made by this program a moment ago"},
@@ -349,9 +338,7 @@ def reads(path: Path) -> Iterator[str]:
         if not isinstance(call, ast.Call):
             continue
         of, _, name = ast.unparse(call.func).rpartition(".")
-        texts = [
-            one.value for one in call.args if isinstance(one, ast.Constant) and isinstance(one.value, str)
-        ]
+        texts = [one.value for one in call.args if isinstance(one, ast.Constant) and isinstance(one.value, str)]
         # Sources are opened as well, without a mode and such.
         as_file = any("r" in mode for mode in texts) or {"encoding", "newline", "buffering"} & {
             keyword.arg for keyword in call.keywords

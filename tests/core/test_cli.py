@@ -70,13 +70,9 @@ def test_plan_prints_the_figures_of_the_papers_mission(run):
 
 def test_areas_and_no_fly_areas_come_from_files(run, tmp_path):
     ring = "{0},35.1 {1},35.1 {1},35.103 {0},35.103 {0},35.1"
-    shape = (
-        "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs>"
-    )
+    shape = "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs>"
     fields = "".join(f"{shape}</Polygon>".format(ring.format(west, west + 0.003)) for west in (-89.9, -89.89))
-    (tmp_path / "fields.kml").write_text(
-        f"<kml><Placemark><MultiGeometry>{fields}</MultiGeometry></Placemark></kml>"
-    )
+    (tmp_path / "fields.kml").write_text(f"<kml><Placemark><MultiGeometry>{fields}</MultiGeometry></Placemark></kml>")
     corners = [[-89.8998, 35.1002], [-89.8972, 35.1002], [-89.8972, 35.1028], [-89.8998, 35.1028]]
     (tmp_path / "zone.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [corners]}))
     options = ("--area", "fields.kml", "--agl", "120", "--overlap", "0.5")
@@ -203,9 +199,7 @@ def test_underscores_minus_signs_and_settings_by_precedence(run, tmp_path):
 
 
 def test_capture_leaves_a_dataset(run, tmp_path):
-    done = run(
-        "capture", "--coords", BOX, "--map-type", "satellite", "roadmap", "--data-dir", "out", "--json"
-    )
+    done = run("capture", "--coords", BOX, "--map-type", "satellite", "roadmap", "--data-dir", "out", "--json")
     result = json.loads(done.stdout)
     assert done.returncode == 0, done.stderr
     assert result["written"] == result["total"] > 0
@@ -245,9 +239,7 @@ def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
         "35.16_-89.90_35.154_-89.885_120",
     ]
     arguments += ["--data-dir", "out", "--quiet"]
-    process = subprocess.Popen(
-        arguments, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    process = subprocess.Popen(arguments, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline and not list((tmp_path / "out").glob("satellite/*.tif")):
         time.sleep(0.02)
@@ -343,9 +335,7 @@ def test_a_provider_that_allows_no_bulk_download_is_quoted(run):
 
 def test_no_network_names_the_images(run):
     # Port 1 of the loopback refuses connections.
-    done = run(
-        "capture", "--coords", "35_-89_120", "--source", "http://127.0.0.1:1/{z}/{x}/{y}.png", "--json"
-    )
+    done = run("capture", "--coords", "35_-89_120", "--source", "http://127.0.0.1:1/{z}/{x}/{y}.png", "--json")
     assert done.returncode == 1
     assert json.loads(done.stdout)["failed"][0]["reason"]
 
@@ -418,9 +408,7 @@ def test_what_cannot_be_printed_does_not_break_the_line_of_an_error(run):
 @pytest.mark.parametrize("option", ["--data-dir", "--cache-dir"])
 def test_a_folder_without_a_name_is_not_the_current_one(run, tmp_path, option):
     before = sorted(tmp_path.iterdir())
-    assert "folder '': must be the name of a folder" in one_line(
-        run("capture", "--coords", BOX, option, ""), 2
-    )
+    assert "folder '': must be the name of a folder" in one_line(run("capture", "--coords", BOX, option, ""), 2)
     assert sorted(tmp_path.iterdir()) == before
 
 

@@ -36,13 +36,9 @@ def test_the_walk_from_nothing_to_figures(terrainav, tmp_path):
     assert "mean of exp(-5000 d), d in degrees" in run.stdout
     assert (tmp_path / "bench/scores/middle/index.html").is_file()
     predictions = tmp_path / "bench/scores/middle/middle.csv"
-    answered, asked = (
-        len(path.read_text().splitlines()) for path in (predictions, tmp_path / "bench/queries.csv")
-    )
+    answered, asked = (len(path.read_text().splitlines()) for path in (predictions, tmp_path / "bench/queries.csv"))
     assert answered == asked > 10
-    judged = terrainav(
-        "benchmark", "score", "bench", str(predictions), "--part", "test", "--json", "--output", "page"
-    )
+    judged = terrainav("benchmark", "score", "bench", str(predictions), "--part", "test", "--json", "--output", "page")
     assert judged.returncode == 0, judged.stderr
     document = json.loads(judged.stdout)
     assert list(document["groups"]) == ["air"]

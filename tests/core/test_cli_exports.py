@@ -45,7 +45,4 @@ def test_other_endings_are_refused_before_anything_is_worked_out(run, tmp_path, 
 def test_a_plan_that_a_format_does_not_take_is_one_line(run, tmp_path):
     done = run("plan", "--coords", "35.16_-89.90_120", "--output", "a.litchi.csv")
     assert (done.returncode, done.stdout) == (2, "")
-    assert (
-        done.stderr
-        == "terrainav: Litchi mission of one waypoint: takes two or more; plan a list or an area\n"
-    )
+    assert done.stderr == "terrainav: Litchi mission of one waypoint: takes two or more; plan a list or an area\n"

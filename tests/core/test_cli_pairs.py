@@ -77,9 +77,7 @@ def test_a_placeholder_is_told_and_taken_out_of_the_pairs(run, tmp_path):
         placed = [path for part in ("train", "test") for path in (tmp_path / "out" / part).rglob("*.jp*g")]
         # Two more stand in for street views in each part.
         assert len(placed) == 3 + 2 * 3 + 2 * 2
-        again = run(
-            *asked, "--data-dir", "out", "--resume", "--quiet", "--placeholder", repeated[0]["sha256"]
-        )
+        again = run(*asked, "--data-dir", "out", "--resume", "--quiet", "--placeholder", repeated[0]["sha256"])
     assert again.returncode == 1, again.stderr
     assert "6 failed" in again.stdout
     # Other programs read whatever is in the folders.
@@ -135,9 +133,7 @@ def test_a_folder_has_to_be_named(run):
 
 def test_a_file_takes_no_options_of_a_box(run, tmp_path):
     (tmp_path / "places.txt").write_text("35.12 -89.93\n", encoding="utf-8")
-    assert "it is for places of a box" in refusal(
-        run("pairs", "places.txt", "--count", "3", "--data-dir", "out")
-    )
+    assert "it is for places of a box" in refusal(run("pairs", "places.txt", "--count", "3", "--data-dir", "out"))
 
 
 def test_the_sources_terms_are_asked_first(run, tmp_path):

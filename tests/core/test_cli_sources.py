@@ -79,23 +79,17 @@ def test_a_source_by_url_from_adding_to_capturing_without_a_network(run, tmp_pat
         assert (shown["zooms"], shown["licence"]) == ("0 to 18, detail to 18", "CC0")
         assert shown["URL"] == server.url_template
         assert "Town (your own)" in good(run("sources"))
-        first = json.loads(
-            good(run("capture", "--coords", BOX, "--source", "town", "--data-dir", "one", "--json"))
-        )
+        first = json.loads(good(run("capture", "--coords", BOX, "--source", "town", "--data-dir", "one", "--json")))
         assert first["written"] == first["total"]
         assert sum(server.requests.values()) == first["unique_parts"]
         # The cache is by source: another user's name for the same tiles, or none, is the same file or another,
         # but never the wrong tiles.
         assert json.loads(good(run("cache", "--json")))["files"][0]["tiles"] == first["unique_parts"]
-    second = json.loads(
-        good(run("capture", "--coords", BOX, "--source", "town", "--data-dir", "two", "--json"))
-    )
+    second = json.loads(good(run("capture", "--coords", BOX, "--source", "town", "--data-dir", "two", "--json")))
     assert second["written"] == first["written"]
     assert files(tmp_path / "one") == files(tmp_path / "two") != {}
     # Without the cache there is nothing to be had any more.
-    without = run(
-        "capture", "--coords", POINT, "--source", "town", "--data-dir", "three", "--no-cache", "--json"
-    )
+    without = run("capture", "--coords", POINT, "--source", "town", "--data-dir", "three", "--no-cache", "--json")
     assert without.returncode == 1
     assert "1 tiles" not in good(run("cache", "list"))
     good(run("sources", "remove", "town"))
@@ -173,9 +167,7 @@ def test_a_service_is_listed_added_and_planned_with_when_it_is_gone(run):
         ]
         picture = to_bytes(positions("satellite", 0, 0, 0, 256), "png")
         server.answer = lambda path, _: (
-            (200, "text/xml", wmts_document(layers, [quad]))
-            if path.endswith(".xml")
-            else (200, "image/png", picture)
+            (200, "text/xml", wmts_document(layers, [quad])) if path.endswith(".xml") else (200, "image/png", picture)
         )
         address = f"wmts:{server.url}/c.xml"
         listed = good(run("sources", "show", address)).splitlines()
@@ -212,10 +204,7 @@ def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
         address = f"wmts:{server.url}/c.xml#layer=ortho"
         printed = good(run("plan", "--coords", place, "--source", address))
         assert re.search(r"^source +Aerial, EPSG:28992$", printed, re.MULTILINE)
-        assert (
-            json.loads(good(run("plan", "--coords", place, "--source", address, "--json")))["crs"]
-            == "EPSG:28992"
-        )
+        assert json.loads(good(run("plan", "--coords", place, "--source", address, "--json")))["crs"] == "EPSG:28992"
         for wanted in ("EPSG:3857", "EPSG:2056"):
             refusal = one_line(run("plan", "--coords", place, "--source", address, "--crs", wanted), 2)
             assert f"{wanted}: layer 'ortho' of 127.0.0.1 has EPSG:28992" in refusal
@@ -229,11 +218,7 @@ def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
         shown = good(run("sources", "show", address, "--crs", "EPSG:28992"))
         assert re.search(r"^reference system +EPSG:28992$", shown, re.MULTILINE)
         good(run("sources", "add", "aerial", address, "--crs", "EPSG:28992"))
-        good(
-            run(
-                "capture", "--coords", place, "--source", "aerial", "--crs", "EPSG:28992", "--data-dir", "out"
-            )
-        )
+        good(run("capture", "--coords", place, "--source", "aerial", "--crs", "EPSG:28992", "--data-dir", "out"))
     (picture,) = (tmp_path / "out/satellite").glob("*.tif")
     assert gdal.Open(str(picture)).GetSpatialRef().GetAuthorityCode(None) == "28992"
     (row,) = csv.DictReader((tmp_path / "out/satellite/meta_data.csv").read_text("utf-8").splitlines())
@@ -241,9 +226,7 @@ def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
     # The mission of the dataset asks for the same again.
     assert json.loads((tmp_path / "out/mission.json").read_text())["imagery"]["crs"] == "EPSG:28992"
     template = "https://h.example/{z}/{x}/{y}.png"
-    assert "a URL template has EPSG:3857" in one_line(
-        run("sources", "add", "x", template, "--crs", "EPSG:2056"), 2
-    )
+    assert "a URL template has EPSG:3857" in one_line(run("sources", "add", "x", template, "--crs", "EPSG:2056"), 2)
 
 
 def test_names_and_addresses_that_are_refused(run, tmp_path):
@@ -277,9 +260,7 @@ def test_the_catalogue_with_all_limits(run):
     ):
         assert text in shown
     assert json.loads(good(run("sources", "show", "osm", "--json")))["max_tiles"] == 250
-    assert "at most 250 requests" in good(
-        run("sources", "show", "https://tile.openstreetmap.org/{z}/{x}/{y}.png")
-    )
+    assert "at most 250 requests" in good(run("sources", "show", "https://tile.openstreetmap.org/{z}/{x}/{y}.png"))
 
 
 def test_consent(run):
@@ -289,9 +270,7 @@ def test_consent(run):
     ask = one_line(run("capture", "--coords", LARGE, "--source", "swisstopo", "--data-dir", "out"), 3)
     assert "refrain from automatic requests of high intensity" in ask
     assert ask.endswith("agree to the terms first (--accept-terms)")
-    no = one_line(
-        run("capture", "--coords", LARGE, "--source", "osm", "--accept-terms", "--data-dir", "out"), 3
-    )
+    no = one_line(run("capture", "--coords", LARGE, "--source", "osm", "--accept-terms", "--data-dir", "out"), 3)
     assert "prohibits bulk downloading" in no
     assert "sources that allow it: " in no
 
@@ -320,10 +299,7 @@ def test_upsampling_is_warned_of(run):
 
 def test_a_title_names_its_source_as_the_name_does(run, tmp_path):
     asked = ("plan", "--coords", BOX, "--json", "--source")
-    plans = [
-        json.loads(good(run(*asked, name)))
-        for name in ("world", "Synthetic (offline)", "synthetic (OFFLINE)")
-    ]
+    plans = [json.loads(good(run(*asked, name))) for name in ("world", "Synthetic (offline)", "synthetic (OFFLINE)")]
     for plan in plans:
         # Times of this machine.
         del plan["cost"]
@@ -342,11 +318,7 @@ def test_a_title_names_its_source_as_the_name_does(run, tmp_path):
     )
     assert Mission.load(tmp_path / "out" / "mission.json").imagery.source == "world"
     for name in ("one", "two"):
-        good(
-            run(
-                "sources", "add", name, f"https://{name}.example/{{z}}/{{x}}/{{y}}.png", "--title", "My tiles"
-            )
-        )
+        good(run("sources", "add", name, f"https://{name}.example/{{z}}/{{x}}/{{y}}.png", "--title", "My tiles"))
     assert "name one of one, two" in one_line(run("sources", "show", "my tiles"))
     assert "is unknown" in one_line(run("sources", "show", "No such title"))
 
@@ -371,8 +343,6 @@ def test_an_address_alone_tells_which_service_it_is_of(run):
         assert "Survey of Somewhere" in shown
         good(run("sources", "add", "ortho", f"{server.url}{base}"))
         assert "Orthophotos 2023" in good(run("sources", "show", "ortho"))
-        planned = json.loads(
-            good(run("plan", "--coords", BOX, "--json", "--source", f"arcgis:{server.url}{base}"))
-        )
+        planned = json.loads(good(run("plan", "--coords", BOX, "--json", "--source", f"arcgis:{server.url}{base}")))
         assert planned["source"] == "Orthophotos 2023"
         assert "404" in one_line(run("sources", "show", f"{server.url}/nothing"), 3)

@@ -51,9 +51,7 @@ def shell(tmp_path):
     programs.mkdir()
     for name, arguments in (("terrainav", "-m terrainav.core.cli "), ("python", "")):
         script = programs / name
-        script.write_text(
-            f'#!/bin/sh\nexec {shlex.quote(sys.executable)} {arguments}"$@"\n', encoding="utf-8"
-        )
+        script.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} {arguments}"$@"\n', encoding="utf-8")
         script.chmod(0o755)
     kept = {name: value for name, value in os.environ.items() if not name.startswith("TERRAINAV_")}
     environment = {
@@ -107,9 +105,7 @@ def test_the_documented_line_goes_from_capture_to_training(shell):
     assert np.allclose(samples.values.std(axis=0), 1.0, atol=1e-5)
     assert f"{len(samples):,} images" in done.stdout
 
-    (said,) = re.findall(
-        r"^test, on ground not seen before: (\d+) of (\d+) at first rank", done.stdout, re.MULTILINE
-    )
+    (said,) = re.findall(r"^test, on ground not seen before: (\d+) of (\d+) at first rank", done.stdout, re.MULTILINE)
     assert int(said[1]) == (parts == "test").sum()
     assert int(said[0]) > int(said[1]) / 5
     assert done.stdout.splitlines()[-1].endswith(": better than chance")

@@ -12,9 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Sections of a docstring that list names (numpydoc), up to the next section or the end.
-_SECTION = re.compile(
-    r"^(?:Parameters|Attributes|Signals)\n-+\n(.*?)(?=^[\w ]+\n-{3,}\n|\Z)", re.MULTILINE | re.DOTALL
-)
+_SECTION = re.compile(r"^(?:Parameters|Attributes|Signals)\n-+\n(.*?)(?=^[\w ]+\n-{3,}\n|\Z)", re.MULTILINE | re.DOTALL)
 #: Names that begin an entry: one or several, perhaps with a type.
 _ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: : .+)?$", re.MULTILINE)
 

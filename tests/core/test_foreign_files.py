@@ -121,16 +121,12 @@ def test_no_reader_opens_what_is_no_regular_file(tmp_path, kind):
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows makes no sparse files by itself")
 def test_no_reader_reads_beyond_its_limit(tmp_path):
-    said = refusals(
-        tmp_path, lambda path, most: os.truncate(os.open(path, os.O_CREAT | os.O_WRONLY), most + 1)
-    )
+    said = refusals(tmp_path, lambda path, most: os.truncate(os.open(path, os.O_CREAT | os.O_WRONLY), most + 1))
     assert set(said) == set(READERS)
     wrong = {
         name: line
         for name, line in said.items()
-        if not any(
-            words in line for words in ("larger than", "more than 64 MB", "no pairs.csv that can be read")
-        )
+        if not any(words in line for words in ("larger than", "more than 64 MB", "no pairs.csv that can be read"))
     }
     assert wrong == {}
 
@@ -150,9 +146,7 @@ def test_pictures_are_asked_for_their_size_before_they_are_decoded(tmp_path, mon
     monkeypatch.setattr("PIL.Image.MAX_IMAGE_PIXELS", None)
     path = tmp_path / "image.png"
     path.write_bytes(_png(20_000, 10_001))
-    with pytest.raises(
-        InvalidInput, match=r"image\.png: has 20,000 x 10,001 px, more than 200,000,000 in all"
-    ):
+    with pytest.raises(InvalidInput, match=r"image\.png: has 20,000 x 10,001 px, more than 200,000,000 in all"):
         read(path)
 
 

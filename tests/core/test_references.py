@@ -111,9 +111,7 @@ def test_each_way_to_name_a_file_is_refused_by_its_name(kind, tmp_path):
 def test_no_pipe_is_waited_for_and_no_server_asked(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    texts = [
-        text.replace(FILE, name) for text in HOSTILE.values() for name in (str(pipe), "http://[::1]:9/x")
-    ]
+    texts = [text.replace(FILE, name) for text in HOSTILE.values() for name in (str(pipe), "http://[::1]:9/x")]
     done = subprocess.run(
         [sys.executable, "-c", _TRIED],
         input="\0".join(texts),
@@ -173,10 +171,7 @@ def test_what_is_no_definition_is_refused_in_a_line(text):
     "text",
     [
         _old().replace('UNIT["metre",1]', 'UNIT["x",SIZE]'),
-        _OLD.partition(",PROJECTION")[0]
-        .partition(",")[2]
-        .replace("DATUM]", "]")
-        .replace("0.0174532925199433", "SIZE"),
+        _OLD.partition(",PROJECTION")[0].partition(",")[2].replace("DATUM]", "]").replace("0.0174532925199433", "SIZE"),
         f'COMPOUNDCRS["x",{_WGS84},VERTCRS["v",VDATUM["v"],CS[vertical,1],AXIS["h",up],LENGTHUNIT["x",SIZE]]]',
     ],
     ids=["metres", "degrees", "heights"],

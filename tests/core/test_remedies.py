@@ -35,9 +35,7 @@ def test_advice_is_known_by_its_first_word():
     assert unknown_beginnings("core") == set()
 
 
-@pytest.mark.parametrize(
-    "place", ENTRIES, ids=lambda place: f"{place.module}: {place.message[place.advice_at :]}"
-)
+@pytest.mark.parametrize("place", ENTRIES, ids=lambda place: f"{place.module}: {place.message[place.advice_at :]}")
 def test_what_is_advised_works(place, request):
     case = Case(place, "core", request)
     ENTRIES[place](case)

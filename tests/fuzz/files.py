@@ -72,9 +72,7 @@ TABLE = text_of(
 LABELS = make_labels(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
 SOURCES = {
     "mine": described("https://tiles.example/{z}/{x}/{y}.png", title="Mine"),
-    "dated": described(
-        "https://tiles.example/{date}/{map_type}/{z}/{x}/{y}.png?key={key}", default_date="2024"
-    ),
+    "dated": described("https://tiles.example/{date}/{map_type}/{z}/{x}/{y}.png?key={key}", default_date="2024"),
     "levels": {
         **described("https://tiles.example/{z}/{x}/{y}.png", max_connections=2, requests_per_s=3.5),
         "bounds_deg": [-10, -10, 10, 10],
@@ -190,9 +188,7 @@ def json_text(data: bytes) -> None:
 
 def targets() -> Iterator[Target]:
     lines = b"".join(outcome.to_line() for outcome in OUTCOMES)
-    outcomes = st.lists(altered(*map(parse_json, lines.splitlines())).map(as_json), max_size=3).map(
-        b"\n".join
-    )
+    outcomes = st.lists(altered(*map(parse_json, lines.splitlines())).map(as_json), max_size=3).map(b"\n".join)
     deep = b"[" * 100_000
     yield from logs()
     yield Target("shard", shard, mutated(*SHARDS) | st.binary(max_size=2000), SHARDS)

@@ -59,9 +59,7 @@ WMTS = wmts_document(
     [QUAD],
 )
 WMS = tuple(
-    wms_document(
-        version, "https://h.example/?", f"<Layer><Title>All</Title><{crs}>{name}</{crs}>{inner}</Layer>"
-    )
+    wms_document(version, "https://h.example/?", f"<Layer><Title>All</Title><{crs}>{name}</{crs}>{inner}</Layer>")
     for version, crs, name in (("1.3.0", "CRS", "EPSG:3857"), ("1.1.1", "SRS", "EPSG:900913"))
     for inner in ("<Layer><Name>ortho</Name><Title>O</Title></Layer>",)
 )
@@ -222,22 +220,14 @@ def targets() -> Iterator[Target]:
             (500, {"content-type": "application/json"}, b"[" * 8000),
         ),
     )
-    yield Target(
-        "words", words, mutated("<b>&copy; A</b>", f"{KEY}…", "=1"), (b"<" * 1_000_000, b"%25" * 300_000)
-    )
+    yield Target("words", words, mutated("<b>&copy; A</b>", f"{KEY}…", "=1"), (b"<" * 1_000_000, b"%25" * 300_000))
     if has_owslib:
         type_of = b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]>'
-        yield Target(
-            "capabilities", capabilities, mutated(WMTS, *WMS), (b"<WMS_Capabilities" * 60_000, type_of + WMTS)
-        )
+        yield Target("capabilities", capabilities, mutated(WMTS, *WMS), (b"<WMS_Capabilities" * 60_000, type_of + WMTS))
     values = st.none() | st.integers(-(2**63), 2**63 - 1) | st.floats() | mutated(*METADATA.values())
-    metadata = st.dictionaries(st.sampled_from(sorted(METADATA)), values).map(
-        lambda some: {**METADATA, **some}
-    )
+    metadata = st.dictionaries(st.sampled_from(sorted(METADATA)), values).map(lambda some: {**METADATA, **some})
     number = st.sampled_from((0, 6, 63, -1, 2**62, 1e300, "6", None, b"6"))
     blobs = st.just(TILE) | mutated(TILE, *PICTURES) | values
-    yield Target(
-        "MBTiles", mbtiles, st.tuples(metadata, blobs, st.just(PLACE) | st.tuples(number, number, number))
-    )
+    yield Target("MBTiles", mbtiles, st.tuples(metadata, blobs, st.just(PLACE) | st.tuples(number, number, number)))
     yield Target("file of MBTiles", mbtiles_file, mutated(_file_of_mbtiles()))
     yield Target("VRT", vrt, mutated(VRT), (b"<VRTDataset>" * 50_000,))

@@ -28,13 +28,9 @@ from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutate
 from tests.support.missions import whole_file
 
 BOX = Mission(Box(35.16, -89.90, 35.155, -89.895), 120.0)
-LIST = Mission(
-    Points(((35.1, -89.8, 120.0), (-33.0, 151.0, 60.0)), (5.0, -5.0)), 120.0, Camera(60.0, 1.5), zoom=18
-)
+LIST = Mission(Points(((35.1, -89.8, 120.0), (-33.0, 151.0, 60.0)), (5.0, -5.0)), 120.0, Camera(60.0, 1.5), zoom=18)
 TRIANGLE = Polygon((((-89.90, 35.16), (-89.895, 35.16), (-89.895, 35.155)),))
-TILTED = Mission(
-    TRIANGLE, 120.0, tilt_deg=20.0, wind=Wind(5.0, 90.0, 0.2), accept_error=True, img_size=(64, 48, 3)
-)
+TILTED = Mission(TRIANGLE, 120.0, tilt_deg=20.0, wind=Wind(5.0, 90.0, 0.2), accept_error=True, img_size=(64, 48, 3))
 TURNED = Mission(BOX.area, 120.0, row_azimuth_deg=120.0, crosshatch=True, gsd_m_per_px=0.5, max_px=640)
 OVER_RELIEF = Mission(
     BOX.area,
@@ -62,9 +58,7 @@ AREAS = (
     {"type": "MultiPolygon", "coordinates": [[RING]]},
     {
         "type": "FeatureCollection",
-        "features": [
-            {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [RING]}}
-        ],
+        "features": [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [RING]}}],
     },
 )
 CONFIG = {
@@ -124,10 +118,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
                 worked_out.views.view(0)
             worked_out.views.outline(0)
             worked_out.relief.figures(worked_out.poses, worked_out.flown, worked_out.corners)
-        elif (
-            worked_out.frames.on_map
-            or worked_out.frames.width_px @ worked_out.frames.height_px <= MOST_TRACED_PX
-        ):
+        elif worked_out.frames.on_map or worked_out.frames.width_px @ worked_out.frames.height_px <= MOST_TRACED_PX:
             estimate(worked_out).lines()
 
     any_of(partial(on, grid) for grid in grids)
@@ -156,9 +147,7 @@ def coordinates(data: bytes) -> None:
 @st.composite
 def _coordinates(draw: Any) -> bytes:
     """Numbers that may be right, as people write them apart."""
-    number = (
-        st.floats(-200.0, 200.0) | st.integers(-90, 9000) | st.sampled_from((120.0, 1e-9, 1e9, 90, -90, 180))
-    )
+    number = st.floats(-200.0, 200.0) | st.integers(-90, 9000) | st.sampled_from((120.0, 1e-9, 1e9, 90, -90, 180))
     numbers = draw(st.lists(number, min_size=3, max_size=5))
     return draw(st.sampled_from(("_", ",", " ", ", "))).join(map(str, numbers)).encode()
 
@@ -194,13 +183,9 @@ def environment(given: dict[str, str]) -> None:
 def targets() -> Iterator[Target]:
     documents, numbers = altered(*DOCUMENTS), _extreme()
     texts = st.text(max_size=20) | mutated("0.5", "3 4", "64 48 3", "satellite").map(as_text)
-    names = st.sampled_from(
-        [option.name for option in OPTIONS if option.name not in ("coords", "area", "source")]
-    )
+    names = st.sampled_from([option.name for option in OPTIONS if option.name not in ("coords", "area", "source")])
     deep = b'{"a":' * 100_000
-    yield Target(
-        "mission file", mission_file, documents.map(as_json) | mutated(*map(as_json, DOCUMENTS)), (deep,)
-    )
+    yield Target("mission file", mission_file, documents.map(as_json) | mutated(*map(as_json, DOCUMENTS)), (deep,))
     yield Target("mission", mission_document, documents)
     yield Target("mission of extremes", work_out_extreme, numbers)
     yield Target(

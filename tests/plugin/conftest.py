@@ -138,9 +138,7 @@ def clean_project(iface: QgisInterface, first_project: None) -> Iterator[QgsProj
     from qgis.PyQt.QtWidgets import QDockWidget
 
     def open_panels() -> set[QDockWidget]:
-        panels = iface.mainWindow().findChildren(
-            QDockWidget, options=Qt.FindChildOption.FindDirectChildrenOnly
-        )
+        panels = iface.mainWindow().findChildren(QDockWidget, options=Qt.FindChildOption.FindDirectChildrenOnly)
         return {panel for panel in panels if panel.isVisible() and not panel.objectName().startswith(PLUGIN)}
 
     iface.messageBar().clearWidgets()

@@ -246,9 +246,7 @@ POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
         EVERYTHING,
         Mission(area=AREA, agl_m=120.0),
         EVERYTHING.with_(zoom=None, gsd_m_per_px=0.3, wind=None),
-        EVERYTHING.with_(
-            wind=Wind(3.0, 1.0, 0.1, EVERYTHING.imagery.seed), area=Box(1.0, 179.5, -1.0, -179.5)
-        ),
+        EVERYTHING.with_(wind=Wind(3.0, 1.0, 0.1, EVERYTHING.imagery.seed), area=Box(1.0, 179.5, -1.0, -179.5)),
         EVERYTHING.with_(area=POLYGON, source="https://example.org/{z}/{x}/{y}.png"),
         Mission(area=Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))), agl_m=100.0),
         Mission(area=Points(((10.0, 179.9, 100.0), (10.01, -179.9, 200.0))), agl_m=100.0),

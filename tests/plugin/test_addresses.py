@@ -123,9 +123,7 @@ def frame_map(desk, mission):
 
 
 @pytest.mark.parametrize("layout", ["folders", "shards"])
-def test_a_click_shows_the_image_that_is_at_an_address(
-    desk, viewing, server, folder, layout, tmp_path, screenshot
-):
+def test_a_click_shows_the_image_that_is_at_an_address(desk, viewing, server, folder, layout, tmp_path, screenshot):
     address = serve(server, laid_out(folder, layout, tmp_path))
     assert open_address(desk, f"{address}/") == ""
     assert captured(desk).featureCount() == 20
@@ -182,9 +180,7 @@ def test_a_dataset_in_s3_is_opened_with_the_credentials_of_awss_tools(
 
 @pytest.mark.parametrize("layout", ["folders", "shards"])
 @pytest.mark.parametrize("kind", ["map frames", "camera frames"])
-def test_a_fetched_image_is_laid_on_the_map(
-    desk, viewing, server, folder, tilted, layout, kind, tmp_path, screenshot
-):
+def test_a_fetched_image_is_laid_on_the_map(desk, viewing, server, folder, tilted, layout, kind, tmp_path, screenshot):
     source, mission = (folder, MISSION) if kind == "map frames" else (tilted, TILTED)
     open_address(desk, serve(server, laid_out(source, layout, tmp_path)))
     frame_map(desk, mission)
@@ -273,13 +269,9 @@ def _settings():
     return [f"{name}={settings.value(name)}" for name in settings.allKeys() if "TerrAInav" in name]
 
 
-@pytest.mark.parametrize(
-    "name", ["collection.json", "items.parquet", "satellite/meta_data.csv", "mission.json", ""]
-)
+@pytest.mark.parametrize("name", ["collection.json", "items.parquet", "satellite/meta_data.csv", "mission.json", ""])
 def test_the_address_of_a_file_in_a_dataset_stands_for_it(name):
-    assert DatasetAddress.parse(f" https://Host:8080/a/run/{name} ") == DatasetAddress(
-        "https://Host:8080/a/run"
-    )
+    assert DatasetAddress.parse(f" https://Host:8080/a/run/{name} ") == DatasetAddress("https://Host:8080/a/run")
     assert DatasetAddress.parse("s3://Bucket").name == "Bucket"
 
 
@@ -455,15 +447,11 @@ def test_one_table_of_all_images_is_preferred(desk, viewing, server, folder, lay
     assert asked == {"mission.json", "items.parquet"}
     copy = copy_folder(DatasetAddress.parse(address))
     assert not (copy / "items.parquet").exists()
-    ours, theirs = (
-        json.loads((one / "footprints.geojson").read_text("utf-8"))["features"] for one in (copy, folder)
-    )
+    ours, theirs = (json.loads((one / "footprints.geojson").read_text("utf-8"))["features"] for one in (copy, folder))
     assert [one["properties"] for one in ours] == [one["properties"] for one in theirs]
     for one, other in zip(ours, theirs):
         assert one["geometry"]["type"] == other["geometry"]["type"]
-        np.testing.assert_allclose(
-            one["geometry"]["coordinates"], other["geometry"]["coordinates"], rtol=0, atol=1e-12
-        )
+        np.testing.assert_allclose(one["geometry"]["coordinates"], other["geometry"]["coordinates"], rtol=0, atol=1e-12)
     frame_map(desk, MISSION)
     seen = look_at(desk, viewing, 9)
     original = folder / "satellite" / f"{seen.shot.name}.png"

@@ -84,9 +84,7 @@ def test_what_cannot_be_read_is_named_with_its_line(text, words):
         area_of_text(text, 50.0, "m")
 
 
-@pytest.mark.parametrize(
-    ("begin", "repeated", "end"), [("1", "_", "x"), ("", ", ", "1"), ("", "1", " x 3 4 5")]
-)
+@pytest.mark.parametrize(("begin", "repeated", "end"), [("1", "_", "x"), ("", ", ", "1"), ("", "1", " x 3 4 5")])
 def test_a_text_of_any_length_is_soon_refused(begin, repeated, end):
     def read(length):
         with pytest.raises(InvalidInput):

@@ -316,9 +316,7 @@ def test_selected_polygon_of_the_active_layer_is_planned_without_what_does_not_t
     desk.canvas.waitWhileRendering()
     screenshot("polygon-preview")
 
-    degrees = QgsGeometry.fromPolygonXY(
-        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
-    )
+    degrees = QgsGeometry.fromPolygonXY([[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings])
     assert len(kept) > 20
     assert all(degrees.intersects(frame) for frame in kept)
     # The plan of the box around it has more, and none of those left out touches the polygon.
@@ -440,9 +438,7 @@ def test_extent_of_a_layer_in_another_crs(desk, screenshot):
     screenshot("layer-dialog", dialog)
     accept(desk, dialog)
     to_degrees = Transformer.from_crs("EPSG:32616", "EPSG:4326", always_xy=True)
-    west, south, east, north = to_degrees.transform_bounds(
-        239_000, 3_890_000, 247_000, 3_896_000, densify_pts=999
-    )
+    west, south, east, north = to_degrees.transform_bounds(239_000, 3_890_000, 247_000, 3_896_000, densify_pts=999)
     expected = {"north": north, "west": west, "south": south, "east": east}
     shown = {name: float(edit.text()) for name, edit in desk.form.edges.items()}
     assert shown == pytest.approx(expected, abs=2e-7)
@@ -549,11 +545,7 @@ def test_points_with_attitude_and_time_by_the_usual_names_of_their_fields(desk, 
     dialog = dialog_of(desk)
     screenshot("points-with-attitude", dialog)
     accept(desk, dialog)
-    desk.wait(
-        lambda: (
-            "3 points, 100–120 m AGL, each with its yaw, tilt, roll and time" in desk.form.area.words.text()
-        )
-    )
+    desk.wait(lambda: "3 points, 100–120 m AGL, each with its yaw, tilt, roll and time" in desk.form.area.words.text())
     area = desk.wait_planned().mission.area
     assert area.poses == ((0.0, 1.001, 100.0), (0.0, 1.002, 110.0), (0.0, 1.0, 120.0))
     assert (area.yaws_deg, area.tilts_deg) == ((20.0, 30.0, 10.0), (30.0, -10.0, 0.0))
@@ -675,9 +667,7 @@ def test_line_is_flown_at_a_speed(desk, screenshot):
 
 
 def scale_of_utm(x, y):
-    factors = Proj("EPSG:32616").get_factors(
-        *Transformer.from_crs(32616, 4326, always_xy=True).transform(x, y)
-    )
+    factors = Proj("EPSG:32616").get_factors(*Transformer.from_crs(32616, 4326, always_xy=True).transform(x, y))
     return factors.meridional_scale
 
 

@@ -27,9 +27,7 @@ def layers(desk):
         corners = ", ".join(f"{lon} {lat}" for lon, lat in words)
         feature = QgsFeature()
         feature.setGeometry(
-            QgsGeometry.fromWkt(
-                f"LineString ({corners})" if kind == "LineString" else f"Polygon (({corners}))"
-            )
+            QgsGeometry.fromWkt(f"LineString ({corners})" if kind == "LineString" else f"Polygon (({corners}))")
         )
         layer.dataProvider().addFeatures([feature])
         layer.updateExtents()

@@ -88,9 +88,7 @@ LOCAL = {"origin_lat": 35.16, "origin_lon": -89.9, "origin_height": 20.0}
          ("--format", "euroc", "--body", "urf", *ORIGIN, "--agl", "91.44")),
     ], 2),
 )  # fmt: skip
-def test_poses_are_flown_as_the_command_reads_them(
-    desk, tmp_path, monkeypatch, screenshot, name, entered, options
-):
+def test_poses_are_flown_as_the_command_reads_them(desk, tmp_path, monkeypatch, screenshot, name, entered, options):
     path = write(tmp_path / name)
     table = tmp_path / "table.csv"
     assert main(["poses", "read", str(path), *options, "--output", str(table)]) == 0

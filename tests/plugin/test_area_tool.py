@@ -28,9 +28,7 @@ PLACES = [
     pytest.param("EPSG:3857", (-10_012_000, 4_176_000, -9_994_000, 4_190_000), MEMPHIS, id="web mercator"),
     pytest.param("EPSG:4326", (-89.95, 35.08, -89.77, 35.20), MEMPHIS, id="degrees"),
     pytest.param("EPSG:32616", (232_000, 3_885_000, 249_000, 3_898_000), MEMPHIS, id="utm"),
-    pytest.param(
-        "EPSG:3031", (-700_000, 700_000, 700_000, 1_900_000), Box(-76.0, -20.0, -80.0, 20.0), id="polar"
-    ),
+    pytest.param("EPSG:3031", (-700_000, 700_000, 700_000, 1_900_000), Box(-76.0, -20.0, -80.0, 20.0), id="polar"),
 ]
 
 
@@ -107,9 +105,7 @@ def test_the_box_ends_where_the_button_is_let_go(desk, told):
 
 
 @pytest.mark.parametrize(("crs", "extent", "box"), sampled(PLACES, 3))
-@pytest.mark.parametrize(
-    "grip", [("north",), ("west",), ("south",), ("east",), ("north", "west"), ("south", "east")]
-)
+@pytest.mark.parametrize("grip", [("north",), ("west",), ("south",), ("east",), ("north", "west"), ("south", "east")])
 def test_dragging_edges_and_corners(desk, crs, extent, box, grip):
     """An edge is caught anywhere along it: a quarter of the way, where in some CRSs it is no straight line."""
     look_and_switch_on(desk, crs, extent, box)
@@ -188,9 +184,7 @@ def test_arrow_keys_move_by_pixels_and_with_shift_by_ten(desk, crs, extent, box)
     QTest.keyClick(desk.canvas, Qt.Key.Key_Right)
     QTest.keyClick(desk.canvas, Qt.Key.Key_Up, SHIFT)
     there = shown_box(desk)
-    x1, y1 = to_map.transform(
-        (there.west_deg + there.east_deg) / 2.0, (there.north_deg + there.south_deg) / 2.0
-    )
+    x1, y1 = to_map.transform((there.west_deg + there.east_deg) / 2.0, (there.north_deg + there.south_deg) / 2.0)
     unit = desk.canvas.mapUnitsPerPixel()
     # Fields round to seven decimals: a hundredth of a pixel here at most.
     assert ((x1 - x0) / unit, (y1 - y0) / unit) == pytest.approx((1.0, 10.0), abs=0.02)
@@ -213,9 +207,7 @@ def test_box_goes_across_the_antimeridian(desk, screenshot):
     assert desk.message("west") == desk.message("east") == ""
     # On this map it lies at both ends; nothing is drawn across the world.
     area = next(band for band in bands(desk) if band.asGeometry().area() > 0.0).asGeometry()
-    parts = sorted(
-        (part.boundingBox() for part in area.asGeometryCollection()), key=lambda part: part.xMinimum()
-    )
+    parts = sorted((part.boundingBox() for part in area.asGeometryCollection()), key=lambda part: part.xMinimum())
     assert len(parts) == 2
     assert parts[0].xMinimum() == pytest.approx(-20_037_508.34, abs=1.0)
     assert parts[1].xMaximum() == pytest.approx(20_037_508.34, abs=1.0)
@@ -395,9 +387,7 @@ def test_dark_theme(desk, screenshot):
         desk.move(start + QPoint(-40, -30), held=LEFT)
         desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is not None)
         image = viewport.findChild(QLabel, "terrainav_readout").grab().toImage()
-        shades = [
-            image.pixelColor(x, y).lightness() for x in range(image.width()) for y in range(image.height())
-        ]
+        shades = [image.pixelColor(x, y).lightness() for x in range(image.width()) for y in range(image.height())]
         # Dark ground with light letters on it, whatever the map below is like.
         assert sum(shade < 64 for shade in shades) > len(shades) / 2
         assert max(shades) > 200

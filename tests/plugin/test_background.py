@@ -68,9 +68,7 @@ def follow_hint(desk):
             QTest.mouseMove(label, QPoint(x, y))
             QTest.qWait(1)
             if label.cursor().shape() == Qt.CursorShape.PointingHandCursor:
-                QTest.mouseClick(
-                    label, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, QPoint(x, y)
-                )
+                QTest.mouseClick(label, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, QPoint(x, y))
                 return
     pytest.fail("the hint has no link under the mouse")
 

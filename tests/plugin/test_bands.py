@@ -77,9 +77,7 @@ def test_images_and_mosaics_show_what_the_bands_have(data_type, bands, tmp_path)
     whole = gdal.Open(str(mosaic.path))
     assert {whole.GetRasterBand(1 + i).DataType for i in range(whole.RasterCount)} == {gdal.GDT_Byte}
     # A part of it is that image, as it is shown.
-    left, top = (
-        int(edge[1] - np.min(edge)) for edge in (worked_out.windows.left_px, worked_out.windows.top_px)
-    )
+    left, top = (int(edge[1] - np.min(edge)) for edge in (worked_out.windows.left_px, worked_out.windows.top_px))
     part = whole.ReadAsArray(left, top, opened.RasterXSize - 4, opened.RasterYSize - 4)
     assert np.abs(part[0].astype(float) - shown[: part.shape[1], : part.shape[2], 0]).max() <= 1.0
     smaller = whole.GetRasterBand(1).GetOverview(0).ReadAsArray()
@@ -104,9 +102,7 @@ def test_a_mosaic_says_what_the_stored_values_mean(data_type, tmp_path):
     band = whole.GetRasterBand(2)
     # Of more than 8 bits they are stretched, and no longer those that the scale is of.
     is_stored = data_type == "uint8"
-    assert ((band.GetScale() or 1.0), (band.GetOffset() or 0.0)) == (
-        (0.02, -5.5) if is_stored else (1.0, 0.0)
-    )
+    assert ((band.GetScale() or 1.0), (band.GetOffset() or 0.0)) == ((0.02, -5.5) if is_stored else (1.0, 0.0))
     assert band.GetUnitType() == ("<K>" if is_stored else "")
     assert whole.GetRasterBand(1).GetDescription() == ("red" if is_stored else "")
     assert whole.GetRasterBand(1).GetScale() in (None, 1.0)

@@ -85,8 +85,7 @@ def test_choices_and_defaults_are_those_of_the_core():
     assert tuple(judged.parameterDefinition("PART").options()) == tuple(PARTS)
     usual = BenchmarkSettings(MISSION, (AIR,), AIR)
     assert [
-        asked.parameterDefinition(name).defaultValue()
-        for name in ("POSITIVE", "SEMI_POSITIVE", "TILE_OVERLAP")
+        asked.parameterDefinition(name).defaultValue() for name in ("POSITIVE", "SEMI_POSITIVE", "TILE_OVERLAP")
     ] == [usual.positive_iou, usual.semi_positive_iou, 100.0 * usual.tile_overlap]
 
 
@@ -214,8 +213,7 @@ def test_a_baseline_finds_queries_of_the_reference_itself(made, tmp_path):
     assert found["WITHIN_5"] >= 0.5
     assert (tmp_path / "ncc" / "index.html").samefile(found["HTML"])
     assert any(
-        line.startswith("recall@1: all ") and "a right tile among the first 1" in line
-        for line in feedback.lines
+        line.startswith("recall@1: all ") and "a right tile among the first 1" in line for line in feedback.lines
     )
 
 
@@ -227,9 +225,7 @@ def without_matplotlib(monkeypatch):
 
 def test_without_matplotlib_there_are_figures_and_a_warning(made, tmp_path, without_matplotlib):
     feedback = Feedback()
-    found = run(
-        "scorebenchmark", feedback, BENCHMARK=str(made), METHOD="middle", FOLDER=str(tmp_path / "out")
-    )
+    found = run("scorebenchmark", feedback, BENCHMARK=str(made), METHOD="middle", FOLDER=str(tmp_path / "out"))
     assert feedback.warnings == ["The page has no diagrams: QGIS's Python lacks the package matplotlib."]
     assert found["MEDIAN_M"] > 0.0
     assert "<img" not in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
@@ -240,9 +236,7 @@ def test_answers_without_positions_have_figures_and_no_map(made, tmp_path):
     benchmark, path = Benchmark.read(made), tmp_path / "ranks.csv"
     path.write_text(f"query,references\n{benchmark.queries.id[0]},{benchmark.references.id[0]}\n")
     feedback = Feedback()
-    found = run(
-        "scorebenchmark", feedback, BENCHMARK=str(made), PREDICTIONS=str(path), FOLDER=str(tmp_path / "o")
-    )
+    found = run("scorebenchmark", feedback, BENCHMARK=str(made), PREDICTIONS=str(path), FOLDER=str(tmp_path / "o"))
     assert "ERRORS" not in found
     assert "RECALL_1" in found
     assert feedback.warnings == ["The answers have no positions: there are no errors to show on the map."]
@@ -379,13 +373,9 @@ def test_what_is_wrong_in_the_panel_is_said_first(desk):
     assert any("No benchmark yet." in text for text in desk.messages())
 
 
-def test_a_benchmark_that_is_made_is_offered_to_be_scored(
-    desk, made, tmp_path, without_matplotlib, screenshot
-):
+def test_a_benchmark_that_is_made_is_offered_to_be_scored(desk, made, tmp_path, without_matplotlib, screenshot):
     windows = desk.session.benchmarks
-    windows._made(
-        True, {"FOLDER": str(made), "MOSAIC": "m", "QUERY_COUNT": 12, "TILE_COUNT": 3456, "FAILED": 0}
-    )
+    windows._made(True, {"FOLDER": str(made), "MOSAIC": "m", "QUERY_COUNT": 12, "TILE_COUNT": 3456, "FAILED": 0})
     assert desk.messages() == ["core: 12 queries, and 3,456 tiles of the reference."]
     desk.click(desk.buttons_in_message_bar()["Score"])
     (dialog,) = windows.windows

@@ -97,9 +97,7 @@ def test_escape_while_dragging_gives_up_and_restores_the_tool(desk):
     assert desk.canvas.extent() == extent
 
 
-@pytest.mark.parametrize(
-    ("unit", "km", "km2"), [("m", "km", "km²"), ("ft", "mi", "sq mi")], ids=["metres", "feet"]
-)
+@pytest.mark.parametrize(("unit", "km", "km2"), [("m", "km", "km²"), ("ft", "mi", "sq mi")], ids=["metres", "feet"])
 def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot, unit, km, km2):
     """By another program's geodesics; in the unit of the heights, in the panel too."""
     desk.choose(desk.form.agl_unit, unit)

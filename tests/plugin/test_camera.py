@@ -30,9 +30,7 @@ def type_number(spin, text):
 # --- without widgets
 
 
-@pytest.mark.parametrize(
-    "modes", sampled([pytest.param(modes) for modes in itertools.permutations(FOV_MODES)], 6)
-)
+@pytest.mark.parametrize("modes", sampled([pytest.param(modes) for modes in itertools.permutations(FOV_MODES)], 6))
 def test_other_terms_never_change_the_camera(modes):
     state = FormState(fov_deg=73.123456789, aspect="1.2345678901234")
     for mode in (*modes, *modes):

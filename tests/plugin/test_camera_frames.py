@@ -159,9 +159,7 @@ def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     tilted.wait_previewed()
     features = list(tilted.layer("Planned images").getFeatures())
     assert [feature["name"] for feature in features] == planned.names
-    assert {(feature["yaw"], feature["tilt"], feature["horizon"]) for feature in features} == {
-        (30.0, 60.0, False)
-    }
+    assert {(feature["yaw"], feature["tilt"], feature["horizon"]) for feature in features} == {(30.0, 60.0, False)}
     capture(tilted)
 
     # Footprints, and a mosaic that is orthorectified.

@@ -149,9 +149,7 @@ def test_mosaic_lies_exactly_where_it_came_from(prepared):
         extent = QgsRectangle(*edges)
         own = encode_position(left + np.arange(width), top + np.arange(height))
         assert np.array_equal(drawn(prepared, mosaic, extent, width, height), own)
-        apart = np.subtract(
-            decode_position(drawn(prepared, tiles, extent, width, height)), decode_position(own)
-        )
+        apart = np.subtract(decode_position(drawn(prepared, tiles, extent, width, height)), decode_position(own))
         # Positions are counted modulo a number.
         assert np.abs((apart + MODULUS // 2) % MODULUS - MODULUS // 2).max() <= 1
 
@@ -232,9 +230,7 @@ def test_failed_images_are_named_and_the_others_written(prepared, server):
     failed = set(planned.names) - there
     assert planned.names[0] in failed
     assert 0 < len(failed) < 8
-    assert any(
-        f"{len(failed)} of {len(planned)} images could not be captured" in t for t in prepared.messages()
-    )
+    assert any(f"{len(failed)} of {len(planned)} images could not be captured" in t for t in prepared.messages())
     assert {"Details", "Capture only the failed ones"} <= set(prepared.buttons_in_message_bar())
     # What is there is on the map; where the failed image would be one sees through.
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))
@@ -389,9 +385,7 @@ def test_test_shot_is_one_image_on_the_map(prepared):
     # The frame stands about the click, its edges rounded to pixels.
     assert centre.x() == pytest.approx(point.x(), abs=1.0)
     assert centre.y() == pytest.approx(point.y(), abs=1.0)
-    to_degrees = QgsCoordinateTransform(
-        layer.crs(), QgsCoordinateReferenceSystem("EPSG:4326"), QgsProject.instance()
-    )
+    to_degrees = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem("EPSG:4326"), QgsProject.instance())
     lat = to_degrees.transform(centre).y()
     assert float(node.name().split()[2]) == pytest.approx(lat, abs=1e-4)
     # The map goes there, and nothing is written to the mission's folder.
@@ -494,7 +488,5 @@ def test_mission_across_the_antimeridian_has_a_mosaic_on_either_side(desk):
     west, east = (desk.layer(f"Satellite images, part {number}").extent() for number in (1, 2))
     assert half_world - 2000 < west.xMinimum() < half_world
     assert -half_world - 2000 < east.xMinimum() < east.xMaximum() < -half_world + 2000
-    named = sum(
-        (desk.folder / f"satellite_{number}.vrt").read_text().count("<ComplexSource>") for number in (1, 2)
-    )
+    named = sum((desk.folder / f"satellite_{number}.vrt").read_text().count("<ComplexSource>") for number in (1, 2))
     assert named == len(planned)

@@ -77,9 +77,7 @@ def marks_of(folder, map_type):
     from terrainav.core.dataset.table import Table
 
     table = Table.load(folder / map_type / "meta_data.csv")
-    return {
-        name for name, mark in zip(table.img_names, table.other.get("rejected", ("",) * len(table))) if mark
-    }
+    return {name for name, mark in zip(table.img_names, table.other.get("rejected", ("",) * len(table))) if mark}
 
 
 def type_bits(desk, panel, text):
@@ -131,9 +129,7 @@ def test_published_folders_without_entropies_are_worked_out(tmp_path):
     from tests.support.published import write_published
 
     for name in ("satellite_0", "roadmap_0"):
-        write_published(
-            tmp_path / "Memphis" / name, blank={(1, 0)} if "road" in name else (), entropies=False
-        )
+        write_published(tmp_path / "Memphis" / name, blank={(1, 0)} if "road" in name else (), entropies=False)
     found = read_entropies(tmp_path / "Memphis")
     assert set(found) == {"satellite_0", "roadmap_0"}
     for map_type, one in found.items():
@@ -302,9 +298,7 @@ def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
         chart.show_bits(bits, None)
         chart.show_threshold(2.1)
         image = chart.grab().toImage()
-        found = sum(
-            image.pixel(x, y) == REJECTED.rgb() for x in range(image.width()) for y in range(image.height())
-        )
+        found = sum(image.pixel(x, y) == REJECTED.rgb() for x in range(image.width()) for y in range(image.height()))
         assert found > 0, chart.objectName()
 
 
@@ -329,9 +323,7 @@ def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
         frame, metrics = chart.frame(), chart.fontMetrics()
         numbers = [(text, at) for text, at in drawn if text.replace(",", "").isdigit()]
         left = sorted(
-            at.y()
-            for _, at in numbers
-            if at.x() < frame.left and at.y() <= frame.bottom + metrics.ascent() / 2
+            at.y() for _, at in numbers if at.x() < frame.left and at.y() <= frame.bottom + metrics.ascent() / 2
         )
         assert len(left) >= 2
         assert np.diff(left).min() >= metrics.ascent()
@@ -387,9 +379,7 @@ def is_crossed(colour):
     return colour.alpha() > 0 and all(abs(one - other) <= 2 for one, other in parts)
 
 
-def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
-    desk, dataset, opened, screenshot
-):
+def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(desk, dataset, opened, screenshot):
     desk.session.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.session.missions.busy)
     desk.canvas.waitWhileRendering()
@@ -406,9 +396,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     extent = desk.canvas.mapSettings().visibleExtent()
     seen = 0
     for feature in layer.getFeatures():
-        centre = desk.canvas.mapSettings().layerToMapCoordinates(
-            layer, feature.geometry().centroid().asPoint()
-        )
+        centre = desk.canvas.mapSettings().layerToMapCoordinates(layer, feature.geometry().centroid().asPoint())
         x = int((centre.x() - extent.xMinimum()) / extent.width() * image.width())
         y = int((extent.yMaximum() - centre.y()) / extent.height() * image.height())
         if 0 < x < image.width() and 0 < y < image.height():
@@ -418,9 +406,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     assert seen > 50
 
     # With the map, in any projection.
-    desk.canvas.setExtent(
-        QgsRectangle(extent.center().x(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum())
-    )
+    desk.canvas.setExtent(QgsRectangle(extent.center().x(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()))
     desk.wait(lambda: not desk.session.datasets.busy)
     assert cleaning.marks.item.image != image
     QTest.mouseClick(panel.on_map, LEFT)
@@ -437,16 +423,12 @@ def test_crosses_follow_outlines_of_any_shape_and_projection():
 
     ring_x = [-89.9, -89.8, -89.8, -89.9, -89.9, 10.0, 10.1, 10.1, 10.0, 10.0]
     ring_y = [35.2, 35.2, 35.1, 35.1, 35.2, 50.1, 50.1, 50.0, 50.0, 50.1]
-    outlines = Outlines(
-        ("a", "b"), np.array(ring_x), np.array(ring_y), np.array([0, 5, 10]), np.array([0, 1])
-    )
+    outlines = Outlines(("a", "b"), np.array(ring_x), np.array(ring_y), np.array([0, 5, 10]), np.array([0, 1]))
     from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsPointXY
 
     target = QgsCoordinateReferenceSystem("EPSG:32616")
     there = outlines.projected(target.toWkt())
-    transform = QgsCoordinateTransform(
-        QgsCoordinateReferenceSystem("EPSG:4326"), target, QgsProject.instance()
-    )
+    transform = QgsCoordinateTransform(QgsCoordinateReferenceSystem("EPSG:4326"), target, QgsProject.instance())
     for index in range(5):
         place = transform.transform(QgsPointXY(ring_x[index], ring_y[index]))
         assert (there.x[index], there.y[index]) == pytest.approx((place.x(), place.y()), abs=1e-3)
@@ -775,11 +757,7 @@ def test_dark_theme(desk, dataset, opened, screenshot):
             panel.tabs.setCurrentIndex(number)
             desk.wait(chart.isVisible)
             image = chart.grab().toImage()
-            shades = [
-                image.pixelColor(x, y).lightness()
-                for x in range(image.width())
-                for y in range(image.height())
-            ]
+            shades = [image.pixelColor(x, y).lightness() for x in range(image.width()) for y in range(image.height())]
             assert np.median(shades) < 100
             assert sum(shade > 150 for shade in shades) > 200
             screenshot(f"entropy-dark-{number}", panel)

@@ -46,9 +46,7 @@ def test_maps_of_qgis_are_in_web_mercator(plugin):
     assert mission_grid(mission.with_(crs="EPSG:3857")) == mission_grid(mission)
     with pytest.raises(FormError) as refused:
         mission_grid(mission.with_(crs="EPSG:2056"))
-    assert refused.value.messages == {
-        "crs": "coordinate reference system EPSG:2056: this map of QGIS has EPSG:3857"
-    }
+    assert refused.value.messages == {"crs": "coordinate reference system EPSG:2056: this map of QGIS has EPSG:3857"}
 
 
 def test_tiles_of_another_system_are_no_background(plugin, monkeypatch):

@@ -23,9 +23,7 @@ def test_pasted_coordinates_fill_all_fields(desk):
     assert desk.wait_planned().summary.images > 1500
 
 
-@pytest.mark.parametrize(
-    "text", ["35.16 -89.90 35.115 -89.823", "35.16, \u221289.90, 35.115, \u221289.823, 80"]
-)
+@pytest.mark.parametrize("text", ["35.16 -89.90 35.115 -89.823", "35.16, \u221289.90, 35.115, \u221289.823, 80"])
 def test_other_spellings_are_understood(desk, text):
     desk.form.agl.setValue(80.0)
     desk.form.edges["north"].setText(text)

@@ -52,9 +52,7 @@ def test_capture_answers_at_once_and_is_not_begun_anew(desk, held, monkeypatch):
     desk.enter_coarse_mission()
     held.clear()
     asked, request = [], desk.session.planner.request
-    monkeypatch.setattr(
-        desk.session.planner, "request", lambda *given: (asked.append(given), request(*given))
-    )
+    monkeypatch.setattr(desk.session.planner, "request", lambda *given: (asked.append(given), request(*given)))
     for _ in range(2):
         desk.click(desk.dock.capture)
         assert desk.messages().count("Working out the plan…") == 1
@@ -71,9 +69,7 @@ def test_a_failure_that_is_mended_is_no_longer_said(desk):
         desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         plan = desk.wait_planned().plan
-        server.fail(
-            "404", (plan.zoom, int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256)
-        )
+        server.fail("404", (plan.zoom, int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256))
         desk.click(desk.dock.capture)
         desk.wait(lambda: bool(desk.session.runs.runs))
         desk.wait_for_run()

@@ -78,10 +78,7 @@ def test_coverage_is_that_of_the_area_outside_no_fly_areas():
     held_km2 = zone.area_m2() / 1e6
     assert lines["Coverage"].startswith(f"{int(summary.covered_share * 1e4) / 1e2:.2f} % of ")
     assert f" % of {35.03 - held_km2:.2f} km² outside no-fly areas; " in lines["Coverage"]
-    assert (
-        lines["No-fly areas"]
-        == f"Images left out: {summary.images_over_no_fly}; {held_km2:.3f} km² of the area"
-    )
+    assert lines["No-fly areas"] == f"Images left out: {summary.images_over_no_fly}; {held_km2:.3f} km² of the area"
 
 
 def test_the_mosaic_of_tilted_images_is_said_apart_from_the_time():
@@ -170,8 +167,6 @@ def test_no_advice_of_the_core_names_an_option_in_the_dock(option):
     assert "“" in said
 
 
-@pytest.mark.parametrize(
-    ("seconds", "text"), [(0.2, "1 s"), (89.4, "89 s"), (120.0, "2 min"), (7200.0, "2.0 h")]
-)
+@pytest.mark.parametrize(("seconds", "text"), [(0.2, "1 s"), (89.4, "89 s"), (120.0, "2 min"), (7200.0, "2.0 h")])
 def test_durations(seconds, text):
     assert duration_text(seconds) == text

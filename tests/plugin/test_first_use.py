@@ -171,9 +171,7 @@ def test_refusals_begin_with_their_reason_and_take_the_place_of_each_other(desk,
     desk.click(desk.dock.preview)
     desk.click(desk.dock.capture)
     ours = [item for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
-    assert [item.text() for item in ours] == [
-        "No area yet; draw a box or enter coordinates. Nothing to capture yet."
-    ]
+    assert [item.text() for item in ours] == ["No area yet; draw a box or enter coordinates. Nothing to capture yet."]
     # A long one is cut where a part of it ends, and the log has it whole.
     paste(desk, "60_-120_-60_120_1")
     desk.wait(lambda: "the limit is" in desk.dock.problem.text())

@@ -53,9 +53,7 @@ def write(folder, polygons, name="a [1, 2] name"):
 def bounds_by_json(folder):
     found = []
     for feature in json.loads((folder / FOOTPRINTS_FILE).read_text(encoding="utf-8"))["features"]:
-        corners = np.array(
-            [corner for polygon in polygon_rings(feature) for ring in polygon for corner in ring]
-        )
+        corners = np.array([corner for polygon in polygon_rings(feature) for ring in polygon for corner in ring])
         found.append([*corners.min(axis=0), *corners.max(axis=0)])
     return np.array(found)
 
@@ -82,15 +80,11 @@ def test_every_capture_is_found_below_itself(tmp_path, box):
     assert len(file) == len(made)
     for index in range(0, len(made), 7):
         lon = (made.lon_deg[index] + 180.0) % 360.0 - 180.0
-        found = [
-            file.read(number)["properties"]["name"] for number in file.covering(made.lat_deg[index], lon)
-        ]
+        found = [file.read(number)["properties"]["name"] for number in file.covering(made.lat_deg[index], lon)]
         assert made.names[index] in found
 
 
-@pytest.mark.parametrize(
-    "text", ["", "\n", "{}", "no json", '{"type": "Feature", "geometry": null}\n', "\x00" * 99]
-)
+@pytest.mark.parametrize("text", ["", "\n", "{}", "no json", '{"type": "Feature", "geometry": null}\n', "\x00" * 99])
 def test_what_is_no_file_of_footprints_is_one_line(tmp_path, text):
     (tmp_path / FOOTPRINTS_FILE).write_text(text)
     with pytest.raises(InvalidInput, match=r"footprints\.geojson: cannot be read") as caught:

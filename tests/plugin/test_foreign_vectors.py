@@ -32,9 +32,7 @@ from tests.plugin.test_project import choose_in_menu
 from tests.support.ranges import RangeServer
 from tests.support.shards import write_folders
 
-POINT = (
-    '{"type": "Feature", "properties": {"name": "1_1"}, "geometry": {"type": "Point", "coordinates": [1, 2]}}'
-)
+POINT = '{"type": "Feature", "properties": {"name": "1_1"}, "geometry": {"type": "Point", "coordinates": [1, 2]}}'
 # What a file called footprints.geojson may be instead, and the address that each names, or a file outside.
 DOCUMENTS = {
     "vrt": '<OGRVRTDataSource><OGRVRTLayer name="x"><SrcDataSource>/vsicurl/{url}/x.geojson</SrcDataSource>'
@@ -102,9 +100,7 @@ def open_folder(desk, monkeypatch, folder):
 
 
 @pytest.mark.parametrize("kind", DOCUMENTS)
-def test_what_is_no_footprints_is_refused_when_a_folder_is_opened(
-    desk, monkeypatch, folder, other, tmp_path, kind
-):
+def test_what_is_no_footprints_is_refused_when_a_folder_is_opened(desk, monkeypatch, folder, other, tmp_path, kind):
     (folder / "footprints.geojson").write_text(document(kind, other, tmp_path), "utf-8")
     open_folder(desk, monkeypatch, folder)
     (message,) = desk.messages()
@@ -220,9 +216,7 @@ def test_a_folder_that_says_it_is_a_copy_asks_no_address(desk, monkeypatch, fold
 
 
 def test_a_reason_in_the_journal_is_no_document(folder, other, tmp_path):
-    name = next(iter(json.loads((folder / "footprints.geojson").read_text("utf-8"))["features"]))[
-        "properties"
-    ]["name"]
+    name = next(iter(json.loads((folder / "footprints.geojson").read_text("utf-8"))["features"]))["properties"]["name"]
     line = {
         "map_type": "satellite",
         "name": name,

@@ -123,9 +123,7 @@ def test_a_date_of_a_mission_file_is_kept_where_its_source_may_have_dates(desk, 
     from terrainav.core.mission.mission import Mission
     from terrainav.terrainav_plugin.form.mission_form import mission, mission_state
 
-    there = Mission(
-        Box(35.16, -89.9, 35.115, -89.823), agl_m=120.0, source=source, date="2014" if dated else ""
-    )
+    there = Mission(Box(35.16, -89.9, 35.115, -89.823), agl_m=120.0, source=source, date="2014" if dated else "")
     desk.form.set_state(mission_state(there, str(desk.folder)))
     assert desk.form.date.isVisibleTo(desk.form) == dated
     assert mission(desk.session.state()) == there

@@ -45,9 +45,7 @@ def receivers(*senders):
     for sender in senders:
         meta = sender.metaObject()
         methods = [meta.method(index) for index in range(meta.methodCount())]
-        for name in {
-            bytes(m.name()).decode() for m in methods if m.methodType() == QMetaMethod.MethodType.Signal
-        }:
+        for name in {bytes(m.name()).decode() for m in methods if m.methodType() == QMetaMethod.MethodType.Signal}:
             signal = getattr(sender, name, None)
             if isinstance(signal, pyqtBoundSignal):
                 counts[f"{meta.className()}.{name}"] = sender.receivers(signal)
@@ -89,9 +87,7 @@ def census(iface):
         "docks": kinds(window.findChildren(QDockWidget)),
         "actions": kinds(window.findChildren(QAction)),
         "menu entries": Counter(
-            f"{menu.objectName()}: {action.text()}"
-            for menu in window.findChildren(QMenu)
-            for action in menu.actions()
+            f"{menu.objectName()}: {action.text()}" for menu in window.findChildren(QMenu) for action in menu.actions()
         ),
         "children of the main window": kinds(window.children()),
         "all objects below the main window": Counter(
@@ -222,9 +218,7 @@ def running():
     """Threads of Python, open files, timers and top windows, of which a plugin may leave some."""
     return {
         "threads": Counter(
-            thread.name
-            for thread in threading.enumerate()
-            if thread.name.startswith(("terrainav", "planner"))
+            thread.name for thread in threading.enumerate() if thread.name.startswith(("terrainav", "planner"))
         ),
         "files": Counter(
             str(path)
@@ -237,9 +231,7 @@ def running():
             if PLUGIN in widget.objectName().lower()
         ),
         "shortcuts": Counter(
-            action.objectName()
-            for action in QgsGui.shortcutsManager().listActions()
-            if PLUGIN in action.objectName()
+            action.objectName() for action in QgsGui.shortcutsManager().listActions() if PLUGIN in action.objectName()
         ),
     }
 
@@ -357,13 +349,9 @@ def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot)
         "",
         "[out](https://o.example/)",
     ]
-    (tmp_path / "docs" / "guide.md").write_text(
-        "\n".join([*lines, *("text\n" for _ in range(200))]), encoding="utf-8"
-    )
+    (tmp_path / "docs" / "guide.md").write_text("\n".join([*lines, *("text\n" for _ in range(200))]), encoding="utf-8")
     help_module.show_help("sources-and-keys")
-    (window,) = [
-        widget for widget in QApplication.topLevelWidgets() if widget.objectName() == "terrainav_guide"
-    ]
+    (window,) = [widget for widget in QApplication.topLevelWidgets() if widget.objectName() == "terrainav_guide"]
     qtbot.waitUntil(window.isVisible, timeout=PATIENCE_MS)
     assert "Sources and keys" in window.toPlainText()
     there_px = window.verticalScrollBar().value()

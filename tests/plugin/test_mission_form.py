@@ -48,17 +48,13 @@ def test_aspect_text_reads_back_exactly(ratio):
     assert parse_aspect(aspect_text(ratio)) == ratio
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(35.16, "35.16"), (-0.0, "0"), (100.0, "100"), (1.23456789, "1.2345679")]
-)
+@pytest.mark.parametrize(("value", "text"), [(35.16, "35.16"), (-0.0, "0"), (100.0, "100"), (1.23456789, "1.2345679")])
 def test_degrees_without_trailing_zeros(value, text):
     assert degrees_text(value) == text
 
 
 def test_mission_of_a_state_and_back():
-    state = replace(
-        GOOD, agl=150.0, overlap_along=0.6, map_types=("satellite", "terrain"), folder="/somewhere/x"
-    )
+    state = replace(GOOD, agl=150.0, overlap_along=0.6, map_types=("satellite", "terrain"), folder="/somewhere/x")
     there = mission(state)
     assert there.area == Box(35.16, -89.9, 35.115, -89.823)
     assert there.flight.overlap_along == 0.6
@@ -79,9 +75,7 @@ def test_every_wrong_field_is_named_at_once():
 
 
 def test_test_shot_is_one_picture_of_the_first_map_type():
-    there = single_shot(
-        replace(GOOD, north="", map_types=("roadmap", "terrain"), agl=100.0, agl_unit="ft"), 1.5, 2.5
-    )
+    there = single_shot(replace(GOOD, north="", map_types=("roadmap", "terrain"), agl=100.0, agl_unit="ft"), 1.5, 2.5)
     assert there.kind == "single"
     assert there.imagery.map_types == ("roadmap",)
     assert there.area.poses == ((1.5, 2.5, 100.0 * 0.3048),)

@@ -53,9 +53,7 @@ def window(desk, iface):
 
 
 def test_the_panel_has_the_letters_that_are_free(desk):
-    assert {
-        widget.text().replace("&", ""): letter for letter, widget in underlined(desk.dock).items()
-    } == IN_THE_PANEL
+    assert {widget.text().replace("&", ""): letter for letter, widget in underlined(desk.dock).items()} == IN_THE_PANEL
 
 
 @pytest.mark.parametrize("name", sorted(set(IN_THE_PANEL) - {"Draw box", "Area from"}))
@@ -92,9 +90,7 @@ def test_letters_of_menus_still_open_them(desk, window, iface):
 
 def test_other_panels_have_free_letters_too(desk, iface):
     menus = iface.mainWindow().menuBar()
-    taken = {
-        mnemonic_key(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()
-    }
+    taken = {mnemonic_key(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
     desk.session.datasets.open()
     panel = desk.session.datasets.window
     try:

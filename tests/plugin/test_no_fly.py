@@ -101,8 +101,7 @@ def test_no_images_are_planned_over_no_fly_areas(desk):
     assert 0 < len(plan) < count
     ring = QgsGeometry.fromWkt(f"Polygon (({', '.join(f'{x} {y}' for x, y in (*RING, RING[0]))}))")
     assert not any(
-        ring.contains(QgsGeometry.fromWkt(f"Point ({lon} {lat})"))
-        for lat, lon in zip(plan.lat_deg, plan.lon_deg)
+        ring.contains(QgsGeometry.fromWkt(f"Point ({lon} {lat})")) for lat, lon in zip(plan.lat_deg, plan.lon_deg)
     )
 
 
@@ -309,9 +308,7 @@ def add_layer(name):
 
 @pytest.mark.parametrize("way", ["typed", "pasted", "layer", "extent", "undo"])
 def test_the_map_goes_to_an_area_that_is_out_of_sight(desk, way, qapp):
-    layer = layer_of(
-        "Polygon", "EPSG:4326", ["Polygon ((-89.87 35.13, -89.86 35.13, -89.86 35.14, -89.87 35.13))"]
-    )
+    layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((-89.87 35.13, -89.86 35.13, -89.86 35.14, -89.87 35.13))"])
     desk.iface.setActiveLayer(layer)
     desk.look_at("EPSG:4326", (10.0, 50.0, 10.1, 50.1))
     if way == "typed":

@@ -181,9 +181,7 @@ def test_preview_in_a_project_of_another_crs(desk, tmp_path, map_crs):
         desk.wait(lambda: not desk.session.preview.busy)
         drawing = desk.session.preview.drawing
         assert drawing.layers["footprints"] or drawing.layers["density"]
-    desk.look_at(
-        map_crs, edges_of(QgsGeometry.fromRect(there.transformBoundingBox(QgsRectangle(5e5, 0, 6e5, 1e5))))
-    )
+    desk.look_at(map_crs, edges_of(QgsGeometry.fromRect(there.transformBoundingBox(QgsRectangle(5e5, 0, 6e5, 1e5)))))
     desk.wait(lambda: not desk.session.preview.busy)
     assert not desk.session.preview.drawing.layers["density"]
 
@@ -219,9 +217,7 @@ def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path)
     layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(tmp_path / "ortho.tif"), "ortho", "gdal"))
     renderer = QgsSingleBandGrayRenderer(layer.dataProvider(), 2)
     stretch = QgsContrastEnhancement(layer.dataProvider().dataType(2))
-    stretch.setContrastEnhancementAlgorithm(
-        QgsContrastEnhancement.ContrastEnhancementAlgorithm.StretchToMinimumMaximum
-    )
+    stretch.setContrastEnhancementAlgorithm(QgsContrastEnhancement.ContrastEnhancementAlgorithm.StretchToMinimumMaximum)
     stretch.setMinimumValue(0.0)
     stretch.setMaximumValue(127.5)
     renderer.setContrastEnhancement(stretch)
@@ -292,9 +288,7 @@ def test_dataset_whose_crs_no_thread_has_read_is_opened_at_its_place(desk, tmp_p
         desk.wait_for_tasks()
         layer = desk.layer("Satellite images")
         assert layer.crs().authid() == "EPSG:3413"
-        there = QgsCoordinateTransform(
-            layer.crs(), QgsCoordinateReferenceSystem("EPSG:4326"), QgsProject.instance()
-        )
+        there = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem("EPSG:4326"), QgsProject.instance())
         middle = there.transform(layer.extent().center())
         assert (middle.x(), middle.y()) == pytest.approx((10.0, 88.0), abs=0.01)
 
@@ -319,10 +313,7 @@ def test_algorithms_give_layers_in_the_raster_s_crs(plugin, tmp_path, place):
     assert made["WRITTEN"] == len(mission.area.poses)
     for name in wanted:
         assert found[name].crs().authid() == crs
-    edges = {
-        path.stem: gdal.Open(str(path)).GetGeoTransform()
-        for path in (tmp_path / "out").glob("satellite/*.tif")
-    }
+    edges = {path.stem: gdal.Open(str(path)).GetGeoTransform() for path in (tmp_path / "out").glob("satellite/*.tif")}
     for feature in found["FOOTPRINTS"].getFeatures():
         west, _, _, north, _, _ = edges[feature["name"]]
         box = feature.geometry().boundingBox()
@@ -331,9 +322,7 @@ def test_algorithms_give_layers_in_the_raster_s_crs(plugin, tmp_path, place):
     to_crs = pyproj.Transformer.from_crs(4326, place[0], always_xy=True)
     for feature in found["CAPTURES"].getFeatures():
         at = feature.geometry().asPoint()
-        assert (at.x(), at.y()) == pytest.approx(
-            to_crs.transform(feature["lon_deg"], feature["lat_deg"]), abs=1e-6
-        )
+        assert (at.x(), at.y()) == pytest.approx(to_crs.transform(feature["lon_deg"], feature["lat_deg"]), abs=1e-6)
     (line,) = found["FLIGHT"].getFeatures()
     # Scale of the projection: a few parts in ten thousand in UTM, 3 % at the pole.
     assert line.geometry().length() == pytest.approx(line["length_m"], rel=0.035)
@@ -482,9 +471,7 @@ def test_viewer_finds_and_outlines_the_image_that_holds_the_pole(desk, tmp_path)
     footprints = desk.layer("Captured images")
     (feature,) = (feature for feature in footprints.getFeatures() if feature["name"] == held)
     assert len(feature.geometry().asGeometryCollection()) == 1
-    there = QgsCoordinateTransform(
-        footprints.crs(), QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance()
-    )
+    there = QgsCoordinateTransform(footprints.crs(), QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance())
     edges = seen_edges(feature.geometry())
     assert edges.transform(there) == 0
     west, south, east, north = (float(edge[planned.names.index(held)]) for edge in planned.edges)

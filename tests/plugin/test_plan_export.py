@@ -142,9 +142,7 @@ def test_a_file_that_the_dialog_did_not_ask_for_is_not_replaced_unasked(
 
 
 @pytest.mark.parametrize("replaced", [True, False])
-def test_parts_of_a_flight_replace_files_only_when_the_user_says_so(
-    desk, tmp_path, choose_file, monkeypatch, replaced
-):
+def test_parts_of_a_flight_replace_files_only_when_the_user_says_so(desk, tmp_path, choose_file, monkeypatch, replaced):
     desk.enter_small_mission()
     route = desk.form.route
     route.takeoff.setText("35.1353, -89.8715")
@@ -217,16 +215,12 @@ def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):
     assert "\n" not in ours[0]
 
 
-def test_a_flight_too_near_to_the_relief_is_refused_beside_its_entry(
-    desk, tmp_path, choose_file, monkeypatch
-):
+def test_a_flight_too_near_to_the_relief_is_refused_beside_its_entry(desk, tmp_path, choose_file, monkeypatch):
     from terrainav.core.errors import InvalidInput
     from terrainav.core.mission import export as exports
 
     def write_plan(_plan, path, **_how):
-        raise InvalidInput(
-            "{0}: comes 3.00 m short at latitude 38.8, longitude -77.1", path.name, field="clearance_m"
-        )
+        raise InvalidInput("{0}: comes 3.00 m short at latitude 38.8, longitude -77.1", path.name, field="clearance_m")
 
     desk.enter_small_mission()
     desk.wait_planned()

@@ -166,8 +166,7 @@ def test_corners_are_taken_back_and_drawing_is_given_up(desk, tool):
     click(desk, KITE[3])
     press_key(desk, Qt.Key.Key_Return)
     assert (
-        on_map(desk, MERCATOR[0], area_of(desk)).hausdorffDistance(clicked(desk, KITE))
-        < desk.canvas.mapUnitsPerPixel()
+        on_map(desk, MERCATOR[0], area_of(desk)).hausdorffDistance(clicked(desk, KITE)) < desk.canvas.mapUnitsPerPixel()
     )
     desk.click(desk.form.area.undo)
     assert desk.session.state() == state
@@ -276,9 +275,7 @@ def test_a_corner_follows_the_pointer(desk, crs, extent):
     there = on_map(desk, crs, area_of(desk))
     expected = clicked(desk, (KITE[0], (0.75, 0.15), *KITE[2:]))
     # Edges of the new corner are straight in degrees now, which in polar maps bends them.
-    corner = QgsGeometry.fromPointXY(
-        desk.canvas.getCoordinateTransform().toMapCoordinates(desk.at(0.75, 0.15))
-    )
+    corner = QgsGeometry.fromPointXY(desk.canvas.getCoordinateTransform().toMapCoordinates(desk.at(0.75, 0.15)))
     distances = [QgsGeometry.fromPointXY(QgsPointXY(at)).distance(corner) for at in there.asPolygon()[0]]
     assert min(distances) < 0.01 * desk.canvas.mapUnitsPerPixel()
     if crs != "EPSG:3031":
@@ -313,9 +310,7 @@ def test_a_corner_is_removed(desk, way):
         desk.wait(lambda: desk.canvas.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor)
         press_key(desk, Qt.Key.Key_Delete if way == "delete" else Qt.Key.Key_Backspace)
     expected = clicked(desk, (KITE[0], *KITE[2:], (0.15, 0.5)))
-    assert (
-        on_map(desk, MERCATOR[0], area_of(desk)).hausdorffDistance(expected) < desk.canvas.mapUnitsPerPixel()
-    )
+    assert on_map(desk, MERCATOR[0], area_of(desk)).hausdorffDistance(expected) < desk.canvas.mapUnitsPerPixel()
     assert desk.form.area.undo.toolTip() == "Undo: remove a corner (Ctrl+Z)"
     click(desk, KITE[0], button=RIGHT)
     three = area_of(desk)
@@ -379,10 +374,7 @@ def test_a_hole_is_cut_and_removed(desk, screenshot):
     desk.drag(desk.at(*INSIDE[2]), desk.at(0.5, 0.65))
     assert on_map(desk, crs, area_of(desk)).area() < there.area()
     menu_at(desk, (0.48, 0.45))["remove_hole"].trigger()
-    assert (
-        on_map(desk, crs, area_of(desk)).hausdorffDistance(clicked(desk, KITE))
-        < desk.canvas.mapUnitsPerPixel()
-    )
+    assert on_map(desk, crs, area_of(desk)).hausdorffDistance(clicked(desk, KITE)) < desk.canvas.mapUnitsPerPixel()
     for _ in range(2):
         desk.click(desk.form.area.undo)
     assert on_map(desk, crs, area_of(desk)).symDifference(there).area() < 1e-6 * there.area()

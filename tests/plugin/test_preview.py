@@ -94,9 +94,7 @@ def test_preview_follows_a_box_drawn_anew(previewed):
         box.south_deg,
         box.east_deg,
     ]
-    west, north = Transformer.from_crs("EPSG:4326", "EPSG:3857", always_xy=True).transform(
-        box.west_deg, box.north_deg
-    )
+    west, north = Transformer.from_crs("EPSG:4326", "EPSG:3857", always_xy=True).transform(box.west_deg, box.north_deg)
     drawn = area.geometry().boundingBox()
     assert (drawn.xMinimum(), drawn.yMaximum()) == pytest.approx((west, north), abs=1e-6)
 

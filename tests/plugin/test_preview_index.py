@@ -36,9 +36,7 @@ def boxes():
 
 def turned(boxes):
     """Every rectangle at each of its places on a world that repeats itself."""
-    return [
-        (boxes.west + shift, boxes.south, boxes.east + shift, boxes.north) for shift in (-WORLD_M, 0, WORLD_M)
-    ]
+    return [(boxes.west + shift, boxes.south, boxes.east + shift, boxes.north) for shift in (-WORLD_M, 0, WORLD_M)]
 
 
 @pytest.mark.parametrize("rect", RECTS)

@@ -141,9 +141,7 @@ class Map:
 
     def in_view(self):
         """Captures whose centre the map shows, by QGIS's own transformation."""
-        back = QgsCoordinateTransform(
-            QgsCoordinateReferenceSystem("EPSG:4326"), self.project.crs(), self.project
-        )
+        back = QgsCoordinateTransform(QgsCoordinateReferenceSystem("EPSG:4326"), self.project.crs(), self.project)
         extent = self.canvas.mapSettings().visibleExtent()
         lon = np.mod(self.plan.lon_deg + 180.0, 360.0) - 180.0
         found = []
@@ -314,9 +312,7 @@ def test_far_points_are_drawn_where_they_are_large_enough(map_):
 def test_images_in_view_are_drawn_in_any_crs(map_, crs, area):
     target = QgsCoordinateReferenceSystem(crs)
     there = QgsCoordinateTransform(QgsCoordinateReferenceSystem("EPSG:4326"), target, map_.project)
-    middle = there.transform(
-        QgsPointXY((area.west_deg + area.continuous_east_deg) / 2.0, area.north_deg - 0.05)
-    )
+    middle = there.transform(QgsPointXY((area.west_deg + area.continuous_east_deg) / 2.0, area.north_deg - 0.05))
     size = 2000.0
     if target.isGeographic():
         size /= 111_000.0
@@ -327,9 +323,7 @@ def test_images_in_view_are_drawn_in_any_crs(map_, crs, area):
     assert map_.counts()["footprints"] <= MOST_DRAWN
 
 
-@pytest.mark.parametrize(
-    "crs", ["EPSG:3857", "EPSG:4326", "EPSG:3832", "EPSG:3995", "EPSG:8857", "EPSG:32616"]
-)
+@pytest.mark.parametrize("crs", ["EPSG:3857", "EPSG:4326", "EPSG:3832", "EPSG:3995", "EPSG:8857", "EPSG:32616"])
 def test_views_larger_than_the_world_show_the_mission(map_, crs):
     map_.show(MIDDLE, crs)
     map_.wheel(-30)
@@ -589,9 +583,7 @@ def test_ground_is_seen_below_hundreds_of_footprints(map_, screenshot, changes, 
     )
     west, south, east, north = boxes.T
     x, y = (west + east) / 2.0, (south + north) / 2.0
-    over = ((west[:, None] <= x) & (x <= east[:, None]) & (south[:, None] <= y) & (y <= north[:, None])).sum(
-        axis=0
-    )
+    over = ((west[:, None] <= x) & (x <= east[:, None]) & (south[:, None] <= y) & (y <= north[:, None])).sum(axis=0)
     crowd = np.array([feature["crowd"] for feature in map_.layer("footprints").getFeatures()])
     # Rectangles are taken a hundredth wider where edges may bulge.
     assert (np.abs(crowd - over) <= 0.1 * over + 2).all()
@@ -741,9 +733,7 @@ def test_change_under_a_running_drawing_comes_to_the_map(map_, held_up, monkeypa
 def test_styles_outlive_their_layers(map_, iface, monkeypatch, way):
     """QGIS ends where a drawing begins to copy the expressions of a style of which nobody holds another copy."""
     kept = []
-    monkeypatch.setattr(
-        preview.QTimer, "singleShot", lambda wait_ms, clear: kept.append((wait_ms, clear.__self__))
-    )
+    monkeypatch.setattr(preview.QTimer, "singleShot", lambda wait_ms, clear: kept.append((wait_ms, clear.__self__)))
     map_.show(SMALL)
     layer = map_.layer("footprints")
     wanted = expressions(layer.renderer())

@@ -164,18 +164,14 @@ def test_it_is_registered_with_help_for_everything(provider):
         assert len(algorithm.tags()) > 3
         assert algorithm.helpUrl().startswith("https://")
         # Those that Processing itself asks for, layers and files to be written, explain themselves.
-        without = [
-            p.name() for p in algorithm.parameterDefinitions() if not p.help() and not p.isDestination()
-        ]
+        without = [p.name() for p in algorithm.parameterDefinitions() if not p.help() and not p.isDestination()]
         assert without == []
         assert not algorithm.flags() & algorithm.Flag.FlagNoThreading
 
 
 def test_packages_that_are_missing_are_named(provider, monkeypatch):
     there = packages.find_spec
-    monkeypatch.setattr(
-        packages, "find_spec", lambda name: None if name in ("PIL", "matplotlib") else there(name)
-    )
+    monkeypatch.setattr(packages, "find_spec", lambda name: None if name in ("PIL", "matplotlib") else there(name))
     report, of_plan = (provider.algorithm(name).canExecute() for name in ("accuracyreport", "plan"))
     assert report == (False, "TerrAInav needs Python packages that this QGIS lacks: Pillow, matplotlib.")
     assert of_plan == (False, "TerrAInav needs Python packages that this QGIS lacks: Pillow.")
@@ -217,9 +213,7 @@ def test_an_empty_output_is_not_asked_for(tmp_path, empty):
 
 
 def test_plan_gives_what_the_core_plans(tmp_path):
-    mission = Mission(
-        BOX, 200.0, overlap_along=0.2, overlap_across=0.1, facing="north", start="2024-06-21T10:30:00Z"
-    )
+    mission = Mission(BOX, 200.0, overlap_along=0.2, overlap_across=0.1, facing="north", start="2024-06-21T10:30:00Z")
     expected = planned(mission)
     feedback = Feedback()
     results = run(
@@ -262,9 +256,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
         round(1000.0 * seconds) for seconds in expected.times_s.tolist()
     ]
     points = [feature.geometry().asPoint() for feature in features_of(results["CAPTURES"])]
-    np.testing.assert_allclose(
-        [point.x() for point in points], expected.lon_deg / 180.0 * HALF_WORLD_M, rtol=1e-12
-    )
+    np.testing.assert_allclose([point.x() for point in points], expected.lon_deg / 180.0 * HALF_WORLD_M, rtol=1e-12)
     (line,) = features_of(results["FLIGHT"])
     assert line["length_m"] == expected.direct.distance_m
     assert line.geometry().constGet().vertexCount() == len(expected)
@@ -285,9 +277,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
 def test_a_polygon_with_a_hole_in_any_crs_is_the_same_area():
     ring = ((-89.90, 35.16), (-89.89, 35.16), (-89.89, 35.15), (-89.897, 35.152))
     hole = ((-89.895, 35.157), (-89.893, 35.157), (-89.893, 35.155))
-    text = ", ".join(
-        "({})".format(", ".join(f"{lon} {lat}" for lon, lat in (*part, part[0]))) for part in (ring, hole)
-    )
+    text = ", ".join("({})".format(", ".join(f"{lon} {lat}" for lon, lat in (*part, part[0]))) for part in (ring, hole))
     expected = planned(Mission(Polygon((ring, hole)), 150.0))
     geographic = memory_layer("Polygon", "EPSG:4326", [f"Polygon ({text})"])
     results = run("plan", AREA=geographic, AGL=150, FOOTPRINTS="memory:")
@@ -326,9 +316,7 @@ def test_points_with_heights_and_yaws():
 
 
 def test_poses_along_a_line_are_an_area_with_attitudes_and_times():
-    layer = memory_layer(
-        "LineString", "EPSG:4326", ["LineString (-89.9 35.15, -89.9 35.154, -89.896 35.154)"]
-    )
+    layer = memory_layer("LineString", "EPSG:4326", ["LineString (-89.9 35.15, -89.9 35.154, -89.896 35.154)"])
     log = Feedback()
     made = run(
         *("posesalongline", log),
@@ -407,9 +395,7 @@ def test_a_tilt_is_said_once():
     layer = memory_layer("Point", "EPSG:4326", ["Point (0 0)"], "&field=a:double", [(-90.0,)])
     said = refusal("plan", AREA=layer, TILT_FIELD="a", GIMBAL_PITCH_FIELD="a", FOOTPRINTS="memory:")
     assert said.endswith("needs one of the two")
-    found = features_of(
-        run("plan", AREA=layer, GIMBAL_PITCH_FIELD="a", TILT=9, FOOTPRINTS="memory:")["FOOTPRINTS"]
-    )
+    found = features_of(run("plan", AREA=layer, GIMBAL_PITCH_FIELD="a", TILT=9, FOOTPRINTS="memory:")["FOOTPRINTS"])
     assert [feature["tilt_deg"] for feature in found] == [0.0]
 
 
@@ -553,9 +539,9 @@ def test_separate_polygons_are_one_flight_and_those_that_touch_one_polygon(crs):
     if crs != "EPSG:4326":
         import processing
 
-        layer = processing.run(
-            "native:reprojectlayer", {"INPUT": layer, "TARGET_CRS": crs, "OUTPUT": "memory:"}
-        )["OUTPUT"]
+        layer = processing.run("native:reprojectlayer", {"INPUT": layer, "TARGET_CRS": crs, "OUTPUT": "memory:"})[
+            "OUTPUT"
+        ]
     found = features_of(run("plan", AREA=layer, AGL=120, FOOTPRINTS="memory:")["FOOTPRINTS"])
     squares = [QgsGeometry.fromWkt(wkt) for wkt in SQUARES]
     systems = (QgsCoordinateReferenceSystem(code) for code in ("EPSG:4326", "EPSG:3857"))
@@ -594,11 +580,7 @@ def test_images_over_a_layer_of_no_fly_areas_are_left_out():
     whole = features_of(run("plan", **asked)["FOOTPRINTS"])
     left = features_of(run("plan", NO_FLY=no_fly, **asked)["FOOTPRINTS"])
     inside = QgsGeometry.fromWkt(forbidden)
-    out = [
-        one
-        for one in whole
-        if inside.contains(QgsGeometry.fromPointXY(QgsPointXY(one["lon_deg"], one["lat_deg"])))
-    ]
+    out = [one for one in whole if inside.contains(QgsGeometry.fromPointXY(QgsPointXY(one["lon_deg"], one["lat_deg"])))]
     assert out
     assert len(left) == len(whole) - len(out)
     assert {(one["column"], one["row"]) for one in left} == {(one["column"], one["row"]) for one in whole} - {
@@ -610,9 +592,7 @@ def test_layers_without_polygons_are_no_areas():
     line = memory_layer("LineString", "EPSG:4326", ["LineString (0 0, 1 1)"])
     assert "has no polygons" in refusal("plan", AREA=line, FOOTPRINTS="memory:")
     whole = memory_layer("Polygon", "EPSG:4326", [SQUARES[0]])
-    assert "images lie over no-fly areas" in refusal(
-        "plan", AREA=whole, NO_FLY=whole, AGL=120, FOOTPRINTS="memory:"
-    )
+    assert "images lie over no-fly areas" in refusal("plan", AREA=whole, NO_FLY=whole, AGL=120, FOOTPRINTS="memory:")
 
 
 BOW = "Polygon ((465250 5247000, 465450 5247200, 465450 5247000, 465250 5247200, 465250 5247000))"
@@ -708,9 +688,7 @@ def test_results_of_a_capture_are_added_to_the_project_where_that_is_wanted(serv
     results, done = algorithm.run(parameters, context, QgsProcessingFeedback())
     assert done
     wanted = {details.name: path for path, details in context.layersToLoadOnCompletion().items()}
-    assert wanted == (
-        {"Captured images": results["FOOTPRINTS"], "Satellite images": results["MOSAIC"]} if load else {}
-    )
+    assert wanted == ({"Captured images": results["FOOTPRINTS"], "Satellite images": results["MOSAIC"]} if load else {})
 
 
 @pytest.mark.parametrize("beside", [False, True])
@@ -877,9 +855,7 @@ def test_the_report_is_a_page(tmp_path):
 
 def test_a_batch(tmp_path):
     heights = (100, 150, 300)
-    results = [
-        run("plan", EXTENT=EXTENT, AGL=agl, FOOTPRINTS=str(tmp_path / f"{agl}.gpkg")) for agl in heights
-    ]
+    results = [run("plan", EXTENT=EXTENT, AGL=agl, FOOTPRINTS=str(tmp_path / f"{agl}.gpkg")) for agl in heights]
     counts = [len(features_of(str(tmp_path / f"{agl}.gpkg"))) for agl in heights]
     assert counts == [result["IMAGES"] for result in results] == sorted(counts, reverse=True)
 
@@ -887,9 +863,7 @@ def test_a_batch(tmp_path):
 def test_in_a_model(tmp_path, qtbot):
     """The plan's mission file is captured, and its footprints are dissolved."""
     model = QgsProcessingModelAlgorithm("plan, capture and dissolve", "tests")
-    model.addModelParameter(
-        QgsProcessingParameterExtent("where", "Where"), QgsProcessingModelParameter("where")
-    )
+    model.addModelParameter(QgsProcessingParameterExtent("where", "Where"), QgsProcessingModelParameter("where"))
     source = QgsProcessingModelChildParameterSource
 
     def child(name, algorithm, **sources):
@@ -898,9 +872,7 @@ def test_in_a_model(tmp_path, qtbot):
         for definition in one.algorithm().parameterDefinitions():
             # As the model designer fills them in.
             usual = source.fromStaticValue(definition.defaultValue())
-            if definition.name() in sources or not (
-                definition.isDestination() or definition.defaultValue() is None
-            ):
+            if definition.name() in sources or not (definition.isDestination() or definition.defaultValue() is None):
                 one.addParameterSources(definition.name(), [sources.get(definition.name(), usual)])
         model.addChildAlgorithm(one)
 
@@ -1002,9 +974,7 @@ def test_what_qgis_reads_as_something_else_is_refused(name, value, said):
     [("", "has no CRS"), ("IAU_2015:49900", "of the Earth"), ("IAU_2015:30100", "of the Earth")],
 )
 def test_layers_of_no_crs_or_of_another_planet_are_refused(crs, said):
-    polygon = memory_layer(
-        "Polygon", crs, ["Polygon ((-89.9 35.15, -89.89 35.15, -89.89 35.16, -89.9 35.15))"]
-    )
+    polygon = memory_layer("Polygon", crs, ["Polygon ((-89.9 35.15, -89.89 35.15, -89.89 35.16, -89.9 35.15))"])
     line = memory_layer("LineString", crs, ["LineString (-89.9 35.15, -89.89 35.15)"])
     point = memory_layer("Point", crs, ["Point (-89.9 35.15)"])
     for layer in (polygon, point):

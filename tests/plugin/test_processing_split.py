@@ -31,9 +31,7 @@ class Feedback(QgsProcessingFeedback):
 def dataset(plugin, tmp_path):
     """Folder of 40 images on a row that crosses from one UTM zone into the next."""
     border_px = round(((-90.0 + 180.0) / 360.0) * 256 * 2**19)
-    return dataset_of(
-        tmp_path / "out", 19, [(border_px + 10 * (i - 25), 53_000_000, 10, 10) for i in range(40)]
-    )
+    return dataset_of(tmp_path / "out", 19, [(border_px + 10 * (i - 25), 53_000_000, 10, 10) for i in range(40)])
 
 
 def run(feedback=None, **parameters):

@@ -123,9 +123,7 @@ def test_plan(terminal, tmp_path):
 
 def listed(help_text, name):
     """Values of a choice, as the help of an algorithm lists them: numbers and texts."""
-    about = re.search(
-        rf"^{name}: .*?^\tAvailable values:\n((?:\t\t- [^\n]*\n)+)", help_text, re.MULTILINE | re.DOTALL
-    )
+    about = re.search(rf"^{name}: .*?^\tAvailable values:\n((?:\t\t- [^\n]*\n)+)", help_text, re.MULTILINE | re.DOTALL)
     return re.findall(r"^\t\t- (\d+): (.*)$", about[1], re.MULTILINE)
 
 
@@ -162,9 +160,7 @@ def test_every_value_that_the_help_lists_is_taken(terminal, help_of_plan, tmp_pa
         {name: at[name][text] for name, text in as_listed.items()},
         {**{name: text.upper() for name, text in expected.items()}, "SOURCE": "synthetic (OFFLINE)"},
     )
-    missions = [
-        saved(tmp_path, {"ACCEPT_ERROR": "1", **way}, terminal if way is as_listed else None) for way in ways
-    ]
+    missions = [saved(tmp_path, {"ACCEPT_ERROR": "1", **way}, terminal if way is as_listed else None) for way in ways]
     assert missions == missions[:1] * len(ways)
     one = missions[0]
     assert (one.flight.layout, one.flight.order, one.output.image_format) == ("paper", "one-way", "png")

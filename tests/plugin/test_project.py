@@ -47,9 +47,7 @@ def test_saved_project_opens_in_another_place(captured, tmp_path):
     shutil.rmtree(captured.folder)
     project = QgsProject()
     assert project.read(str(moved / "project.qgz"))
-    results = {
-        layer.name(): layer for layer in project.mapLayers().values() if layer.providerType() != "memory"
-    }
+    results = {layer.name(): layer for layer in project.mapLayers().values() if layer.providerType() != "memory"}
     assert set(results) == {"Captured images", "Satellite images"}
     for layer in results.values():
         assert layer.isValid()
@@ -117,9 +115,7 @@ def choose_in_menu(desk, text):
 
 def menu_texts(desk):
     desk.session.missions.menu.aboutToShow.emit()
-    return [
-        action.text().replace("&", "") for action in desk.session.missions.menu.actions() if action.text()
-    ]
+    return [action.text().replace("&", "") for action in desk.session.missions.menu.actions() if action.text()]
 
 
 def capture_into(desk, folder):
@@ -244,9 +240,7 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
     assert desk.session.state().folder == str(folder)
     assert desk.wait_planned().mission == planned.mission
     # Once more changes nothing: the layers are there.
-    ids = {
-        layer.id() for layer in QgsProject.instance().mapLayers().values() if layer.name() != "Failed images"
-    }
+    ids = {layer.id() for layer in QgsProject.instance().mapLayers().values() if layer.name() != "Failed images"}
     choose_in_menu(desk, "Open dataset folder…")
     desk.wait(lambda: not desk.session.missions.busy)
     assert ids <= set(QgsProject.instance().mapLayers())

@@ -123,9 +123,7 @@ def picture(source, window):
 
 def positions(window):
     """What a source of positions shows of a window."""
-    return encode_position(
-        window.left_px + np.arange(window.width_px), window.top_px + np.arange(window.height_px)
-    )
+    return encode_position(window.left_px + np.arange(window.width_px), window.top_px + np.arange(window.height_px))
 
 
 def edges(window):
@@ -277,10 +275,7 @@ def wmts_service(tile_px=256, level="{}"):
         return 200, "image/png", to_bytes(pattern_tile("", zoom, x, y, tile_px), "png")
 
     with ServiceServer(answer) as running:
-        uri = (
-            "crs=EPSG:3857&format=image/png&layers=ortho&styles=default&tileMatrixSet=quad"
-            f"&url={running.url}/c.xml"
-        )
+        uri = f"crs=EPSG:3857&format=image/png&layers=ortho&styles=default&tileMatrixSet=quad&url={running.url}/c.xml"
         yield running, add(QgsRasterLayer(uri, "wmts", "wms"))
 
 
@@ -296,9 +291,7 @@ def test_tiles_of_a_wmts_are_exact():
 def test_tiles_whose_zooms_are_others_are_refused_in_one_line():
     with wmts_service(tile_px=768) as (_, layer):
         source = opened(source_name(layer))
-        with pytest.raises(
-            InvalidInput, match="layer wmts: its service has tiles of 768 px; choose"
-        ) as refused:
+        with pytest.raises(InvalidInput, match="layer wmts: its service has tiles of 768 px; choose") as refused:
             picture(source, WINDOW)
         assert "\n" not in str(refused.value)
         source.close()
@@ -496,9 +489,7 @@ def test_labels_are_whole_where_tiles_and_pictures_meet():
     astride = picture(source, WINDOW._replace(left_px=LEFT + 300))
     assert ink[80:120, -40:].any()
     assert beyond[80:120, :40].any()
-    assert np.array_equal(
-        np.hstack([ink, beyond])[80:120, 500:700], (astride < 128).all(axis=2)[80:120, 200:400]
-    )
+    assert np.array_equal(np.hstack([ink, beyond])[80:120, 500:700], (astride < 128).all(axis=2)[80:120, 200:400])
 
 
 def test_main_thread_goes_on_while_a_service_is_waited_for(server):
@@ -545,9 +536,7 @@ def test_drawing_that_takes_too_long_is_a_failed_part():
 
     def answer(_path, query):
         if query.get("REQUEST") == "GetCapabilities":
-            crs = (
-                "<CRS>EPSG:3857</CRS><EX_GeographicBoundingBox><westBoundLongitude>-180</westBoundLongitude>"
-            )
+            crs = "<CRS>EPSG:3857</CRS><EX_GeographicBoundingBox><westBoundLongitude>-180</westBoundLongitude>"
             crs += "<eastBoundLongitude>180</eastBoundLongitude><southBoundLatitude>-85</southBoundLatitude>"
             crs += "<northBoundLatitude>85</northBoundLatitude></EX_GeographicBoundingBox>"
             layer = f"<Layer><Name>map</Name><Title>Map</Title>{crs}</Layer>"

@@ -220,9 +220,7 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
                     assert text == "No ground here"
                 else:
                     near = metres[around].ravel()
-                    assert text in {
-                        f"Depth here: {m:,.0f} m" if m >= 1e3 else f"Depth here: {m:.1f} m" for m in near
-                    }
+                    assert text in {f"Depth here: {m:,.0f} m" if m >= 1e3 else f"Depth here: {m:.1f} m" for m in near}
         # The details say what the table does.
         with (desk.folder / "satellite" / "meta_data.csv").open(newline="") as table:
             row = next(row for row in csv.DictReader(table) if row["img_names"].startswith(seen.shot.name))
@@ -351,14 +349,10 @@ def test_mosaic_that_cannot_be_is_said_before_the_capture_and_stays_said(desk, d
 
     seen = []
     monkeypatch.setattr(task, "mission_heights", fail)
-    monkeypatch.setattr(
-        Endings, "warn_of_mosaic", noted(Endings.warn_of_mosaic, lambda: seen.append(images(desk)))
-    )
+    monkeypatch.setattr(Endings, "warn_of_mosaic", noted(Endings.warn_of_mosaic, lambda: seen.append(images(desk))))
     capture(desk)
     assert seen == [[]]
-    assert (
-        "mission: there will be no mosaic: heights: are gone. Its images are captured" in desk.messages()[-1]
-    )
+    assert "mission: there will be no mosaic: heights: are gone. Its images are captured" in desk.messages()[-1]
     assert "Without a mosaic: heights: are gone" in desk.messages()[0]
     levels = [item.level() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
     durations = [item.duration() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]

@@ -31,9 +31,7 @@ def test_advice_is_known_by_its_first_word():
 
 # OWSLib, when it is first loaded under Python 3.11.
 @pytest.mark.filterwarnings("ignore:'cgi' is deprecated")
-@pytest.mark.parametrize(
-    "place", ENTRIES, ids=lambda place: f"{place.module}: {place.message[place.advice_at :]}"
-)
+@pytest.mark.parametrize("place", ENTRIES, ids=lambda place: f"{place.module}: {place.message[place.advice_at :]}")
 def test_what_is_advised_works(place, request):
     case = Case(place, PACKAGE, request)
     ENTRIES[place](case)

@@ -77,9 +77,7 @@ def test_a_wrong_take_off_is_marked_at_its_entry(routed):
 
 
 def test_processing_takes_a_point_in_any_crs():
-    place = QgsReferencedPointXY(
-        QgsPointXY(-10_004_455.0, 4_182_600.0), QgsCoordinateReferenceSystem("EPSG:3857")
-    )
+    place = QgsReferencedPointXY(QgsPointXY(-10_004_455.0, 4_182_600.0), QgsCoordinateReferenceSystem("EPSG:3857"))
     found = processing.run(
         "terrainav:plan",
         {

@@ -287,9 +287,7 @@ def alpha_of(desk):
     return bytes(block.data())
 
 
-def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_its_row(
-    prepared, server, statuses
-):
+def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_its_row(prepared, server, statuses):
     server.latency_s = SLOW_S
     run = press_capture(prepared)
     prepared.wait(lambda: len(pictures(run.folder)) >= 12)

@@ -186,8 +186,7 @@ def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, q
         warnings.simplefilter("ignore", DeprecationWarning)
         importlib.import_module("owslib.wms")
     layers = "".join(
-        f"<Layer><Name>{name}</Name><Title>{title}</Title></Layer>"
-        for name, title in (("a", "Ortho"), ("b", "Plan"))
+        f"<Layer><Name>{name}</Name><Title>{title}</Title></Layer>" for name, title in (("a", "Ortho"), ("b", "Plan"))
     )
     systems = "<CRS>EPSG:3857</CRS><CRS>EPSG:25832</CRS>"
 

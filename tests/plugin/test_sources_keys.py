@@ -366,9 +366,7 @@ def test_the_environment_s_key_is_for_hosts_that_the_user_names(monkeypatch):
 
 
 def test_a_kept_layer_whose_tiles_are_elsewhere_has_no_configuration():
-    entry = CatalogueEntry.from_dict(
-        "x", described("https://elsewhere.example/{z}/{x}/{y}", title="Layer"), user=True
-    )
+    entry = CatalogueEntry.from_dict("x", described("https://elsewhere.example/{z}/{x}/{y}", title="Layer"), user=True)
     for address, authcfg in (
         ("https://maps.example/wmts", ""),
         ("https://elsewhere.example/wmts", "cfg1234"),
@@ -423,14 +421,10 @@ def test_sources_are_found_by_typing(desk, screenshot):
 def test_new_kind_reaches_the_list_by_its_line_alone(desk, monkeypatch):
     """A kind of files and one of addresses, as two lines in the table."""
     scenes = SourceKind("scenes", FILE, ".mbtiles", "MBTilesFile", endings=(".scenes",))
-    service = SourceKind(
-        "stac", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=re.compile("stac:").match
-    )
+    service = SourceKind("stac", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=re.compile("stac:").match)
     monkeypatch.setattr(opening, "KINDS", (scenes, service, *opening.KINDS))
     asked = []
-    monkeypatch.setattr(
-        QFileDialog, "getOpenFileName", lambda *args: asked.append(args[3]) or ("a.scenes", "")
-    )
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *args: asked.append(args[3]) or ("a.scenes", ""))
     desk.form.imagery._browse()
     assert "*.scenes " in asked[0]
     assert desk.form.source.currentData() == "a.scenes"

@@ -188,9 +188,7 @@ def test_figures_are_spanish_and_have_their_values(spanish_desk):
     assert estimates[estimates.index("Imágenes") + 1].startswith(f"{images:,} en ")
     assert estimates[estimates.index("Cobertura") + 1].startswith("100 % de ")
     details = list(lines_of(figures.details.text()))
-    assert re.fullmatch(
-        r"huella: exact, ≤\s\S+\spx; imagen: map, ≤\s\S+\spx", details[details.index("Métodos") + 1]
-    )
+    assert re.fullmatch(r"huella: exact, ≤\s\S+\spx; imagen: map, ≤\s\S+\spx", details[details.index("Métodos") + 1])
     assert details[details.index("Se omite") + 1] == "remuestreo, viento"
     assert details[details.index("Relieve") + 1].startswith("sin cota, hasta ")
     why = list(lines_of(figures.details.toolTip()))
@@ -319,9 +317,7 @@ def test_an_error_is_told_by_its_message(spanish):
         field_named(Pixels, "image_px").settled(0)
     assert translate(refused.value) == "lado mayor de la imagen 0 px: debe ser 1 o más"
     # And of an error of an error all of it, with what helps.
-    wrapped = InvalidInput(
-        "{0}: {1}", "f.json", InvalidInput("{0}: is a folder", "g", remedy="name a raster file")
-    )
+    wrapped = InvalidInput("{0}: {1}", "f.json", InvalidInput("{0}: is a folder", "g", remedy="name a raster file"))
     assert translate(wrapped) == "f.json: g: es una carpeta; nombre un archivo ráster"
 
 

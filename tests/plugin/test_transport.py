@@ -70,9 +70,7 @@ def test_requests_name_terrainav_and_ask_for_pictures_as_they_are(server, transp
     assert "cookie" not in headers
 
 
-@pytest.mark.parametrize(
-    "code", [200, 204, 304, 400, 401, 402, 403, 404, 408, 410, 418, 425, 429, 451, 500, 503, 599]
-)
+@pytest.mark.parametrize("code", [200, 204, 304, 400, 401, 402, 403, 404, 408, 410, 418, 425, 429, 451, 500, 503, 599])
 def test_any_status_is_an_answer(server, transport_of, code):
     server.answer = (code, {"Retry-After": "7", "ETag": '"x"', "X-Of-The-Provider": "Grüße"}, PICTURE)
     answer = transport_of().get(server.url + "/")
@@ -300,9 +298,7 @@ def test_a_closed_transport_starts_nothing(server, transport_of):
 def test_a_capture_in_a_task_gets_every_pixel_right(qtbot, tmp_path):
     with TileServer() as tiles:
         key = "odd/+secret&key"
-        mission = Mission(
-            Box(35.14, -89.87, 35.131, -89.856), agl_m=120.0, source=tiles.url_template + "?token={key}"
-        )
+        mission = Mission(Box(35.14, -89.87, 35.131, -89.856), agl_m=120.0, source=tiles.url_template + "?token={key}")
         steps = plan(mission, PixelGrid(256, max_zoom=22, native_zoom=22))
         tiles.fail("500", share=0.1, times=1)
         tiles.fail("reset", share=0.1, times=1)
@@ -316,13 +312,9 @@ def test_a_capture_in_a_task_gets_every_pixel_right(qtbot, tmp_path):
         assert task.result.written == len(steps)
         assert tiles.user_agents == {user_agent()}
         for index in (0, len(steps) // 2, len(steps) - 1):
-            picture = (
-                tmp_path / "dataset" / "satellite" / f"{steps.names[index]}.{mission.output.image_format}"
-            )
+            picture = tmp_path / "dataset" / "satellite" / f"{steps.names[index]}.{mission.output.image_format}"
             columns, rows = decode_position(np.asarray(Image.open(picture)))
-            assert np.array_equal(
-                columns[0], (steps.windows.left_px[index] + np.arange(columns.shape[1])) % 4096
-            )
+            assert np.array_equal(columns[0], (steps.windows.left_px[index] + np.arange(columns.shape[1])) % 4096)
             assert np.array_equal(rows[:, 0], (steps.windows.top_px[index] + np.arange(rows.shape[0])) % 4096)
     qtbot.waitUntil(lambda: not network_threads(before), timeout=PATIENCE_MS)
 

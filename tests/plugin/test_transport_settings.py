@@ -251,9 +251,7 @@ def test_a_connection_s_headers_are_not_for_the_server_that_another_points_to(se
 
 
 def test_a_configuration_that_is_not_there_is_said(server, transport_of, authcfg):
-    with pytest.raises(
-        TransportError, match="could not apply the authentication configuration 0000000"
-    ) as raised:
+    with pytest.raises(TransportError, match="could not apply the authentication configuration 0000000") as raised:
         transport_of(authcfg="0000000").get(server.url + "/")
     assert not raised.value.again
     assert server.seen == []

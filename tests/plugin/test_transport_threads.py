@@ -56,9 +56,7 @@ def test_sixteen_threads_share_sixteen_connections_and_leave_no_thread():
         before = threads_here()
         transport = QgisTransport(16)
         with ThreadPoolExecutor(16) as pool:
-            fetched = list(
-                pool.map(lambda x: transport.get(tiles.url_template.format(z=12, x=x, y=7)), range(400))
-            )
+            fetched = list(pool.map(lambda x: transport.get(tiles.url_template.format(z=12, x=x, y=7)), range(400)))
         assert all(answer.status == 200 for answer in fetched)
         assert len(tiles.tile_requests) == 400
         assert set(tiles.tile_requests.values()) == {1}
@@ -69,9 +67,7 @@ def test_sixteen_threads_share_sixteen_connections_and_leave_no_thread():
 
 def test_replies_outlive_what_the_main_thread_is_told_of_earlier_ones(qtbot):
     with TileServer() as tiles, closing(QgisTransport(8)) as transport, ThreadPoolExecutor(8) as pool:
-        asked = [
-            pool.submit(transport.get, tiles.url_template.format(z=12, x=x, y=7)) for x in range(MANY_REPLIES)
-        ]
+        asked = [pool.submit(transport.get, tiles.url_template.format(z=12, x=x, y=7)) for x in range(MANY_REPLIES)]
         # Meanwhile the main thread has work of its own, and hears late of what was destroyed in others.
         qtbot.waitUntil(lambda: time.sleep(0.002) or all(one.done() for one in asked), timeout=PATIENCE_MS)
         assert {one.result().status for one in asked} == {200}

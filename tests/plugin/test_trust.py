@@ -64,9 +64,7 @@ def captured(tmp_path_factory):
 
 def mission_of(kind, url):
     def filled(value):
-        return (
-            value.format(url=url) if isinstance(value, str) else tuple(one.format(url=url) for one in value)
-        )
+        return value.format(url=url) if isinstance(value, str) else tuple(one.format(url=url) for one in value)
 
     return Mission(BOX, 120.0, **{name: filled(value) for name, value in LEADING[kind].items()})
 
@@ -152,9 +150,7 @@ def test_the_address_of_a_dataset_in_a_project_is_not_asked_unasked(desk, server
     address = serve(server, captured)
     mission = (captured / "mission.json").read_text("utf-8")
     shutil.rmtree(copy_folder(DatasetAddress.parse(address)), ignore_errors=True)
-    saved_project(
-        desk, tmp_path / "theirs.qgz", mission, str(copy_folder(DatasetAddress.parse(address))), address
-    )
+    saved_project(desk, tmp_path / "theirs.qgz", mission, str(copy_folder(DatasetAddress.parse(address))), address)
     open_project(desk, tmp_path / "theirs.qgz")
     assert server.asked == []
     (question,) = questions(desk)
@@ -284,9 +280,7 @@ def test_the_record_is_bounded():
     assert len(json.loads(Settings().agreed)) == 1000
 
 
-@pytest.mark.parametrize(
-    "piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/", "ab:/b&@", "ab:\\b&"]
-)
+@pytest.mark.parametrize("piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/", "ab:/b&@", "ab:\\b&"])
 def test_the_work_of_a_long_text_grows_with_its_length(piece):
     def seconds(count):
         began = time.process_time()
@@ -397,9 +391,7 @@ def test_a_message_is_laid_out_from_a_text_that_is_cut(desk):
     laid = []
     fit = messages._Fitting._fit_text
     try:
-        messages._Fitting._fit_text = lambda self, width: (
-            laid.append(len(self._text.toPlainText())) or fit(self, width)
-        )
+        messages._Fitting._fit_text = lambda self, width: laid.append(len(self._text.toPlainText())) or fit(self, width)
         desk.session.messages.warning("x" * 1_000_000)
         desk.wait(lambda: bool(laid))
     finally:

@@ -128,9 +128,7 @@ def test_places_as_other_programs_write_them():
             area_of_text(text, 120.0, "m")
 
 
-@pytest.mark.parametrize(
-    "text", ["47 01 30 N, 8 30 15 E", "47.025; 8.504166666666666", "47°1'30\"N 8°30'15\"E"]
-)
+@pytest.mark.parametrize("text", ["47 01 30 N, 8 30 15 E", "47.025; 8.504166666666666", "47°1'30\"N 8°30'15\"E"])
 def test_take_off_in_degrees_minutes_and_seconds(text):
     assert mission_form.takeoff(FormState(takeoff=text)) == pytest.approx((47.025, 8.504166666666666))
     with pytest.raises(InvalidInput, match="must be a latitude and a longitude"):

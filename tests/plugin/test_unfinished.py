@@ -35,9 +35,7 @@ def crash(desk, run):
 
 
 def contents(folder):
-    return {
-        path: (path.stat().st_mtime_ns, path.read_bytes()) for path in folder.rglob("*") if path.is_file()
-    }
+    return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in folder.rglob("*") if path.is_file()}
 
 
 def begun(prepared, server, least):  # noqa: F811
@@ -168,8 +166,6 @@ def test_lock_of_a_process_that_has_died_is_free(tmp_path):
 )
 def test_folders_of_other_machines_are_known_without_asking_them(tmp_path, monkeypatch, folder, remote):
     mounts = tmp_path / "mounts"
-    mounts.write_text(
-        "/dev/sda1 / ext4 rw 0 0\nnas:/all /mnt/nas nfs4 rw 0 0\n//nas/my /mnt/my\\040disk cifs rw 0 0\n"
-    )
+    mounts.write_text("/dev/sda1 / ext4 rw 0 0\nnas:/all /mnt/nas nfs4 rw 0 0\n//nas/my /mnt/my\\040disk cifs rw 0 0\n")
     monkeypatch.setattr(paths, "_MOUNTS", mounts)
     assert is_remote(folder) == remote

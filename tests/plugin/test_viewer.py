@@ -317,9 +317,7 @@ def test_the_tool_ends_with_the_window(desk, captured, viewing):
 
 
 @pytest.mark.parametrize(("tilt_deg", "yaw_deg"), [(0.0, 0.0), (0.0, 270.0), (40.0, 20.0)])
-def test_an_image_is_shown_on_the_map_and_removed_again(
-    desk, captured, viewing, screenshot, tilt_deg, yaw_deg
-):
+def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing, screenshot, tilt_deg, yaw_deg):
     def tilt():
         desk.enter_box("35.14", "-89.87", "35.138", "-89.867")
         desk.form.set_state(replace(desk.session.state(), tilt_deg=tilt_deg, yaw_deg=yaw_deg))
@@ -337,9 +335,7 @@ def test_an_image_is_shown_on_the_map_and_removed_again(
     assert viewer.on_map.isChecked()
 
     def footprint_in(crs):
-        transform = QgsCoordinateTransform(
-            QgsCoordinateReferenceSystem("EPSG:4326"), crs, QgsProject.instance()
-        )
+        transform = QgsCoordinateTransform(QgsCoordinateReferenceSystem("EPSG:4326"), crs, QgsProject.instance())
         return transform.transformBoundingBox(seen.shot.outline.boundingBox())
 
     at = footprint_in(layer.crs())

@@ -19,9 +19,7 @@ def check_cache(folder, tile_px=256):
         with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as file:
             about = dict(file.execute("SELECT name, value FROM metadata"))
             rows = file.execute("SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles").fetchall()
-        map_type = next(
-            (kind for kind in ("roadmap", "terrain") if kind in f"{path.name} {about}"), "satellite"
-        )
+        map_type = next((kind for kind in ("roadmap", "terrain") if kind in f"{path.name} {about}"), "satellite")
         for zoom, x, row, data in rows:
             # Rows of MBTiles count from the south.
             y = (1 << zoom) - 1 - row

@@ -34,9 +34,7 @@ def status(code, words="", headers=(), kind="text/plain"):
 
 
 def _dated(handler, _body):
-    handler.answer(
-        429, b"slow down", "text/plain", {"Retry-After": formatdate(time.time() + 1.0, usegmt=True)}
-    )
+    handler.answer(429, b"slow down", "text/plain", {"Retry-After": formatdate(time.time() + 1.0, usegmt=True)})
 
 
 def _stall(handler, _body):
@@ -117,9 +115,7 @@ def _flat(handler, body):
 
 
 def _transparent(handler, body):
-    handler.answer(
-        200, to_bytes(handler.picture(body).convert("RGBA").point(lambda _: 0), "png"), "image/png"
-    )
+    handler.answer(200, to_bytes(handler.picture(body).convert("RGBA").point(lambda _: 0), "png"), "image/png")
 
 
 def _redirect_loop(handler, _body):
@@ -200,9 +196,7 @@ FAULTS = {
     "204": status(204),
     "401": status(401, "Invalid access token"),
     "403": status(403, "The provided API key is not allowed here"),
-    "quota": status(
-        403, f'{{"error": {{"code": 403, "message": "{QUOTA_WORDS}"}}}}', kind="application/json"
-    ),
+    "quota": status(403, f'{{"error": {{"code": 403, "message": "{QUOTA_WORDS}"}}}}', kind="application/json"),
     "quota-in-400": status(400, "OVER_QUERY_LIMIT"),
     "429-seconds": status(429, "slow down", {"Retry-After": "1"}),
     "429-date": _dated,

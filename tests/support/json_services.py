@@ -22,8 +22,7 @@ def answer_of(document: object) -> tuple[int, str, bytes]:
 def lods(levels=range(24), first=156543.03392800014):
     """Levels of a cache, as ArcGIS Online has them."""
     return [
-        {"level": level, "resolution": first / 2**level, "scale": first / 2**level * 96 / 0.0254}
-        for level in levels
+        {"level": level, "resolution": first / 2**level, "scale": first / 2**level * 96 / 0.0254} for level in levels
     ]
 
 

@@ -21,9 +21,7 @@ import terrainav.core
 
 #: Units in the last place by which results may be off; the last half is their own rounding.
 ULPS = 4.0
-_ONE_ARGUMENT = (
-    "sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp expm1 log log1p log2 log10"
-)
+_ONE_ARGUMENT = "sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp expm1 log log1p log2 log10"
 _TWO_ARGUMENTS = "arctan2 hypot"
 #: numpy's names of what Python's own library calls otherwise.
 _PYTHONS = {"arc" + name: "a" + name for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "tan2")}

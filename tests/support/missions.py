@@ -29,9 +29,7 @@ areas = st.one_of(
     .filter(lambda box: box.area_m2() > 0.0),
     st.just(TRIANGLE),
     st.just(SEVERAL),
-    st.lists(
-        st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
-    ).flatmap(
+    st.lists(st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3).flatmap(
         lambda v: st.one_of(
             st.just(Points(tuple(v))),
             st.lists(st.floats(-360, 360), min_size=len(v), max_size=len(v)).map(
@@ -107,17 +105,13 @@ def other_value(field):
     if field.kind is bool:
         return not field.default
     if field.choices:
-        other = next(
-            choice for choice in field.choices if choice not in (field.default, *(field.default or ()))
-        )
+        other = next(choice for choice in field.choices if choice not in (field.default, *(field.default or ())))
         return (other,) if field.kind is tuple else other
     low = field.least if field.above is None else field.above
     high = field.most if field.below is None else field.below
     low, high = (0.0 if low is None else low), (low or 0.0) + 10.0 if high is None else high
     return next(
-        value
-        for value in (field.kind(low + share * (high - low)) for share in (0.25, 0.5))
-        if value != field.default
+        value for value in (field.kind(low + share * (high - low)) for share in (0.25, 0.5)) if value != field.default
     )
 
 

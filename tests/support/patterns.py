@@ -42,9 +42,7 @@ def positions(map_type, zoom, x, y, size_px):
 
 def encoded_positions(map_type, x, y, size_px, extension):
     """Encode a tile that holds global pixels; there are as many different ones as fit the modulus."""
-    return _encoded_positions(
-        map_type, x % (MODULUS // size_px), y % (MODULUS // size_px), size_px, extension
-    )
+    return _encoded_positions(map_type, x % (MODULUS // size_px), y % (MODULUS // size_px), size_px, extension)
 
 
 @cache

@@ -118,9 +118,7 @@ class RangeServer:
         self._http.daemon_threads = True
         self._http.owner = self
         self._http.handle_error = lambda *_: None
-        self._thread = threading.Thread(
-            target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True
-        )
+        self._thread = threading.Thread(target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
         self.url = f"http://127.0.0.1:{self._http.server_address[1]}"
 
     def __enter__(self):

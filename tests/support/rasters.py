@@ -26,9 +26,7 @@ def write(
     """Write bands (n, h, w) as a GeoTIFF."""
     values = np.asarray(values)
     bands, height, width = values.shape
-    dataset = gdal.GetDriverByName("GTiff").Create(
-        str(path), width, height, bands, data_type, options=list(options)
-    )
+    dataset = gdal.GetDriverByName("GTiff").Create(str(path), width, height, bands, data_type, options=list(options))
     if geotransform is not None:
         dataset.SetGeoTransform(geotransform)
     if epsg is not None:

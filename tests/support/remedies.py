@@ -117,9 +117,7 @@ class Place(NamedTuple):
         clauses = [match.start(1) for match in _CLAUSE.finditer(self.message) if match[1] in VERBS]
         first = _FIRST.match(self.message)
         starts = clauses or [first.start(1)] if first is not None and first[1] in VERBS else clauses
-        said = [
-            match for match in _SENTENCE.finditer(self.message) if match[match.lastindex].lower() in VERBS
-        ]
+        said = [match for match in _SENTENCE.finditer(self.message) if match[match.lastindex].lower() in VERBS]
         starts += [match.start(match.lastindex) for match in said]
         starts = starts or [match.start(match.lastindex) for match in _NAMED.finditer(self.message)]
         return min(starts, default=-1)
@@ -239,9 +237,7 @@ def unknown_beginnings(package: str) -> set[str]:
         for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Call) and _named(node.func) != "Message":
                 texts = _of_call(node)
-                found.update(
-                    word.lower() for text in texts for word in re.findall(r"; (?:or )?([A-Za-z]+)\b", text)
-                )
+                found.update(word.lower() for text in texts for word in re.findall(r"; (?:or )?([A-Za-z]+)\b", text))
     return found - VERBS - STATEMENTS
 
 

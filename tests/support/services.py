@@ -27,9 +27,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self):
         parts = urlsplit(self.path)
-        query = {
-            name.upper(): values[0] for name, values in parse_qs(parts.query, keep_blank_values=True).items()
-        }
+        query = {name.upper(): values[0] for name, values in parse_qs(parts.query, keep_blank_values=True).items()}
         self.server.asked.append(self.path)
         status, kind, body = self.server.owner.answer(parts.path, query)
         self.send_response(status)
@@ -71,9 +69,7 @@ class ServiceServer:
         self._http.asked = self.asked = []
         self._http.owner = self
         self.answer = answer
-        self._thread = threading.Thread(
-            target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True
-        )
+        self._thread = threading.Thread(target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
 
     def __enter__(self):
         self._thread.start()
@@ -143,16 +139,13 @@ def wmts_layer(
             for one, (left, top, right, bottom) in ends.items()
         )
         limits = f"<TileMatrixSetLimits>{limits}</TileMatrixSetLimits>" if limits else ""
-        texts.append(
-            f"<TileMatrixSetLink><TileMatrixSet>{matrix_set_name}</TileMatrixSet>{limits}</TileMatrixSetLink>"
-        )
+        texts.append(f"<TileMatrixSetLink><TileMatrixSet>{matrix_set_name}</TileMatrixSet>{limits}</TileMatrixSetLink>")
     shown = "".join(
         f'<Style isDefault="{str(default).lower()}"><ows:Identifier>{style}</ows:Identifier></Style>'
         for style, default in styles
     )
     rest = "".join(
-        f'<ResourceURL format="{kind}" resourceType="tile" template="{escape(url)}"/>'
-        for kind, url in resources
+        f'<ResourceURL format="{kind}" resourceType="tile" template="{escape(url)}"/>' for kind, url in resources
     )
     listed = "".join(f"<Format>{kind}</Format>" for kind in formats)
     west, south, east, north = bounds or 4 * (0,)
@@ -191,14 +184,10 @@ def wmts_document(layers: list[str], sets: list[str], *, get_tile: str = "") -> 
 def dimension(name: str, default: str, *values: str) -> str:
     """Write a dimension of a WMTS layer."""
     listed = "".join(f"<Value>{value}</Value>" for value in values)
-    return (
-        f"<Dimension><ows:Identifier>{name}</ows:Identifier><Default>{default}</Default>{listed}</Dimension>"
-    )
+    return f"<Dimension><ows:Identifier>{name}</ows:Identifier><Default>{default}</Default>{listed}</Dimension>"
 
 
-def wms_document(
-    version: str, url: str, layers: str, formats=("image/jpeg", "image/png"), fees: str = "none"
-) -> bytes:
+def wms_document(version: str, url: str, layers: str, formats=("image/jpeg", "image/png"), fees: str = "none") -> bytes:
     """Write the capabilities of a WMS of either version."""
     listed = "".join(f"<Format>{kind}</Format>" for kind in formats)
     where = f'<OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="{escape(url)}"/>'
@@ -338,9 +327,7 @@ EUROPEAN = NationalSet(
 )
 
 
-def painted_by(
-    query: dict, pixel: float, west: float, north: float, *, northing_first: bool = False
-) -> np.ndarray:
+def painted_by(query: dict, pixel: float, west: float, north: float, *, northing_first: bool = False) -> np.ndarray:
     """Paint what a GetMap asks for: pixels that hold their column and row from a corner, ``pixel`` units wide each."""
     edges = [float(edge) for edge in query["BBOX"].split(",")]
     x0, y0, x1, y1 = (edges[at] for at in ((1, 0, 3, 2) if northing_first else (0, 1, 2, 3)))

@@ -42,9 +42,7 @@ def write_shards(target: Address, folder: Path, images_a_shard: int = 5) -> Path
         if (folder / name).is_file():
             _write(place / name, (folder / name).read_bytes())
     tables = sorted(folder.glob("*/meta_data.csv"))
-    products = sorted(
-        one for one in folder.iterdir() if one.is_dir() and not (one / "meta_data.csv").is_file()
-    )
+    products = sorted(one for one in folder.iterdir() if one.is_dir() and not (one / "meta_data.csv").is_file())
     for path in tables:
         map_type, table = path.parent.name, Table.load(path)
         where, index = {}, []

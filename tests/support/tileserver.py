@@ -171,9 +171,7 @@ class TileServer:
         self._http = _Server(("127.0.0.1", port), _Handler)
         self._http.owner = self
         self._http.stalled = threading.Event()
-        self._thread = threading.Thread(
-            target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True
-        )
+        self._thread = threading.Thread(target=self._http.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
 
     def __enter__(self):
         self._thread.start()
@@ -319,9 +317,7 @@ def main():
     """Run until interrupted."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--port", type=int, default=8000, help="0 for any that is free")
-    parser.add_argument(
-        "--paint", choices=("positions", "world"), default="positions", help="what tiles show"
-    )
+    parser.add_argument("--paint", choices=("positions", "world"), default="positions", help="what tiles show")
     parser.add_argument("--seed", type=int, default=2024, help="of the embedded world")
     parser.add_argument("--folder", help="tiles of another program, z/x/y.png")
     parser.add_argument("--tile-px", type=int, default=256, choices=(256, 512))
@@ -333,9 +329,7 @@ def main():
         metavar="KIND[:SHARE[:TIMES]]",
         help=f"share of the tiles it falls on, and how often on each of them: {', '.join(sorted(FAULTS))}",
     )
-    parser.add_argument(
-        "--controlled", action="store_true", help="obey `heal`, `counts` and `end` on the input"
-    )
+    parser.add_argument("--controlled", action="store_true", help="obey `heal`, `counts` and `end` on the input")
     parser.add_argument("--quiet", action="store_true")
     asked = parser.parse_args()
     server = TileServer(

@@ -42,9 +42,7 @@ def main(archive, folder):
     from terrainav.terrainav_plugin.form.state import FormState
 
     session.show_dock(True)
-    session.dock.form.set_state(
-        FormState(north="35.14", west="-89.87", south="35.137", east="-89.866", folder=folder)
-    )
+    session.dock.form.set_state(FormState(north="35.14", west="-89.87", south="35.137", east="-89.866", folder=folder))
     session.capture()
     if not wait(lambda: (Path(folder) / "satellite" / "meta_data.csv").is_file() and session.runs.idle):
         return "no capture: " + "; ".join(item.text() for item in qgis.utils.iface.messageBar().items())

@@ -124,18 +124,14 @@ class Record(NamedTuple):
 
     def matches(self, map_type: str, names: Sequence[str]) -> bool:
         """Whether it has exactly the images of these names, of a map type."""
-        return self.outcomes.keys() == {*names} and all(
-            one.map_type == map_type for one in self.outcomes.values()
-        )
+        return self.outcomes.keys() == {*names} and all(one.map_type == map_type for one in self.outcomes.values())
 
     def fits(self, shard: str) -> bool:
         """Whether its images are in a shard, without overlap, or in separate files where ``shard`` is empty."""
         made = [one for one in self.outcomes.values() if one.status != FAILED]
         if any(one.shard != shard for one in made):
             return False
-        ends = (
-            sorted((one.offset_bytes, one.offset_bytes + one.length_bytes) for one in made) if shard else []
-        )
+        ends = sorted((one.offset_bytes, one.offset_bytes + one.length_bytes) for one in made) if shard else []
         borders = [0, *(border for pair in ends for border in pair), self.shard_bytes]
         return not ends or borders == sorted(borders)
 

@@ -225,11 +225,7 @@ async def _stop_restarting(cluster: Any) -> None:
     """
     for nanny in list(cluster.workers.values()):
         nanny.close_gracefully()
-        while (
-            (worker := nanny.process) is not None
-            and worker.process is not None
-            and worker.process.pid is None
-        ):
+        while (worker := nanny.process) is not None and worker.process is not None and worker.process.pid is None:
             await asyncio.sleep(0.01)
 
 
@@ -369,15 +365,9 @@ def _problem(answer: Any) -> Message | None:
         return None
     if isinstance(answer, ImportError):
         is_own = (answer.name or "").partition(".")[0] == _MAKING.partition(".")[0]
-        return (
-            Message("has no TerrAInav")
-            if is_own
-            else Message("has no {0}, which TerrAInav needs", answer.name)
-        )
+        return Message("has no TerrAInav") if is_own else Message("has no {0}, which TerrAInav needs", answer.name)
     if isinstance(answer, BaseException):
-        return Message(
-            "cannot import TerrAInav ({0}: {1})", type(answer).__name__, str(answer).partition("\n")[0]
-        )
+        return Message("cannot import TerrAInav ({0}: {1})", type(answer).__name__, str(answer).partition("\n")[0])
     python, own, _ = answer
     if own != version():
         return Message("has TerrAInav {0}, and the run has {1}", own, version())

@@ -47,9 +47,7 @@ class BlockJournal(CaptureJournal):
         The place was captured without blocks, or begun with other blocks.
     """
 
-    def __init__(
-        self, plan: Plan, root: Path, layout: str, block_images: int, hold: Callable[[], None]
-    ) -> None:
+    def __init__(self, plan: Plan, root: Path, layout: str, block_images: int, hold: Callable[[], None]) -> None:
         self.root, self.images, self.in_shards = root, len(plan), layout == WEBDATASET
         self._plan, self._hold = plan, hold
         self._divided = divide(plan.windows, block_images)
@@ -122,9 +120,7 @@ class BlockJournal(CaptureJournal):
             return False
         if shard and record.shard_bytes:
             return sizes.get(shard) == record.shard_bytes
-        return all(
-            is_complete(one, self._endings, sizes) for one in record.outcomes.values() if one.status != FAILED
-        )
+        return all(is_complete(one, self._endings, sizes) for one in record.outcomes.values() if one.status != FAILED)
 
     def take(self, piece: Piece, record: Record) -> None:
         """Take the record of a block that was made."""
@@ -149,9 +145,7 @@ class BlockJournal(CaptureJournal):
     def write_index(self, map_type: str) -> None:
         """Write the index of the shards of a map type, if images are in shards."""
         if self.in_shards:
-            shards = {
-                shard_name(map_type, number): of for number, of in sorted(self._shards[map_type].items())
-            }
+            shards = {shard_name(map_type, number): of for number, of in sorted(self._shards[map_type].items())}
             write_whole(self.root / map_type / INDEX_FILE, json_bytes(shard_index(shards)))
 
     def _check_division(self, layout: str, images: int) -> None:

@@ -182,8 +182,7 @@ def _add_reflections(image: Image.Image, beside: int, above: int) -> Image.Image
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
         raise InvalidInput(
-            "image of {0} x {1} px: augmented, it needs {2} x {3} px with its reflections, which is "
-            "too much memory",
+            "image of {0} x {1} px: augmented, it needs {2} x {3} px with its reflections, which is too much memory",
             width,
             height,
             width + 2 * beside,
@@ -208,7 +207,5 @@ def _shade(image: Image.Image, change: Change) -> Image.Image:
     counts = image.histogram()
     mean = sum(index % _GREYS * count for index, count in enumerate(counts)) / sum(counts)
     lift = mean + (_GREYS - 1) * change.brightness + 0.5
-    table = [
-        min(max(math.floor(lift + change.contrast * (grey - mean)), 0), _GREYS - 1) for grey in range(_GREYS)
-    ]
+    table = [min(max(math.floor(lift + change.contrast * (grey - mean)), 0), _GREYS - 1) for grey in range(_GREYS)]
     return image.point(table * len(image.getbands()))

@@ -150,9 +150,7 @@ class LabelledImages:
         self._shards, self._cache = _streamed(self.images, self._rows, shards_at_once, cache_mb)
         self.labels = _labels(dataset, self.images) if labels is None else labels
         self.columns = tuple(column for target in targets for column in _COLUMNS[target])
-        self.values = np.concatenate(
-            [_values(one, self.labels, self.images, self._rows) for one in targets], axis=1
-        )
+        self.values = np.concatenate([_values(one, self.labels, self.images, self._rows) for one in targets], axis=1)
         self.shape, self.dtype = self._shape(), np.dtype(BYTES if self._is_stored else dtype)
         self.bands: Bands | None = None
         if self._is_stored:
@@ -440,9 +438,7 @@ class EpochPosition:
     def load(self, state: Mapping[str, Any]) -> int:
         """Take a position over; returns its epoch."""
         try:
-            epoch, batch, batch_size, order = (
-                state[key] for key in ("epoch", "batch", "batch_size", "order")
-            )
+            epoch, batch, batch_size, order = (state[key] for key in ("epoch", "batch", "batch_size", "order"))
         except (KeyError, TypeError) as wrong:
             raise InvalidInput("state {0!r}: must be one that state_dict has given", state) from wrong
         if not _is_whole(epoch):
@@ -501,9 +497,7 @@ def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
         raise InvalidInput("batch size {0}: must be 1 or more", batch_size)
     end = count - count % batch_size if drop_last else count
     if end == 0:
-        raise InvalidInput(
-            "batch size {0}: must be {1} or less, as there are no more images", batch_size, count
-        )
+        raise InvalidInput("batch size {0}: must be {1} or less, as there are no more images", batch_size, count)
     return [slice(start, min(start + batch_size, end)) for start in range(0, end, batch_size)]
 
 
@@ -539,9 +533,7 @@ def _check(part: str, shuffle: bool | str, augment: Augmentation | str | None, d
 
 def _check_as_stored(img_size: tuple[int, int, int] | None, augment: Augmentation | str | None) -> None:
     if img_size is not None:
-        raise InvalidInput(
-            "image size {0}: images are not resized as they are stored", " ".join(map(str, img_size))
-        )
+        raise InvalidInput("image size {0}: images are not resized as they are stored", " ".join(map(str, img_size)))
     if isinstance(augment, Augmentation):
         raise InvalidInput("augment: images are not augmented as they are stored")
 
@@ -659,9 +651,7 @@ def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -
     """Raise InvalidInput for targets that there are not; whether they hold for images that are turned and zoomed."""
     named = [targets] if isinstance(targets, str) else list(targets)
     if not named or isinstance(targets, str) or len(set(named)) != len(named) or set(named) - set(TARGETS):
-        raise InvalidInput(
-            "targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS)
-        )
+        raise InvalidInput("targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS))
     turnable = not {HEIGHT, ATTITUDE} & set(named)
     if not turnable and isinstance(augment, Augmentation) and not augment.keeps_pose:
         raise InvalidInput(

@@ -57,9 +57,7 @@ class _KerasSamples:
         max_queue_size: int = 10,
         **choice: Any,
     ) -> None:
-        super().__init__(
-            workers=workers, use_multiprocessing=use_multiprocessing, max_queue_size=max_queue_size
-        )  # type: ignore[call-arg]
+        super().__init__(workers=workers, use_multiprocessing=use_multiprocessing, max_queue_size=max_queue_size)  # type: ignore[call-arg]
         self.samples = make_samples(dataset, choice)
         self._chunks = chunks(len(self.samples), batch_size)
         self._channels_first = _keras().config.image_data_format() == "channels_first"

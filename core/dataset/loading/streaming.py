@@ -130,9 +130,7 @@ class ShardCache:
         There can be no temporary folder.
     """
 
-    def __init__(
-        self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None
-    ) -> None:
+    def __init__(self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None) -> None:
         self._folder, self._sizes = folder, dict(sizes)
         # Room for the current group, the next, and one that another worker still needs.
         usual = 3 * shards_at_once * max(self._sizes.values())
@@ -140,9 +138,7 @@ class ShardCache:
         try:
             self._place = Path(tempfile.mkdtemp(prefix="terrainav-shards-"))
         except OSError as wrong:
-            raise OutputError(
-                "folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror
-            ) from wrong
+            raise OutputError("folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror) from wrong
         weakref.finalize(self, _remove, self._place, os.getpid())
         self.__setstate__({})
 

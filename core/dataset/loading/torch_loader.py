@@ -95,9 +95,7 @@ class _TorchSamples:
             return images, labels
         return tuple(one[0] for one in images) if isinstance(images, tuple) else images[0], labels[0]
 
-    def batches(
-        self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any
-    ) -> Any:
+    def batches(self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any) -> Any:
         """``torch.utils.data.DataLoader`` of the epoch's batches, in the order that `Batches` has, too.
 
         Workers make whole batches, two each ahead of what is taken, and stay from one epoch to the next. The loader has

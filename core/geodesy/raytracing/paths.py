@@ -145,8 +145,7 @@ def fit_paths(
         found = np.linalg.lstsq(system, (wanted - start) * per_t[:, np.newaxis], rcond=None)[0].T
         ends = np.cumsum([len(column) for column in columns])[:-1]
         forms = tuple(
-            form / _monomials(scale[np.newaxis], k + 1)[:, 0]
-            for k, form in enumerate(np.split(found, ends, axis=1))
+            form / _monomials(scale[np.newaxis], k + 1)[:, 0] for k, form in enumerate(np.split(found, ends, axis=1))
         )
         paths = Paths(start, forms)
         off = np.abs(paths.evaluate(tried, np.ones(len(tried))).T - true) * per_t_tried[:, np.newaxis]

@@ -90,9 +90,7 @@ def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
     """Coefficients (degree, c, rows, columns) at all x and y, of `PixelRays.forms`."""
     return np.stack(
         [
-            np.vander(y_px, len(form[0]), increasing=True)
-            @ form
-            @ np.vander(x_px, len(form[0]), increasing=True).T
+            np.vander(y_px, len(form[0]), increasing=True) @ form @ np.vander(x_px, len(form[0]), increasing=True).T
             for form in forms
         ]
     )
@@ -270,8 +268,7 @@ class Surface:
             What they are off by.
         """
         x, y = (
-            at.ravel()
-            for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
+            at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
         )
         directions = rays.at(x, y)
         away = self.away_m(lat_deg, lon_deg, height_m)
@@ -306,13 +303,9 @@ class Surface:
     def places(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes of columns and rows (any shape)."""
         world = self.grid.world_px(self.zoom)
-        return self.grid.plane.inverse(
-            (column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world
-        )
+        return self.grid.plane.inverse((column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world)
 
-    def image_hits(
-        self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float
-    ) -> Hits:
+    def image_hits(self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float) -> Hits:
         """First points that the rays of the pixels' centres of an image meet, (height, width) each.
 
         Pixels are followed in bundles, each from where the larger one that holds it has surely met nothing. Where rays
@@ -352,13 +345,9 @@ class Surface:
             )  # fmt: skip
             spread = _ROUNDING * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
-            begin = (
-                t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
-            )
+            begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
             ends = np.full(begin.size, farthest)
-            clear, there = self.clear(
-                paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0
-            )
+            clear, there = self.clear(paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0)
             t, larger = np.where(there, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
                 return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
@@ -420,9 +409,7 @@ class Surface:
             coefficients = coefficients.reshape(len(forms), 3, -1)
             within = _SETTLED * close * falls[part]
             guess = self._guessed(start, forms, (x_px, y_px), (t[part], within))
-            first, within, until = (
-                _finer(one, shape, side).ravel() for one in (t[part], within, reach[part])
-            )
+            first, within, until = (_finer(one, shape, side).ravel() for one in (t[part], within, reach[part]))
             first = np.maximum(first, after[top:bottom].ravel())
             rest = np.isfinite(first)
             some = np.flatnonzero(rest & (within > 0.0))
@@ -647,14 +634,10 @@ class Surface:
                 whole[ray] = begin + part * (one_next.take(hit) - begin)
             over = inside & np.isfinite(corners[:, 3])
             # Neither met nor come in from beneath.
-            keep = np.flatnonzero(
-                ((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y)
-            )
+            keep = np.flatnonzero(((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y))
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)
-            index, t, end, over, x, y, h, j, i = _only(
-                keep, index, t_next, end, over, x_next, y_next, h_next, j, i
-            )
+            index, t, end, over, x, y, h, j, i = _only(keep, index, t_next, end, over, x_next, y_next, h_next, j, i)
             start, c = _of_rays(start, keep), c.take(keep, axis=2)
         # Rounding leads rays that meet the surface's outermost edge beyond it.
         for values, most in ((found.column, columns), (found.row, rows)):
@@ -686,9 +669,7 @@ def _first_share(
     square = rising * rising + 4.0 * bend * above
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(square)
-        share = np.where(
-            (rising >= 0.0) | (bend <= 0.0), 2.0 * above / (rising + root), (root - rising) / (2.0 * bend)
-        )
+        share = np.where((rising >= 0.0) | (bend <= 0.0), 2.0 * above / (rising + root), (root - rising) / (2.0 * bend))
         share = np.where(share >= 0.0, share, np.inf)
         # Where a cell has no ground nothing is below it.
         return np.where((above < -_TOUCHING_M) & ~over, np.nan, np.where(above <= 0.0, 0.0, share))

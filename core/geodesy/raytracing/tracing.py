@@ -242,9 +242,7 @@ class Tracing:
         with np.errstate(invalid="ignore"):
             # The Earth falls away by the square of the way, over its radius twice, within some percent.
             height = self.height_m + after * (up + _CURVED * after * level**2 / (2.0 * WGS84.a_m))
-            row, column = np.nonzero(
-                np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M)
-            )
+            row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M))
             t = after[row, column]
             at_column, at_row, height = paths.evaluate(self.rays.at(column + 0.5, row + 0.5), t)
             below = surface.heights(at_column, at_row) >= height
@@ -257,9 +255,7 @@ class Tracing:
         The first has the finest cells; where those would be too many, farther ones are twice as large, and so on.
         """
         lat, lon = self.place
-        x, y = np.meshgrid(
-            *(np.linspace(0.0, side, _ALONG_EDGE) for side in (self.rays.width, self.rays.height))
-        )
+        x, y = np.meshgrid(*(np.linspace(0.0, side, _ALONG_EDGE) for side in (self.rays.width, self.rays.height)))
         directions = self.rays.at(x.ravel(), y.ravel())
         level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
         ground = WGS84.raised(self.lowest_m)
@@ -282,9 +278,7 @@ class Tracing:
                     cell_m *= 2.0
             if area_m2 > MOST_CELLS * cell_m**2:
                 end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
-                points = self._points(
-                    directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level
-                )
+                points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
             yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m
             begin_m, cell_m = end_m, 2.0 * cell_m
@@ -401,17 +395,14 @@ class Tracing:
         du, v = onto(at_column, at_row)
         turn = onto.slopes(at_column, at_row) @ one.per_metre
         spans = [
-            (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north)
-            for east, north in steps
+            (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north) for east, north in steps
         ]
         per_x, per_y = (np.sqrt(across * across + down * down) for across, down in spans)
         found = []
         for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
             off_x, off_y = sample_offsets(samples_x, samples_y)
             sub_du, sub_v = (
-                place[at, np.newaxis]
-                + spans[0][axis][at, np.newaxis] * off_x
-                + spans[1][axis][at, np.newaxis] * off_y
+                place[at, np.newaxis] + spans[0][axis][at, np.newaxis] * off_x + spans[1][axis][at, np.newaxis] * off_y
                 for axis, place in enumerate((du, v))
             )
             found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
@@ -527,9 +518,7 @@ def _onto(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row
     allowed = _PLANES_PX / grid.world_px(grid.native_zoom)
     for degree in _DEGREES:
         system = polyvander2d(x, y, [degree, degree])[good]  # type: ignore[no-untyped-call, unused-ignore]
-        factors = np.linalg.lstsq(system, wanted[:, good].T, rcond=None)[0].T.reshape(
-            2, degree + 1, degree + 1
-        )
+        factors = np.linalg.lstsq(system, wanted[:, good].T, rcond=None)[0].T.reshape(2, degree + 1, degree + 1)
         found = _Polynomials(middle, half, factors)
         off = np.stack([_value(check_x, check_y, part) for part in factors]) - checked
         if float(np.abs(off[:, good_check]).max(initial=0.0)) <= allowed:

@@ -107,19 +107,14 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 def delete(connection: sqlite3.Connection, rows: list[tuple[int, int, int]]) -> None:
     """Remove tiles by zoom, column and row of the file."""
-    connection.executemany(
-        "DELETE FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows
-    )
-    connection.executemany(
-        "DELETE FROM freshness WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows
-    )
+    connection.executemany("DELETE FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows)
+    connection.executemany("DELETE FROM freshness WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows)
 
 
 def live_bytes(connection: sqlite3.Connection) -> int:
     """Bytes of a file without its free pages."""
     pages, free, size = (
-        connection.execute(f"PRAGMA {name}").fetchone()[0]
-        for name in ("page_count", "freelist_count", "page_size")
+        connection.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_count", "freelist_count", "page_size")
     )
     return int((pages - free) * size)
 
@@ -178,9 +173,7 @@ def _set_metadata(connection: sqlite3.Connection, rows: Mapping[str, str]) -> No
 def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> None:
     """Widen format, zooms and bounds of the metadata to tiles that were just written."""
     known = dict(connection.execute("SELECT name, value FROM metadata").fetchall())
-    zooms = [tile.zoom for tile in written] + [
-        int(known[name]) for name in ("minzoom", "maxzoom") if name in known
-    ]
+    zooms = [tile.zoom for tile in written] + [int(known[name]) for name in ("minzoom", "maxzoom") if name in known]
     bounds = _bounds(written)
     if "bounds" in known:
         before = np.array([float(value) for value in known["bounds"].split(",")])
@@ -189,8 +182,7 @@ def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> N
     formats = ((b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
     body = next(iter(written.values()))
     new = {
-        "format": known.get("format")
-        or next((name for magic, name in formats if body.startswith(magic)), "png"),
+        "format": known.get("format") or next((name for magic, name in formats if body.startswith(magic)), "png"),
         "minzoom": str(min(zooms)),
         "maxzoom": str(max(zooms)),
         "bounds": ",".join(f"{value:.9f}" for value in bounds),
@@ -239,7 +231,5 @@ def empty(path: Path, until_s: float) -> None:
         with transaction(connection):
             connection.execute("DELETE FROM tiles")
             connection.execute("DELETE FROM freshness")
-            connection.execute(
-                "DELETE FROM metadata WHERE name IN ('format', 'bounds', 'minzoom', 'maxzoom')"
-            )
+            connection.execute("DELETE FROM metadata WHERE name IN ('format', 'bounds', 'minzoom', 'maxzoom')")
         shrink(connection, until_s)

@@ -236,9 +236,7 @@ class TileCache:
         except OSError:
             return ()
         found = ((name, _NAME.fullmatch(name)) for name in names)
-        return tuple(
-            self.folder / name for name, match in found if match and bool(match["corrupt"]) == corrupt
-        )
+        return tuple(self.folder / name for name, match in found if match and bool(match["corrupt"]) == corrupt)
 
     def _folder_bytes(self) -> int:
         try:

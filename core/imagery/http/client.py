@@ -316,9 +316,7 @@ class Client:
         # Raised outside `except` so that an error that may quote a key is not chained.
         raise PartError("{0}: {1}", what, failure)
 
-    def _picture_or_problem(
-        self, response: Response, read: Callable[[Response], Picture]
-    ) -> Picture | PartError:
+    def _picture_or_problem(self, response: Response, read: Callable[[Response], Picture]) -> Picture | PartError:
         """Read a picture; an error is returned, so that the caller can raise it without a chain that quotes a key."""
         try:
             return read(response)
@@ -355,9 +353,7 @@ class Client:
         """Seconds that the server asks to wait, which hold for every request; 0 without such a wish."""
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:
-            raise SourceError(
-                "{0}: {1}; it asks to come back in {2:.0f} s: resume then", self._title, reason, seconds
-            )
+            raise SourceError("{0}: {1}; it asks to come back in {2:.0f} s: resume then", self._title, reason, seconds)
         if seconds:
             self._pace.hold(seconds)
         return seconds

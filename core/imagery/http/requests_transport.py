@@ -154,9 +154,7 @@ class RequestsTransport:
         return found
 
     def _opened(self, parts: SplitResult) -> _Host:
-        request = requests.Request(
-            "GET", parts._replace(path="/", query="").geturl(), self._headers
-        ).prepare()
+        request = requests.Request("GET", parts._replace(path="/", query="").geturl(), self._headers).prepare()
         url = str(request.url)
         settings = self._session.merge_environment_settings(url, {}, None, None, None)
         proxy = select_proxy(url, settings["proxies"])
@@ -195,9 +193,7 @@ class RequestsTransport:
         if isinstance(failure, urllib3.exceptions.ProxyError):
             return TransportError("the proxy does not answer", away=True)
         # Before the timeouts, of which it is one.
-        if isinstance(
-            failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
-        ):
+        if isinstance(failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)):
             late = isinstance(failure, urllib3.exceptions.ConnectTimeoutError)
             return TransportError("no connection to {0}", host, away=True, late=late)
         if isinstance(failure, urllib3.exceptions.TimeoutError):

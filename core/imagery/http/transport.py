@@ -212,9 +212,7 @@ class Freshness(NamedTuple):
         )
 
 
-def freshness(
-    headers: Mapping[str, str], now_s: float, otherwise_s: float = HEURISTIC_LIFETIME_S
-) -> Freshness | None:
+def freshness(headers: Mapping[str, str], now_s: float, otherwise_s: float = HEURISTIC_LIFETIME_S) -> Freshness | None:
     """Freshness of an answer that has just arrived; None where it must not be stored.
 
     Requests for tiles differ in their URLs only, so any Vary except ``*`` is met.
@@ -258,9 +256,7 @@ def _sendable(value: str) -> str:
     return value if sound else ""
 
 
-def _lifetime_s(
-    headers: Mapping[str, str], directives: Mapping[str, str], now_s: float, otherwise_s: float
-) -> float:
+def _lifetime_s(headers: Mapping[str, str], directives: Mapping[str, str], now_s: float, otherwise_s: float) -> float:
     if "no-cache" in directives:
         return 0.0
     if "max-age" in directives:

@@ -251,8 +251,7 @@ def _metadata(band: Band, white: int | None) -> BandMetadata:
     items = tuple(
         (domain, name, " ".join(printable(value[:_VALUE_CHARACTERS]).split()))
         for domain, name, value in band.items[:_MOST_ITEMS]
-        if re.fullmatch(r"[A-Za-z][\w .:-]{0,99}", name, re.ASCII)
-        and not re.fullmatch(left_out, name, re.IGNORECASE)
+        if re.fullmatch(r"[A-Za-z][\w .:-]{0,99}", name, re.ASCII) and not re.fullmatch(left_out, name, re.IGNORECASE)
     )
     unit = " ".join(printable(band.unit[:_NAME_CHARACTERS]).split())
     # Images state these by the order of bands, or not at all.
@@ -275,14 +274,8 @@ def height_colours(facts: Facts) -> Colours:
         is_number = np.dtype(first.data_type).kind in "iuf"
     except TypeError:
         is_number = False
-    if (
-        not is_number
-        or first.colour in ("palette", "alpha")
-        or (facts.bands[1:] and first.data_type == "uint8")
-    ):
-        raise InvalidInput(
-            "its values are no heights: its first band is {0}, {1}", first.colour, first.data_type
-        )
+    if not is_number or first.colour in ("palette", "alpha") or (facts.bands[1:] and first.data_type == "uint8"):
+        raise InvalidInput("its values are no heights: its first band is {0}, {1}", first.colour, first.data_type)
     nodata = _held(first.nodata, "float32")
     return Colours((1,), (nodata,), Bands(("height",), "float32", (0,)), None, 1 if first.masked else None)
 

@@ -38,12 +38,8 @@ class RasterGeoreference:
     def __init__(self, facts: Facts) -> None:
         if facts.geotransform is None:
             if facts.by_points:
-                raise InvalidInput(
-                    "only ground control points place it: make a map of it first, with gdalwarp"
-                )
-            raise InvalidInput(
-                "it does not say where its pixels lie: it has no geotransform and no world file"
-            )
+                raise InvalidInput("only ground control points place it: make a map of it first, with gdalwarp")
+            raise InvalidInput("it does not say where its pixels lie: it has no geotransform and no world file")
         if not facts.crs_wkt:
             raise InvalidInput(
                 "it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632"
@@ -96,9 +92,7 @@ class RasterGeoreference:
         zoom = max(math.ceil(math.log2(max(self._width, self._height, TILE_PX) / TILE_PX)), 0)
         size = TILE_PX << zoom
         x, y = self._coordinates(np.array([0.0, self._width]), np.array([0.0, self._height]))
-        plane = ProjectedPlane(
-            named_crs(self._crs), float(x.min()), float(y.max()), across * size, down * size
-        )
+        plane = ProjectedPlane(named_crs(self._crs), float(x.min()), float(y.max()), across * size, down * size)
         middle = x.mean(), y.mean()
         back = plane.to_crs(*plane.from_crs(*middle))
         # The centre returns to its place, unless it lies beyond the domain of the projection.
@@ -192,14 +186,10 @@ class RasterGeoreference:
         to_pixels = np.linalg.inv(self._steps)
         right, up = x - self._origin[0], y - self._origin[1]
         with np.errstate(invalid="ignore"):
-            return to_pixels[0, 0] * right + to_pixels[0, 1] * up, to_pixels[1, 0] * right + to_pixels[
-                1, 1
-            ] * up
+            return to_pixels[0, 0] * right + to_pixels[0, 1] * up, to_pixels[1, 0] * right + to_pixels[1, 1] * up
 
     def _coordinates(self, column: Floats | float, row: Floats | float) -> tuple[Floats, Floats]:
-        x, y = (
-            origin + steps[0] * column + steps[1] * row for origin, steps in zip(self._origin, self._steps)
-        )
+        x, y = (origin + steps[0] * column + steps[1] * row for origin, steps in zip(self._origin, self._steps))
         return np.asarray(x, np.float64), np.asarray(y, np.float64)
 
     def _on_map(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:

@@ -179,9 +179,7 @@ def opener() -> Opener:
     raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
 
 
-def _checked(
-    kind: Opener, path: str, drivers: Sequence[str], options: Options
-) -> tuple[Sequence[str], Options]:
+def _checked(kind: Opener, path: str, drivers: Sequence[str], options: Options) -> tuple[Sequence[str], Options]:
     """Formats and options to open a raster with; one in GDAL's virtual file systems is checked first.
 
     GDAL caches the files of servers, so it opens the same bytes that were checked.
@@ -275,9 +273,7 @@ def _collected_errors(options: Options) -> Iterator[list[str]]:
 class GdalFile:
     """A raster or an overview opened by GDAL."""
 
-    def __init__(
-        self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS
-    ) -> None:
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS) -> None:
         from osgeo import gdal
 
         drivers, options = _checked(GdalFile, path, drivers, options)
@@ -285,9 +281,7 @@ class GdalFile:
         self._options = options
         overview = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
         with _collected_errors(options) as said:
-            self._dataset = gdal.OpenEx(
-                path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=overview
-            )
+            self._dataset = gdal.OpenEx(path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=overview)
         if self._dataset is None:
             raise ReadError(said[0] if said else Message("no format that GDAL knows"))
 
@@ -343,9 +337,7 @@ class GdalFile:
             unit=band.GetUnitType(),
             scale=1.0 if band.GetScale() is None else band.GetScale(),
             offset=band.GetOffset() or 0.0,
-            items=tuple(
-                (domain, *item) for domain in _DOMAINS for item in sorted(band.GetMetadata(domain).items())
-            ),
+            items=tuple((domain, *item) for domain in _DOMAINS for item in sorted(band.GetMetadata(domain).items())),
         )
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
@@ -402,9 +394,7 @@ class RasterioFile:
     # Filters of warnings belong to the process: two threads must not restore them in the wrong order.
     _opening = threading.Lock()
 
-    def __init__(
-        self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS
-    ) -> None:
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS) -> None:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning
 

@@ -131,9 +131,7 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
         total = _weighted(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     else:
         down = _running_means(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
-        total = _running_means(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(
-            0, 1
-        )
+        total = _running_means(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     total /= block
     # The tolerance covers the noise of positions and weights: a fortieth of a grey level.
     whole = total[..., -1] > 1.0 - 1e-4

@@ -185,9 +185,7 @@ def _check_entries(name: str, entries: dict[int, _Entry]) -> None:
     # A tie point has six numbers.
     points = entries[_TIE_POINTS].length // 6 if _TIE_POINTS in entries else 0
     if points > MAX_RASTER_ITEMS:
-        raise InvalidInput(
-            "{0} has {1:,} ground control points: must be at most {2:,}", name, points, MAX_RASTER_ITEMS
-        )
+        raise InvalidInput("{0} has {1:,} ground control points: must be at most {2:,}", name, points, MAX_RASTER_ITEMS)
     width, height = value(_WIDTH, 0), value(_HEIGHT, 0)
     bits = value(_BITS, 1)
     is_separate, is_uncompressed = value(_PLANAR, 1) == 2, value(_COMPRESSION, 1) == 1

@@ -213,9 +213,7 @@ class RasterSource:
         self._colours: Colours = (
             height_colours(facts)
             if heights
-            else choose_colours(
-                facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title
-            )
+            else choose_colours(facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title)
         )
         kind = self._colours.kind
         self.bands: Bands = replace(kind, data_type="uint8") if self._is_stretched else kind
@@ -311,9 +309,7 @@ class RasterSource:
 
     def _sampled(self) -> Values:
         """Values (n, bands) of pixels from the whole raster; of a large one, of 16 by 16 squares."""
-        level = max(
-            i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX
-        )
+        level = max(i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX)
         width, height = self._sizes[level]
         boxes_read = [PixelBox(0, 0, width, height)]
         # Fewer pixels for more than four bands, to fit memory.
@@ -361,8 +357,7 @@ class RasterSource:
         # the raster's plane, a footprint is one block.
         least = 2.0 if self.grid.plane.wraps else 1.0
         x, y = (
-            max(int(_smallest(size) / least + _SLIVER_PX), 1)
-            for size in (footprints.width_px, footprints.height_px)
+            max(int(_smallest(size) / least + _SLIVER_PX), 1) for size in (footprints.width_px, footprints.height_px)
         )
         box = _extent(footprints, width, height, x, y)
         if box is None:

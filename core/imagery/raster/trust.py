@@ -72,9 +72,7 @@ _VRT = re.compile(rb"<VRTDataset", re.IGNORECASE)
 #: First bytes of a file that determine its format.
 _HEAD_BYTES = 4096
 #: Elements and attributes of a VRT, in lower case, that name data.
-_NAMING = frozenset(
-    "sourcefilename sourcedataset sourcedatasetname filename dempath x_dataset y_dataset".split()
-)
+_NAMING = frozenset("sourcefilename sourcedataset sourcedatasetname filename dempath x_dataset y_dataset".split())
 #: Those whose text is never a name.
 _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
@@ -148,9 +146,7 @@ def check_virtual(path: str) -> None:
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
     # Of any scheme, with any number of slashes, as curl accepts them; a single letter is a drive.
     for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
-        check_address(
-            f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file")
-        )
+        check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file"))
 
 
 def allowed_drivers(path: str) -> list[str]:
@@ -471,9 +467,7 @@ def _definitions(file: Path) -> Iterator[bytes]:
         return
 
 
-def _check_source(
-    vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]
-) -> int:
+def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
     """Check a file that a VRT reads, as `_check`; ``folders`` have their links resolved."""
     within = _real(source)
     if not any(_contains(within, folder) for folder in folders):
@@ -505,9 +499,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
     name = name.strip()
     inside = Path(name).is_absolute() and not name.startswith("/vsi")
     if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
-        raise InvalidInput(
-            "{0} reads {1!r}, which is no file beside it", vrt.name, name.partition("?")[0][:80]
-        )
+        raise InvalidInput("{0} reads {1!r}, which is no file beside it", vrt.name, name.partition("?")[0][:80])
     if relative != "1":
         yield Path.cwd() / name
     if relative != "0":

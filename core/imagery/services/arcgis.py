@@ -89,15 +89,11 @@ class ArcGISService(JSONService):
         if cached is not None:
             return cached
         # The operation that draws, and the capability that a service states for it.
-        operation, capability = {"mapserver": ("export", "Map"), "imageserver": ("exportImage", "Image")}[
-            self._kind
-        ]
+        operation, capability = {"mapserver": ("export", "Map"), "imageserver": ("exportImage", "Image")}[self._kind]
         stated = read_text(info.get("capabilities"))
         if stated and capability not in stated.split(","):
             raise document.wrong(
-                Message(
-                    "it neither has tiles nor draws maps in this system: it offers {0}", stated or "nothing"
-                )
+                Message("it neither has tiles nor draws maps in this system: it offers {0}", stated or "nothing")
             )
         return self._drawn(document, operation)
 
@@ -240,9 +236,7 @@ def _services(document: Document) -> dict[str, Offered]:
 
 
 def _check_layers(document: Document, layers: str) -> None:
-    names = {
-        str(one.get("id")): read_text(one.get("name")) for one in read_objects(document.root.get("layers"))
-    }
+    names = {str(one.get("id")): read_text(one.get("name")) for one in read_objects(document.root.get("layers"))}
     for one in layers.split(","):
         chosen_one(document, "layers", one.strip(), names)
 

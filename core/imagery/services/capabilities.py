@@ -187,9 +187,7 @@ def fetch_capabilities(service: Service, key: str, transport: Transport | None) 
         raise document.wrong(Message("no capabilities at this address{0}", f": {message}" if message else ""))
     if service.kind not in found:
         raise document.wrong(
-            Message(
-                "the capabilities at this address are of a {0}: write {1}:URL", found[0].upper(), found[0]
-            )
+            Message("the capabilities at this address are of a {0}: write {1}:URL", found[0].upper(), found[0])
         )
     with reading(document):
         root = root_of(body)
@@ -281,9 +279,7 @@ def reading(document: Document) -> Iterator[None]:
         raise document.wrong(Message("capabilities that cannot be read: {0}", wrong)) from None
     except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
         raise document.wrong(
-            Message(
-                "capabilities that cannot be read ({0}: {1})", type(broken).__name__, one_line(str(broken))
-            )
+            Message("capabilities that cannot be read ({0}: {1})", type(broken).__name__, one_line(str(broken)))
         ) from broken
 
 

@@ -73,15 +73,11 @@ class JSONService(ServiceSource):
         if not _begins_as_json(body) and "f=" not in urlsplit(url).query:
             # Some servers ignore the header.
             url = set_query(url, {"f": "json"})
-            document, body, words = fetch_document(
-                self.service, url, key, self.options.transport, what, accept
-            )
+            document, body, words = fetch_document(self.service, url, key, self.options.transport, what, accept)
         if len(body) > MAX_SERVICE_JSON_BYTES:
             raise document.wrong(Message("a description of more than {0} MB", MAX_SERVICE_JSON_BYTES >> 20))
         if not _begins_as_json(body):
-            raise document.wrong(
-                Message("no description in JSON at this address{0}", f": {words}" if words else "")
-            )
+            raise document.wrong(Message("no description in JSON at this address{0}", f": {words}" if words else ""))
         try:
             root = parse_json(body)
         except InvalidInput as wrong:

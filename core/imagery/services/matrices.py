@@ -67,9 +67,7 @@ class LayerTiles:
         return float(highest) if self.plane is None else self.tile_px * 2.0**highest / self.plane.width
 
 
-def chosen_tiles(
-    document: Document, service: Any, layer: Any, crs: str, area_deg: Bounds | None = None
-) -> LayerTiles:
+def chosen_tiles(document: Document, service: Any, layer: Any, crs: str, area_deg: Bounds | None = None) -> LayerTiles:
     """Choose the tiles of a layer.
 
     Parameters
@@ -116,9 +114,7 @@ def chosen_tiles(
         )
     if first is not None:
         matrices = sets[chosen.name].tilematrix
-        chosen_one(
-            document, "tilematrix", first, {one.identifier: one.identifier for one in matrices.values()}
-        )
+        chosen_one(document, "tilematrix", first, {one.identifier: one.identifier for one in matrices.values()})
     return chosen
 
 
@@ -269,9 +265,7 @@ def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int
     return (left, top, right, bottom) if left <= right and top <= bottom else (0, 0, last_column, last_row)
 
 
-def _meets(
-    plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float], right: float, bottom: float
-) -> bool:
+def _meets(plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float], right: float, bottom: float) -> bool:
     """Whether a matrix that ends at ``right, bottom`` of a plane shows ground within bounds; true for the world."""
     if bounds_deg == WORLD_DEG:
         return True

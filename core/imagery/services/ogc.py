@@ -165,9 +165,7 @@ def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None
         "layer": layer.id,
         **{key.lower(): "{date}" if isinstance(about, Dates) else about for key, about in dimensions.items()},
     }
-    url = _rest_url(document, layer, kind, filled) or _kvp_url(
-        document, service, layer, kind, filled, dimensions
-    )
+    url = _rest_url(document, layer, kind, filled) or _kvp_url(document, service, layer, kind, filled, dimensions)
     zooms = sorted(chosen.levels)
     return _entry(
         name,
@@ -278,17 +276,13 @@ def _usable_systems(named: Sequence[str]) -> tuple[str, ...]:
     return (*((MAP,) if MAP in codes else ()), *usable)
 
 
-def _wms_entry(
-    name: str, document: Document, tile_px: int, wanted_crs: str, area_deg: Bounds | None
-) -> CatalogueEntry:
+def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str, area_deg: Bounds | None) -> CatalogueEntry:
     """Entry of one layer, or of several drawn over each other; raises as `ogc.ServiceLayer` does."""
     version, service = _wms(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
     wanted = choices.get("layers")
-    names = [
-        chosen_one(document, "layers", one, contents) for one in (wanted.split(",") if wanted else [None])
-    ]
+    names = [chosen_one(document, "layers", one, contents) for one in (wanted.split(",") if wanted else [None])]
     layers = [service.contents[one] for one in names]
     styles = choices.get("styles", "," * (len(layers) - 1)).split(",")
     _check_styles(document, layers, styles)
@@ -350,9 +344,7 @@ def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bound
         if wanted in projected and is_usable(wanted):
             return wanted
         there = [MAP] if mercator is not None else []
-        raise refused(
-            wanted, _named(document, layers[0]), [*there, *filter(is_usable, projected[:_MOST_SYSTEMS])]
-        )
+        raise refused(wanted, _named(document, layers[0]), [*there, *filter(is_usable, projected[:_MOST_SYSTEMS])])
     usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
     if usable:
         return best_system(usable, *filter(None, (area_deg, read_bounds(layers))))

@@ -231,9 +231,7 @@ def _items(root: Mapping[str, Any]) -> dict[str, str]:
     return {
         str(link.get("type") or "image/png"): link["href"]
         for link in read_objects(root.get("links"))
-        if link.get("rel") == "item"
-        and isinstance(link.get("href"), str)
-        and "{tilematrix}" in link["href"].lower()
+        if link.get("rel") == "item" and isinstance(link.get("href"), str) and "{tilematrix}" in link["href"].lower()
     }
 
 

@@ -40,7 +40,5 @@ class ServiceSource(EntrySource):
             return ""
         key = self.options.key or self.environment_key()
         if not key:
-            raise SourceError(
-                "{0}: needs an API key: set the environment variable {1}", self.service.host, KEY_ENV
-            )
+            raise SourceError("{0}: needs an API key: set the environment variable {1}", self.service.host, KEY_ENV)
         return key

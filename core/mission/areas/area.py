@@ -135,9 +135,7 @@ class Box(_Covered):
 
     def area_m2(self) -> float:
         """Square metres of ellipsoid inside."""
-        return self.span_deg * float(
-            WGS84.zone_area_m2_per_deg(np.asarray(self.south_deg), np.asarray(self.north_deg))
-        )
+        return self.span_deg * float(WGS84.zone_area_m2_per_deg(np.asarray(self.south_deg), np.asarray(self.north_deg)))
 
 
 @dataclass(frozen=True)
@@ -172,9 +170,7 @@ class Polygon(_Covered):
         """The smallest box around the outer ring."""
         lon, lat = self.arrays()[0]
         east = float(lon.max())
-        return Box(
-            float(lat.max()), float(lon.min()), float(lat.min()), east - 360.0 if east > 180.0 else east
-        )
+        return Box(float(lat.max()), float(lon.min()), float(lat.min()), east - 360.0 if east > 180.0 else east)
 
     @property
     def parts(self) -> tuple[Box | Polygon, ...]:
@@ -503,9 +499,7 @@ def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbe
         before = int(totals[start - 1]) if start else 0
         stop = max(int(np.searchsorted(totals, before + _CHUNK, side="right")), start + 1)
         at = np.repeat(np.arange(start, stop), counts[start:stop])
-        rank = np.arange(len(at)) - np.repeat(
-            totals[start:stop] - counts[start:stop] - before, counts[start:stop]
-        )
+        rank = np.arange(len(at)) - np.repeat(totals[start:stop] - counts[start:stop] - before, counts[start:stop])
         yield at, at + 1 + rank
         start = stop
 
@@ -535,9 +529,7 @@ def check_rings(polygon: Polygon) -> None:
         # The middles of its sides are inside even where its corners lie on the ring around it.
         at_lon, at_lat = (np.concatenate([at, (at + np.roll(at, -1)) / 2.0]) for at in (hole_lon, hole_lat))
         if not holds(whole, at_lat, at_lon).any():
-            raise InvalidInput(
-                "polygon with hole {0:,} outside of it: holes lie inside the outer ring", number
-            )
+            raise InvalidInput("polygon with hole {0:,} outside of it: holes lie inside the outer ring", number)
     west, south, east, north = whole.edges_deg
     sides_m2 = WGS84.a_m**2 * math.radians(max(east - west, north - south)) ** 2
     if polygon.area_m2() <= _NO_GROUND * sides_m2 * math.cos(math.radians(min(abs(south), abs(north)))):
@@ -563,9 +555,7 @@ def check_polygons(polygons: Sequence[Polygon], what: Message, name: str) -> Non
         Field that they are of.
     """
     for number, polygon in enumerate(polygons, 1):
-        _check_named(
-            polygon, what if len(polygons) == 1 else Message("{0}: polygon {1:,}", what, number), name
-        )
+        _check_named(polygon, what if len(polygons) == 1 else Message("{0}: polygon {1:,}", what, number), name)
 
 
 def _check_named(polygon: Polygon, what: Message, name: str) -> None:
@@ -665,9 +655,7 @@ def _crossing(edges: Edges, lat: Floats | float) -> Floats:
     return lon
 
 
-def crossed_and_held(
-    polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats
-) -> tuple[Flags, Flags]:
+def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> tuple[Flags, Flags]:
     """Which rectangles an edge of a polygon passes through, and of which the middle is inside it, (n,) each.
 
     One of the two holds where `touching` does. This is for rectangles that lie in no rows.
@@ -793,9 +781,7 @@ def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: flo
     return points[:, 0], points[:, 1]
 
 
-def _cut(
-    points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float
-) -> tuple[Floats, Numbers]:
+def _cut(points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float) -> tuple[Floats, Numbers]:
     """Rings, one after the other, each cut at its own limit: corners (n, 2), and the ring's number of each, (n,)."""
     following = points[next_corners(ring)]
     here = sense * (points[:, axis] - limit)

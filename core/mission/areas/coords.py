@@ -16,9 +16,7 @@ from ..options import KINDS
 from ..pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
 from .area import Area, Box, Points
 
-_FORMATS = Message(
-    '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
-)
+_FORMATS = Message('"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines')
 #: Endings of trajectories and flight logs, which say no heights above ground.
 _TRAJECTORIES = (".gpx", ".ulg", ".bin")
 #: Endings by which a text is the name of a file.
@@ -87,9 +85,7 @@ def parse_coords(
     elif len(values) in (2, 4) and agl_m is not None:
         corners, agl = values, agl_m
     else:
-        raise InvalidInput(
-            "coordinates {0!r}: {1} numbers; expected {2}", text.strip(), len(values), _FORMATS
-        )
+        raise InvalidInput("coordinates {0!r}: {1} numbers; expected {2}", text.strip(), len(values), _FORMATS)
     if len(corners) == 4 and kind in (None, "raster"):
         return Box(*corners), agl
     if len(corners) == 2 and kind == "raster":
@@ -147,9 +143,7 @@ def parse_points(
 
 def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
     if kind == "raster":
-        raise InvalidInput(
-            "file {0}: holds points; a raster mission needs two corners and a height as text", path
-        )
+        raise InvalidInput("file {0}: holds points; a raster mission needs two corners and a height as text", path)
     if path.suffix.lower() in _TRAJECTORIES:
         raise InvalidInput(
             "file {0}: is a trajectory or a flight log",
@@ -172,9 +166,7 @@ def _pose(line: str, where: str, agl_unit: str) -> tuple[tuple[float, float, flo
     """Pose of a line, and its yaw where it has one."""
     values = _numbers(line, where)
     if len(values) not in (3, 4):
-        raise InvalidInput(
-            "{0} {1!r} has {2} numbers; expected lat lon agl [yaw]", where, line.strip(), len(values)
-        )
+        raise InvalidInput("{0} {1!r} has {2} numbers; expected lat lon agl [yaw]", where, line.strip(), len(values))
     pose = (values[0], values[1], _scaled(values[2], agl_unit))
     try:
         Points((pose,), tuple(values[3:]))

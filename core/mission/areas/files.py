@@ -55,9 +55,7 @@ def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = elements_of)
     return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
-def load_polygons(
-    path: str | os.PathLike[str], where: str, read_xml: XMLReader = elements_of
-) -> tuple[Polygon, ...]:
+def load_polygons(path: str | os.PathLike[str], where: str, read_xml: XMLReader = elements_of) -> tuple[Polygon, ...]:
     """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
 
     The kind of file is told by what it holds, whatever its name. Other geometries of it are left out, and so are the
@@ -101,9 +99,7 @@ def load_polygons(
             raise InvalidInput("{0}: holds more than {1:,} polygons", where, MAX_POLYGONS)
     polygons = dict.fromkeys(_polygon(rings, number, where) for rings, number in first.items())
     if not polygons:
-        raise InvalidInput(
-            "{0}: holds no polygon", where, remedy="give a GeoJSON, KML or KMZ file with one or more"
-        )
+        raise InvalidInput("{0}: holds no polygon", where, remedy="give a GeoJSON, KML or KMZ file with one or more")
     return tuple(polygons)
 
 

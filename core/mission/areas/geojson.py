@@ -103,9 +103,7 @@ def _name(crs: Any, where: str) -> str:
     if kind == "epsg" and isinstance(code, (int, str)):
         name = f"EPSG:{code}"
     if not isinstance(name, str):
-        raise InvalidInput(
-            "{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84", where
-        )
+        raise InvalidInput("{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84", where)
     return name.strip()
 
 

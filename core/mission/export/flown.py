@@ -134,9 +134,7 @@ class Reader:
         Heights count from the take-off. Where a waypoint is passed without a stop, its corner is cut.
         """
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            template, flown = (
-                archive.read(f"wpmz/{name}").decode() for name in ("template.kml", "waylines.wpml")
-            )
+            template, flown = (archive.read(f"wpmz/{name}").decode() for name in ("template.kml", "waylines.wpml"))
         places, cuts_m = [], []
         for lon, lat, index, height, cut_m in _MARK.findall(flown):
             places.append((index, float(lat), float(lon), float(height)))
@@ -202,9 +200,7 @@ class Reader:
             if worst > _TOLERANCE_M:
                 raise self._refusal(name, way, at, worst)
 
-    def _refusal(
-        self, name: str, way: FlownPath, at: tuple[int, float, float], short_m: float
-    ) -> InvalidInput:
+    def _refusal(self, name: str, way: FlownPath, at: tuple[int, float, float], short_m: float) -> InvalidInput:
         leg, lat, lon = at
         values = (
             name,
@@ -235,18 +231,14 @@ def places_of_gpx(text: str) -> Floats:
 
     ``text`` is a part of GPX of whole points; the heights are in their extensions.
     """
-    first, *routes = (
-        np.array(_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>")
-    )
+    first, *routes = (np.array(_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>"))
     return np.concatenate([first, *chain.from_iterable((_END, route) for route in routes)])
 
 
 def places_of_kml(text: str) -> Floats:
     """The same of flight lines in a part of KML of whole lines."""
     lines = (np.array(line.replace(",", " ").split(), np.float64) for line in _LINE.findall(text))
-    return np.concatenate(
-        [_END, *chain.from_iterable((_END, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)]
-    )
+    return np.concatenate([_END, *chain.from_iterable((_END, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)])
 
 
 def places_of_geopackage(path: Path) -> Floats:
@@ -258,15 +250,11 @@ def places_of_geopackage(path: Path) -> Floats:
     parts = chain.from_iterable(
         (line.GetGeometryRef(part).GetPoints() for part in range(line.GetGeometryCount())) for line in lines
     )
-    return np.concatenate(
-        [_END, *chain.from_iterable((_END, np.array(part)[:, [1, 0, 2]]) for part in parts)]
-    )
+    return np.concatenate([_END, *chain.from_iterable((_END, np.array(part)[:, [1, 0, 2]]) for part in parts)])
 
 
 def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = (
-        item["TransectStyleComplexItem"]["Items"] if item["type"] == "ComplexItem" else [item]
-    )
+    found: list[dict[str, Any]] = item["TransectStyleComplexItem"]["Items"] if item["type"] == "ComplexItem" else [item]
     return found
 
 

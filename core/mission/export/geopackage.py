@@ -31,9 +31,7 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
     if plan.nominal is None:
         return ()
     return (
-        Message(
-            "footprints and captures are those of the flight in wind, the flight line is the one that was meant"
-        ),
+        Message("footprints and captures are those of the flight in wind, the flight line is the one that was meant"),
     )
 
 
@@ -68,9 +66,7 @@ def write_geopackage(plan: Plan, path: Path) -> None:
                 reader = Reader(plan)
                 reader.check(reader.above_ground([places_of_geopackage(partial)]), path.name)
     except OSError as wrong:
-        raise OutputError(
-            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
-        ) from wrong
+        raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
 
 
 @contextmanager

@@ -52,9 +52,7 @@ def kml_notes(plan: Plan) -> tuple[str, ...]:
     notes = []
     if plan.nominal is not None:
         notes.append(
-            Message(
-                "footprints are those of the flight in wind, waypoints and flight line are those that were meant"
-            )
+            Message("footprints are those of the flight in wind, waypoints and flight line are those that were meant")
         )
     if len(plan) > MOST_MARKED:
         notes.append(

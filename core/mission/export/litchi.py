@@ -47,9 +47,7 @@ def check_litchi(plan: Plan) -> None:
     air = ~np.isin(path.kind, (TAKEOFF, LANDING))
     count = int(np.count_nonzero(air))
     if count < FEWEST_WAYPOINTS:
-        raise InvalidInput(
-            "Litchi mission of one waypoint: takes two or more", remedy="plan a list or an area"
-        )
+        raise InvalidInput("Litchi mission of one waypoint: takes two or more", remedy="plan a list or an area")
     if plan.mission.trigger != BY_DISTANCE and count > MOST_PARTS * MOST_WAYPOINTS:
         raise InvalidInput(
             "Litchi mission of {0:,} waypoints: takes {1:,} or fewer",
@@ -59,14 +57,11 @@ def check_litchi(plan: Plan) -> None:
         )
     highest = float(meant.agl_m.max()) if path.is_captures else float(path.agl_m.max())
     if highest > HIGHEST_M:
-        raise InvalidInput(
-            "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
-        )
+        raise InvalidInput("Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M)
     pitch = float(np.abs(meant.tilt_deg).max()) - 90.0
     if pitch > _PITCHES_DEG[1]:
         raise InvalidInput(
-            "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or "
-            "less",
+            "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less",
             pitch,
             _PITCHES_DEG[0],
             _PITCHES_DEG[1],
@@ -114,11 +109,7 @@ def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...],
 
 def litchi_notes(plan: Plan) -> tuple[str, ...]:
     """What the file cannot say, one line each."""
-    notes = [
-        Message(
-            "in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say"
-        )
-    ]
+    notes = [Message("in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say")]
     if plan.mission.flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
             Message(

@@ -80,8 +80,7 @@ def check_qgroundcontrol(plan: Plan) -> None:
 def qgroundcontrol_texts(plan: Plan) -> list[Iterator[str]]:
     """Text of the plan of each sortie, in blocks."""
     return [
-        text_of(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1))
-        for sortie in sorties(plan)
+        text_of(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1)) for sortie in sorties(plan)
     ]
 
 
@@ -202,9 +201,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
         if pitch != pitch_was:
             yield _gimbal(pitch)
             pitch_was = pitch
-        yield Command(
-            NAV_WAYPOINT, FRAME_RELATIVE, (hold if capture >= 0 else 0, 0, 0, heading, lat, lon, height)
-        )
+        yield Command(NAV_WAYPOINT, FRAME_RELATIVE, (hold if capture >= 0 else 0, 0, 0, heading, lat, lon, height))
         if at == last:
             yield _by_distance(0)
         elif at < last:

@@ -17,9 +17,7 @@ from ..plan import Plan
 Corners = list[tuple[float, float]]
 POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
 WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
-CORNER_COLUMNS = tuple(
-    f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")
-)
+CORNER_COLUMNS = tuple(f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon"))
 COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
 #: ISO 8601 has four digits for a year.
 _YEAR_10000 = np.datetime64("10000-01-01", "ms")
@@ -59,9 +57,7 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             ):
                 # A corner that looks past the Earth has no place on it.
                 cells = values.tolist()
-                batch[f"{corner}_{axis}_deg"] = (
-                    cells if all(hit) else [c if h else "" for c, h in zip(cells, hit)]
-                )
+                batch[f"{corner}_{axis}_deg"] = cells if all(hit) else [c if h else "" for c, h in zip(cells, hit)]
         yield batch
 
 
@@ -108,9 +104,7 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
 def csv_text(plan: Plan) -> Iterator[str]:
     """Text of the table, in blocks."""
     more = [
-        name
-        for name, there in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level))
-        if there
+        name for name, there in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level)) if there
     ]
     names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS)
     yield ",".join(names) + "\n"

@@ -163,9 +163,7 @@ def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
     while start < count - 1:
         rest = slice(start + 1, None)
         away = np.maximum(way_m[rest] - way_m[start], _NOISE_M)
-        slope, most = (
-            (heights[rest] - height_m[start]) / away for heights in (height_m, height_m + higher_m)
-        )
+        slope, most = ((heights[rest] - height_m[start]) / away for heights in (height_m, height_m + higher_m))
         # To a point itself the line goes exactly.
         low, high = np.maximum.accumulate(slope), np.minimum.accumulate(most)
         free = np.append(True, (slope[1:] >= low[:-1] - _NOISE_M / away[1:]) & (slope[1:] <= high[:-1]))

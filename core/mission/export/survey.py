@@ -147,9 +147,7 @@ def survey_notes(plan: Plan) -> tuple[str, ...]:
 def _text(plan: Plan, sortie: Sortie) -> Iterator[str]:
     captures = np.flatnonzero(sortie.capture >= 0)
     first, end = int(captures[0]), int(captures[-1]) + 1
-    before = list(
-        simple_items(chain(before_flight(plan, sortie), _way(plan, sortie.take(slice(0, first)))), 1)
-    )
+    before = list(simple_items(chain(before_flight(plan, sortie), _way(plan, sortie.take(slice(0, first)))), 1))
     item = _survey(plan, sortie.take(slice(first, end)), len(before) + 1)
     number = len(before) + 1 + len(item["TransectStyleComplexItem"]["Items"])
     after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), after_flight(plan, sortie))
@@ -297,9 +295,7 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
     return rows.placed(along, across), spacing, entry
 
 
-def _straightened(
-    offset_m: Floats, along_m: Floats, tolerance_m: float, outward: float
-) -> tuple[Floats, Floats]:
+def _straightened(offset_m: Floats, along_m: Floats, tolerance_m: float, outward: float) -> tuple[Floats, Floats]:
     """One side of the polygon around ends of rows, with few corners: it leaves no end outside.
 
     Ends of rows over a slanting side step from image to image; corners at each of them would be none to edit.
@@ -360,11 +356,7 @@ def _camera(plan: Plan, rows: _SurveyRows, spacing_m: float) -> dict[str, Any]:
     aspect = wide_m / high_m
     sensor_mm = _DIAGONAL_MM * aspect / np.hypot(aspect, 1.0), _DIAGONAL_MM / np.hypot(aspect, 1.0)
     longer = plan.mission.pixels.image_px
-    size_px = (
-        (longer, max(round(longer / aspect), 1))
-        if aspect >= 1.0
-        else (max(round(longer * aspect), 1), longer)
-    )
+    size_px = (longer, max(round(longer / aspect), 1)) if aspect >= 1.0 else (max(round(longer * aspect), 1), longer)
     turned = np.mod(plan.meant.yaw_deg[0] - rows.azimuth_deg + 45.0, 180.0) >= 90.0
     across_m, along_m = (high_m, wide_m) if turned else (wide_m, high_m)
     return {

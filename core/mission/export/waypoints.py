@@ -161,8 +161,7 @@ def not_flown(plan: Plan) -> tuple[str, ...]:
     if tilt < 0.0:
         notes.append(
             Message(
-                "the tilt of {0:g} deg is flown with the aircraft turned around: same ground, "
-                "images upside down",
+                "the tilt of {0:g} deg is flown with the aircraft turned around: same ground, images upside down",
                 tilt,
             )
         )

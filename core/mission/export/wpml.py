@@ -99,9 +99,7 @@ def check_wpml(plan: Plan) -> None:
             remedy="plan a smaller area, a greater height or less overlap",
         )
     found = _parts(plan)
-    highest = max(
-        max(float(one.height_m.max()), one.way_home_m(plan, 0), one.way_home_m(plan, -1)) for one in found
-    )
+    highest = max(max(float(one.height_m.max()), one.way_home_m(plan, 0), one.way_home_m(plan, -1)) for one in found)
     if highest > drone.highest_m:
         raise InvalidInput(
             "DJI mission at {0:g} m: must be {1:g} m above the take-off or less", highest, drone.highest_m
@@ -146,9 +144,7 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
     titles = field_named(Route, "drone").choices
     notes = [
         Message("the file is for the drone {0}", Message(titles[plan.mission.route.drone])),
-        Message(
-            "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
-        ),
+        Message("not flown yet: files for DJI's programs were checked by their structure and by reading them back"),
         _note_of_heights(_parts(plan)),
     ]
     if flight.airspeed_m_per_s > FASTEST_M_PER_S:
@@ -160,13 +156,9 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
             )
         )
     if drone.of_dji_fly:
-        notes.append(
-            Message("DJI Fly opens no files: put this one in the place of a mission that you made there")
-        )
+        notes.append(Message("DJI Fly opens no files: put this one in the place of a mission that you made there"))
         if plan.mission.trigger == BY_DISTANCE:
-            notes.append(
-                Message("DJI Fly releases no camera by distance: each image has a waypoint of its own")
-            )
+            notes.append(Message("DJI Fly releases no camera by distance: each image has a waypoint of its own"))
         if plan.mission.trigger != HOVER:
             notes.append(
                 Message(
@@ -449,9 +441,7 @@ def _group(
     spacing_m: float | None,
     actions: list[tuple[str, str]],
 ) -> str:
-    parameter = (
-        "" if spacing_m is None else f"<wpml:actionTriggerParam>{spacing_m:.3f}</wpml:actionTriggerParam>"
-    )
+    parameter = "" if spacing_m is None else f"<wpml:actionTriggerParam>{spacing_m:.3f}</wpml:actionTriggerParam>"
     return (
         f"<wpml:actionGroup><wpml:actionGroupId>{number}</wpml:actionGroupId>"
         f"<wpml:actionGroupStartIndex>{ends[0]}</wpml:actionGroupStartIndex>"

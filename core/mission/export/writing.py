@@ -95,9 +95,7 @@ def _decoded(read: Callable[[Reader, str], list[FlownPath]]) -> Callable[[Reader
 _PARTED = {
     LITCHI_ENDING: _Parted(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
     ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes, Reader.kmz),
-    ".plan": _Parted(
-        _encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)
-    ),
+    ".plan": _Parted(_encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)),
     ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes, _decoded(Reader.plan)),
 }
 #: What a plan's file may end in.
@@ -152,9 +150,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     return PlanFiles((target,), () if form.notes is None else form.notes(plan))
 
 
-def _read_back(
-    plan: Plan, name: str, texts: Iterable[str], places_of: Callable[[str], Floats]
-) -> Iterator[str]:
+def _read_back(plan: Plan, name: str, texts: Iterable[str], places_of: Callable[[str], Floats]) -> Iterator[str]:
     """Hand blocks of a text on, and check the flight that they say before they end."""
     places = []
     for text in texts:

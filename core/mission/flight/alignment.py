@@ -61,9 +61,7 @@ class Alignment(NamedTuple):
         if percent == 0:
             return Message("row azimuth {0:g}°: {1}, {2}, as long as {3:g}°", *figures, before)
         if self.gain > 0.0:
-            return Message(
-                "row azimuth {0:g}°: {1}, {2}, {3} % shorter than {4:g}°", *figures, percent, before
-            )
+            return Message("row azimuth {0:g}°: {1}, {2}, {3} % shorter than {4:g}°", *figures, percent, before)
         return Message("row azimuth {0:g}°: {1}, {2}, {3} % longer than {4:g}°", *figures, percent, before)
 
 
@@ -163,9 +161,7 @@ def _rounded(azimuth_deg: float) -> float:
 class _Flights:
     """Lengths of a mission's flight at different azimuths, each planned once."""
 
-    def __init__(
-        self, mission: Mission, grid: PixelGrid, heights: Heights | None, area: Box | Polygon
-    ) -> None:
+    def __init__(self, mission: Mission, grid: PixelGrid, heights: Heights | None, area: Box | Polygon) -> None:
         self._mission, self._grid, self._heights = mission.with_(wind=None), grid, heights
         self._area = area
         self._lengths_m: dict[float, float] = {}

@@ -245,9 +245,7 @@ class LinearSystem:
         """
         step_s = np.asarray(step_s, np.float64)
         if not bool(np.all(np.isfinite(step_s) & (step_s >= 0.0))):
-            raise InvalidInput(
-                "steps of {0} to {1} s: must be 0 or more, and finite", step_s.min(), step_s.max()
-            )
+            raise InvalidInput("steps of {0} to {1} s: must be 0 or more, and finite", step_s.min(), step_s.max())
         doublings = np.array([self._doublings(step) for step in step_s.tolist()], np.int64)
         change, covariance = self._series(np.ldexp(step_s, -doublings))
         for done in range(int(doublings.max(initial=0))):

@@ -112,13 +112,9 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
         ("intervals", interval_s, (max(count - 1, 0),)),
     ):
         if values.shape != wanted:
-            raise InvalidInput(
-                "{0} of shape {1}: must be {2} for {3} exposures", name, values.shape, wanted, count
-            )
+            raise InvalidInput("{0} of shape {1}: must be {2} for {3} exposures", name, values.shape, wanted, count)
     if yaw_deg.shape not in ((), (count,)):
-        raise InvalidInput(
-            "yaws of shape {0}: must be one, or one for each of {1} exposures", yaw_deg.shape, count
-        )
+        raise InvalidInput("yaws of shape {0}: must be one, or one for each of {1} exposures", yaw_deg.shape, count)
     for name, values, right, rule in (
         ("interval", interval_s, interval_s >= 0.0, "s: must be 0 or more"),
         ("heading", heading_deg, np.isfinite(heading_deg), "deg: must be a number"),
@@ -152,9 +148,7 @@ def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Flo
     return sampled
 
 
-def _steps(
-    sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats
-) -> tuple[Floats, Ints]:
+def _steps(sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> tuple[Floats, Ints]:
     """Matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
 
     The first matrix starts the flight: it ignores the state and draws from the stationary distribution. Rounding

@@ -169,9 +169,7 @@ def flight_path(plan: Planned) -> FlightPath:
         A place of take-off inside a no-fly area, or without ground; a capture that no battery reaches.
     """
     route = plan.mission.route
-    further = (
-        route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
-    )
+    further = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
     if further or plan.mission.no_fly:
         return _Maker(plan).path()
     alone = _captures_alone(plan)
@@ -401,9 +399,7 @@ class _Maker:
         near = np.zeros(len(low), bool)
         for polygon in self._rings:
             corners = polygon[0]
-            near |= (
-                (high >= corners.min(axis=0) - _NO_FLY_M) & (low <= corners.max(axis=0) + _NO_FLY_M)
-            ).all(axis=1)
+            near |= ((high >= corners.min(axis=0) - _NO_FLY_M) & (low <= corners.max(axis=0) + _NO_FLY_M)).all(axis=1)
         added: list[tuple[int, _Points]] = []
         for leg in np.flatnonzero(near).tolist():
             way = way_around(place[leg], place[leg + 1], self._rings, _NO_FLY_M)[1:-1]
@@ -441,9 +437,7 @@ class _Maker:
     def _agl_of(self, points: _Points) -> Floats:
         """Height above ground that is asked for on each leg, (m - 1,): the lower one of the captures around it."""
         before = np.maximum(np.maximum.accumulate(points.capture), 0)
-        after = np.minimum.accumulate(np.where(points.capture < 0, len(self._row) - 1, points.capture)[::-1])[
-            ::-1
-        ]
+        after = np.minimum.accumulate(np.where(points.capture < 0, len(self._row) - 1, points.capture)[::-1])[::-1]
         agl: Floats = np.minimum(self._asked_agl[before[:-1]], self._asked_agl[after[1:]])
         return agl
 

@@ -121,15 +121,10 @@ def joined(rectangles: Rectangles) -> Rectangles:
     left, top, right, bottom = rectangles
     neighbours = np.zeros(len(left), bool)
     neighbours[1:] = (
-        (top[1:] == top[:-1])
-        & (bottom[1:] == bottom[:-1])
-        & (left[1:] <= right[:-1])
-        & (left[:-1] <= right[1:])
+        (top[1:] == top[:-1]) & (bottom[1:] == bottom[:-1]) & (left[1:] <= right[:-1]) & (left[:-1] <= right[1:])
     )
     first = np.flatnonzero(~neighbours)
-    return Rectangles(
-        np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first]
-    )
+    return Rectangles(np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first])
 
 
 def _reached(strip: Numbers, end: Floats) -> Floats:
@@ -449,9 +444,7 @@ def summarize_overlap(along: Floats, across: Floats) -> Overlap:
     return Overlap(*_least_and_median(along), *_least_and_median(across))
 
 
-def shares(
-    column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool
-) -> tuple[Floats, Floats]:
+def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool) -> tuple[Floats, Floats]:
     """Shares of width, along rows, and of height, across them, that neighbours have in common, of the smaller of both.
 
     Parameters
@@ -467,9 +460,7 @@ def shares(
     left, top, right, bottom = rectangles
     width, height = right - left, bottom - top
     neighbours = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
-    shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
-        left[neighbours], left[neighbours + 1]
-    )
+    shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(left[neighbours], left[neighbours + 1])
     along = _smaller_shares(shared, width[neighbours], width[neighbours + 1])
 
     # Where in its row each one is: its column, or its middle as a share of what all of them span.
@@ -563,9 +554,7 @@ def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) 
         meets = (left < east - room) & (right > west + room) & (top < south - room) & (bottom > north + room)
         for (u, v), (next_u, next_v) in zip(corners, np.roll(corners, -1, axis=0)):
             # Distance inward of a side, at the corners of each picture that lie farthest in and farthest out.
-            inward_u, inward_v = np.array([v - next_v, next_u - u]) / max(
-                np.hypot(next_u - u, next_v - v), 1e-300
-            )
+            inward_u, inward_v = np.array([v - next_v, next_u - u]) / max(np.hypot(next_u - u, next_v - v), 1e-300)
             ends_u = np.sort([inward_u * (left - u), inward_u * (right - u)], axis=0)
             ends_v = np.sort([inward_v * (top - v), inward_v * (bottom - v)], axis=0)
             held &= ends_u[0] + ends_v[0] >= -room
@@ -578,9 +567,7 @@ def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) 
 def _share(area: Area, extent: Floats) -> float:
     """Share of an area that lies on an extent (positively oriented)."""
     total = held = 0.0
-    signed = [
-        (-1.0 if number else 1.0, ring) for part in area.parts for number, ring in enumerate(part.arrays())
-    ]
+    signed = [(-1.0 if number else 1.0, ring) for part in area.parts for number, ring in enumerate(part.arrays())]
     for sign, (lon, lat) in signed:
         total += sign * WGS84.ring_area_m2(lon, lat)
         on_map = np.stack([lon_to_u(lon), lat_to_v(lat)], axis=1)

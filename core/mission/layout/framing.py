@@ -222,9 +222,7 @@ class _RowsAlongParallels:
             for yaw in row_yaws_deg(self.mission)
         )
         west, east, top, bottom = zip(*(self.framing.edges(some, pixel) for some in poses))
-        return FrameEdges(
-            np.max(west, axis=0), np.min(east, axis=0), np.max(top, axis=0), np.min(bottom, axis=0)
-        )
+        return FrameEdges(np.max(west, axis=0), np.min(east, axis=0), np.max(top, axis=0), np.min(bottom, axis=0))
 
 
 @dataclass(frozen=True)
@@ -262,9 +260,7 @@ class _RowsInPlane:
         least = _highest_mission(self.mission, self.relief)
         lower, ground = _deepest_share(least, self.relief), ground_ellipsoid(self.mission)
         return PlacedCaptures(
-            *lay_out_polygons(
-                least, lambda part: lay_out_rotated(part, ground, self.grid.plane, lower=lower, **room)
-            )
+            *lay_out_polygons(least, lambda part: lay_out_rotated(part, ground, self.grid.plane, lower=lower, **room))
         )
 
 
@@ -373,8 +369,7 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     if isinstance(area, Points):
         # Points are their columns; those over no-fly areas are left out.
         tilt, roll = (
-            select_by_column(point_angles_deg(mission, area, name), layout.column)
-            for name in ("tilt", "roll")
+            select_by_column(point_angles_deg(mission, area, name), layout.column) for name in ("tilt", "roll")
         )
     else:
         tilt, roll = (
@@ -444,9 +439,7 @@ def _some(*values: Floats) -> tuple[Floats, ...]:
 
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
-        raise InvalidInput(
-            "zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom"
-        )
+        raise InvalidInput("zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom")
     if zoom > highest_zoom(mission, grid):
         raise InvalidInput(
             "zoom {0}: the source's own pixels end at zoom {1}",
@@ -524,9 +517,7 @@ class CameraFraming:
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
         """Edges of the rectangles inside, with room for their rounding."""
-        return inscribed_edges(
-            self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane
-        )
+        return inscribed_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane)
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
         """Frames of `sizes`."""
@@ -587,16 +578,12 @@ class CameraFraming:
             return InvalidInput(
                 text,
                 field="max_px",
-                remedy=Message(
-                    "choose a less extreme aspect ratio or larger images ({0})", OptionName("max_px")
-                ),
+                remedy=Message("choose a less extreme aspect ratio or larger images ({0})", OptionName("max_px")),
             )
         return InvalidInput(
             text,
             field="image_px",
-            remedy=Message(
-                "choose a less extreme aspect ratio or a larger image ({0})", OptionName("image_px")
-            ),
+            remedy=Message("choose a less extreme aspect ratio or a larger image ({0})", OptionName("image_px")),
         )
 
     def zoom(self, layout: Layout) -> int:

@@ -55,8 +55,6 @@ def left_out(
     before = np.append(0, np.cumsum(~forbidden))
     ends = [*(one.first for one in passes[1:]), len(forbidden)]
     kept = tuple(
-        one._replace(first=int(before[one.first]))
-        for one, end in zip(passes, ends)
-        if before[end] > before[one.first]
+        one._replace(first=int(before[one.first])) for one, end in zip(passes, ends) if before[end] > before[one.first]
     )
     return picked(layout, ~forbidden), kept, tuple(int(before[first]) for first in parts), count

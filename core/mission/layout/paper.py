@@ -50,8 +50,7 @@ def lay_out_paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> L
     reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
     if reach > _UTM_REACH_DEG:
         raise InvalidInput(
-            "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's "
-            "meridian",
+            "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's meridian",
             box.span_deg,
             _UTM_REACH_DEG,
             field="layout",

@@ -124,9 +124,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> La
         # What is seen aside lies farther away from higher up: what images from all heights hold.
         most = frames(lat_deg, relief.most_seen_agl_m(lat_deg))
         west, top = (np.maximum(*edges) for edges in ((least.west_u, most.west_u), (least.top_v, most.top_v)))
-        east, bottom = (
-            np.minimum(*edges) for edges in ((least.east_u, most.east_u), (least.bottom_v, most.bottom_v))
-        )
+        east, bottom = (np.minimum(*edges) for edges in ((least.east_u, most.east_u), (least.bottom_v, most.bottom_v)))
         held = (east > west) & (bottom > top)
         return FrameEdges(*(np.where(held, *edges) for edges in zip((west, east, top, bottom), least)))
 
@@ -165,9 +163,7 @@ def _cover(
     rounding = ROUNDING_PX * pixel
     lower = edges if deepest is None else deepest(v_to_lat(rows_v))
     either = _united(edges, lower)
-    top_v, bottom_v, beside_deg = edges_with_margin(
-        mission, either.top_v - rounding, either.bottom_v + rounding
-    )
+    top_v, bottom_v, beside_deg = edges_with_margin(mission, either.top_v - rounding, either.bottom_v + rounding)
     if along is None and len(rows_v) > _MANY_ROWS:
         # Following a polygon through many rows takes a while: images show the whole of it at least.
         one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
@@ -247,13 +243,9 @@ def _row_centres(
 class _ParallelRows:
     """Rows of frames between two parallels, as world fractions."""
 
-    def __init__(
-        self, mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
-    ) -> None:
+    def __init__(self, mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool) -> None:
         self._mission, self._frames = mission, frames
-        self._north, self._south = (
-            float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
-        )
+        self._north, self._south = (float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg))
         self._meeting = _MEETING_PX * pixel
         # Of rows as wide as the box it is known beforehand how many images they have.
         known = refuse_early and isinstance(mission.area, Box)
@@ -275,9 +267,7 @@ class _ParallelRows:
         level = np.abs(aside) < edges.size[1] / 4.0
         half = edges.size[1] / 2.0
         cameras = np.where(level, places + np.array([-1.0, 1.0]) * half, places - 1.5 * aside)
-        return max(min(self._north, float(cameras.min())), 0.0), min(
-            max(self._south, float(cameras.max())), 1.0
-        )
+        return max(min(self._north, float(cameras.min())), 0.0), min(max(self._south, float(cameras.max())), 1.0)
 
     def _cameras_by_trying(self) -> tuple[float, float]:
         """Where cameras may stand whose frames lie so far aside that how far changes with their latitude."""
@@ -292,9 +282,7 @@ class _ParallelRows:
                 remedy="tilt it less or fly lower",
             )
         places = tried[sees]
-        highest, lowest = (
-            np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0))
-        )
+        highest, lowest = (np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0)))
         if self._out_of_sight(highest - self._north) or self._out_of_sight(self._south - lowest):
             raise self._gaps()
         return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
@@ -361,8 +349,7 @@ class _ParallelRows:
             images = half * float(np.sum(weights / step * (columns + 1.0)))
             # The last row ends with the area: rows that fit only its height are not flown.
             images *= max(
-                1.0
-                - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,
+                1.0 - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,
                 0.0,
             )
             if images * _SURELY > self._mission.output.max_images:
@@ -386,9 +373,7 @@ class _ParallelRows:
         nearest, stalled = math.inf, 0
         for _ in range(_PASSES):
             edges = self._edges(centres)
-            placed = np.cumsum(
-                np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
-            )
+            placed = np.cumsum(np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)]))
             moved = float(np.max(np.abs(placed - centres)))
             centres = placed
             if moved <= settled:
@@ -505,9 +490,7 @@ class _Stretches(NamedTuple):
             begin = first + at * size
             # The last of those stretches that a capture may stand in.
             best = len(ahead) - 1 - np.argmax((farthest >= begin)[:, ::-1], axis=1)[:, np.newaxis]
-            at, farthest, begin = (
-                np.take_along_axis(values, best, axis=1) for values in (at, farthest, begin)
-            )
+            at, farthest, begin = (np.take_along_axis(values, best, axis=1) for values in (at, farthest, begin))
             u = np.minimum(farthest, begin + size)[:, 0]
             west, east = self.west[rows, at[:, 0]], self.east[rows, at[:, 0]]
             found.append(_Placed(rows, np.full(len(rows), len(found)), u, west, east))

@@ -92,9 +92,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
     found = list(_laid_out(mission, area, laid_out))
     # Captures of cameras that look aside along the track are placed for the way that the row is flown.
     kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
-    ways = [
-        _ways(layout, passes, _KEPT_TURNS if kept else tuple(range(len(_TURNS)))) for layout, passes in found
-    ]
+    ways = [_ways(layout, passes, _KEPT_TURNS if kept else tuple(range(len(_TURNS)))) for layout, passes in found]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
     for part, way in chosen:
@@ -108,9 +106,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
     return _joined(layouts), tuple(joined), tuple(firsts)
 
 
-def _laid_out(
-    mission: Mission, area: Polygons, laid_out: LaidOut
-) -> Iterator[tuple[Layout, tuple[Pass, ...]]]:
+def _laid_out(mission: Mission, area: Polygons, laid_out: LaidOut) -> Iterator[tuple[Layout, tuple[Pass, ...]]]:
     """Each polygon's rows by themselves, longitudes in the turn of the world that the area's bounds begin."""
     count = 0
     for polygon, placed in zip(area.parts, area.placed()):
@@ -152,9 +148,7 @@ def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _
     """Ways to fly the rows of a polygon: each of its passes from either end of its first row or its last."""
     each: list[dict[int, tuple[Floats, Floats, int]]] = []
     for part in _slices(layout, passes):
-        first, last = (
-            _places(layout.lat_deg[part][at], layout.lon_deg[part][at]) for at in _runs(layout.row[part])
-        )
+        first, last = (_places(layout.lat_deg[part][at], layout.lon_deg[part][at]) for at in _runs(layout.row[part]))
         ends: dict[int, tuple[Floats, Floats, int]] = {}
         for turn in which:
             back, turned = _TURNS[turn]
@@ -252,9 +246,7 @@ def _exact(ways: Sequence[_Ways]) -> list[tuple[int, int]]:
 def _gaps(ways: Sequence[_Ways]) -> Numbers:
     """Least distances (n, n) from the end of one polygon to the start of another, whichever of both comes first."""
     starts = np.stack([one.start for one in ways])
-    gaps = np.stack(
-        [_steps(one.end[:, np.newaxis, np.newaxis], starts[np.newaxis]).min(axis=(0, 2)) for one in ways]
-    )
+    gaps = np.stack([_steps(one.end[:, np.newaxis, np.newaxis], starts[np.newaxis]).min(axis=(0, 2)) for one in ways])
     return np.asarray(np.minimum(gaps, gaps.T))
 
 

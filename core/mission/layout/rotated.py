@@ -94,11 +94,7 @@ class Pass(NamedTuple):
 
     def row_sides(self, row: Numbers) -> Sides:
         """Rectangles of captures by the numbers of their rows (n,): one for all, or one for each."""
-        return (
-            self.sides
-            if self.back is None
-            else _alternating(self.sides, self.back, (row - self.first_row) % 2 == 1)
-        )
+        return self.sides if self.back is None else _alternating(self.sides, self.back, (row - self.first_row) % 2 == 1)
 
 
 class PlaneArea(NamedTuple):
@@ -188,19 +184,14 @@ def lay_out_rotated(
     if len(parts) == 1:
         return parts[0], tuple(passes)
     whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
-    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.flight.agl_m), whole.row.shape)), tuple(
-        passes
-    )
+    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.flight.agl_m), whole.row.shape)), tuple(passes)
 
 
 def _plane_middle(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
     """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
     lon, lat = (np.concatenate(values) for values in zip(*area.arrays()))
     ends = np.linspace(0.0, 1.0, 8, endpoint=False)
-    lon, lat = (
-        (part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel()
-        for part in (lon, lat)
-    )
+    lon, lat = ((part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel() for part in (lon, lat))
     u, v = own.forward(lat, lon)
     there = np.isfinite(u)
     if not there.all():
@@ -235,9 +226,7 @@ def _laid_out(
     if narrowed_m:
         sides, back = _narrower(sides, narrowed_m), None if back is None else _narrower(back, narrowed_m)
     (width,), (height,) = sides.size_m
-    steps = np.array(
-        [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
-    )
+    steps = np.array([width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)])
     step_x, step_y = steps - _MEETING_M
     refuse_no_step(steps[:1] - _MEETING_M, mission.flight.overlap_along, mission)
     refuse_no_step(steps[1:] - _MEETING_M, mission.flight.overlap_across, mission)
@@ -246,9 +235,7 @@ def _laid_out(
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
     left_m, bottom_m, right_m, top_m = (float(side[0]) for side in sides)
     aside_m = max(left_m, bottom_m, -right_m, -top_m, 0.0)
-    margin = (
-        shape.bend_m + _MEETING_M + room_m + (lower - 1.0) * aside_m + _plane_margin(mission, area, plane)
-    )
+    margin = shape.bend_m + _MEETING_M + room_m + (lower - 1.0) * aside_m + _plane_margin(mission, area, plane)
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
@@ -319,9 +306,7 @@ def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
     return Sides(left, bottom, right, top), Sides(-right, -top, -left, -bottom)
 
 
-def _yaws_deg(
-    mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats, is_back: Flags | bool
-) -> Floats:
+def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats, is_back: Flags | bool) -> Floats:
     """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence.
 
     A fixed azimuth is a true one, and on a source's own plane one from its grid north.
@@ -339,9 +324,7 @@ def _yaws_deg(
 
 def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back: bool) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
-    tilt, roll = (
-        np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
-    )
+    tilt, roll = (np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg))
     agl = np.full(lat.shape, mission.flight.agl_m)
     return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon, is_back), tilt, roll)
 
@@ -426,9 +409,7 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> t
         x, y = plane.forward(lat_deg, lon_deg)
         off = np.zeros(len(x))
         for share in (0.25, 0.5, 0.75):  # a side that bends both ways does not in its middle
-            lon, lat, *chord = (
-                part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y)
-            )
+            lon, lat, *chord = (part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y))
             on = plane.forward(lat, lon)
             off = np.maximum(off, np.hypot(on[0] - chord[0], on[1] - chord[1]))
         bent = np.flatnonzero(off > bend_m)
@@ -457,9 +438,7 @@ def rotated_rectangles(
     return Rectangles(x + left, y + bottom, x + right, y + top)
 
 
-def inner_rectangles(
-    plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats
-) -> Rectangles:
+def inner_rectangles(plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats) -> Rectangles:
     """Rectangles along a plane's axes inside those along the map's, by their edges in degrees, (n,) each.
 
     The two differ by quarter turns and by the plane's convergence.
@@ -479,9 +458,7 @@ def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
     return Rectangles(left, bottom, np.maximum(right, left), np.maximum(top, bottom))
 
 
-def rotated_coverage(
-    mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
-) -> Coverage:
+def rotated_coverage(mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]) -> Coverage:
     """Coverage of the mission's area by rectangles, in m² of ground.
 
     Each of several polygons counts with the rectangles of its passes.
@@ -491,10 +468,7 @@ def rotated_coverage(
     for part in area.parts:
         own = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
         of_part = [passes[at] for at in own], [rectangles[at] for at in own]
-        held = [
-            Polygon((tuple(zip(lon.tolist(), lat.tolist())),))
-            for lon, lat in shared_rings(part, mission.no_fly)
-        ]
+        held = [Polygon((tuple(zip(lon.tolist(), lat.tolist())),)) for lon, lat in shared_rings(part, mission.no_fly)]
         found.append(_pass_coverage(part, *of_part).without([_pass_coverage(one, *of_part) for one in held]))
     return summed(found)
 

@@ -136,9 +136,7 @@ def sees_below(mission: Mission) -> bool:
     In the others it grows on all sides.
     """
     attitude = mission.attitude
-    below, in_front = mission.camera.image_xy(
-        np.array([[0.0, 0.0, -1.0]]), 0.0, attitude.tilt_deg, attitude.roll_deg
-    )
+    below, in_front = mission.camera.image_xy(np.array([[0.0, 0.0, -1.0]]), 0.0, attitude.tilt_deg, attitude.roll_deg)
     return bool(in_front[0] and (np.abs(below[0]) <= 1.0).all())
 
 
@@ -148,9 +146,7 @@ def bounds_with_margin(mission: Mission, area: Area) -> Box:
     if not mission.flight.margin_m:
         return box
     beyond = math.degrees(_margin_angle(mission))
-    return replace(
-        box, north_deg=min(box.north_deg + beyond, 90.0), south_deg=max(box.south_deg - beyond, -90.0)
-    )
+    return replace(box, north_deg=min(box.north_deg + beyond, 90.0), south_deg=max(box.south_deg - beyond, -90.0))
 
 
 def _margin_angle(mission: Mission) -> float:
@@ -177,11 +173,7 @@ def level_layout(mission: Mission, column: Numbers, row: Numbers, lat_deg: Float
     """Captures of the mission's height, of rows that are flown east or west."""
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), row.shape)
     out, *back = row_yaws_deg(mission)
-    yaw = (
-        np.where(is_flown_back(mission, row), back[0], out)
-        if back
-        else np.broadcast_to(np.float64(out), row.shape)
-    )
+    yaw = np.where(is_flown_back(mission, row), back[0], out) if back else np.broadcast_to(np.float64(out), row.shape)
     return Layout(column, row, lat_deg, lon_deg, agl, yaw)
 
 
@@ -200,9 +192,7 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
                 field="tilt_deg" if turned else "agl_m",
                 remedy="tilt it less or fly lower" if turned else "fly lower",
             )
-        raise InvalidInput(
-            "overlap {0}: leaves under 0.001 px between captures", overlap, remedy="overlap less"
-        )
+        raise InvalidInput("overlap {0}: leaves under 0.001 px between captures", overlap, remedy="overlap less")
 
 
 def picked(layout: Layout, which: NDArray[Any]) -> Layout:
@@ -210,10 +200,7 @@ def picked(layout: Layout, which: NDArray[Any]) -> Layout:
     column, row, *poses = layout
     column = column[which]
     # What is the same for all takes no memory.
-    kept = (
-        values[which] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
-        for values in poses
-    )
+    kept = (values[which] if any(values.strides) else np.broadcast_to(values[:1], column.shape) for values in poses)
     return Layout(column, row[which], *kept)
 
 

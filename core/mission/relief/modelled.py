@@ -93,9 +93,7 @@ class ModelledRelief:
     def __getstate__(self) -> dict[str, Any]:
         """What images depend on, but the heights, which are large: see `opened`."""
         kept = ("mission", "radius_m", "lowest_m", "highest_m", "has_holes")
-        without = replace(
-            self._surface, heights_m=np.empty((0, 0), np.float32), holes=None, interpolated=None
-        )
+        without = replace(self._surface, heights_m=np.empty((0, 0), np.float32), holes=None, interpolated=None)
         return {**{name: getattr(self, name) for name in kept}, "_surface": without}
 
     @property
@@ -141,9 +139,7 @@ class ModelledRelief:
             return self._overflown
         lat, lon = around
         high_m = math.radians(float(np.ptp(lat))) * WGS84.b_m
-        wide_m = (
-            math.radians(float(np.ptp(lon))) * WGS84.a_m * math.cos(math.radians(float(np.abs(lat).min())))
-        )
+        wide_m = math.radians(float(np.ptp(lon))) * WGS84.a_m * math.cos(math.radians(float(np.abs(lat).min())))
         if high_m * wide_m > 4.0 * self._in_parts.side_m**2:
             return self._in_parts
         return self._read_around(lat_deg, lon_deg, room_m)
@@ -278,9 +274,7 @@ class ModelledRelief:
         level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, _LEAST_ABOVE_M))
         found = exact(self.mission.camera, level, points, WGS84.raised(self.lowest_m))
         rays = self.mission.camera.rays_enu(points, *poses.attitude)
-        lat, lon, height = (
-            np.repeat(values, len(points)) for values in (poses.lat_deg, poses.lon_deg, height_m)
-        )
+        lat, lon, height = (np.repeat(values, len(points)) for values in (poses.lat_deg, poses.lon_deg, height_m))
         shape = found.lat_deg.shape
         *met, hits = self._surface.first_points(lat, lon, height, rays.reshape(-1, 3), self.lowest_m)
         seen_lat, dlon, heights = (values.reshape(shape) for values in met)
@@ -350,9 +344,7 @@ class ModelledRelief:
             refuse_hole(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
         return found
 
-    def wanted_m(
-        self, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | None = None
-    ) -> tuple[Floats, Floats]:
+    def wanted_m(self, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | None = None) -> tuple[Floats, Floats]:
         """Heights of captures over the ellipsoid as they are asked for, and of the ground below, (n,) each."""
         agl = np.full(len(lat_deg), self.mission.flight.agl_m) if agl_m is None else agl_m
         above = self.mission.terrain.height_above
@@ -416,8 +408,7 @@ class ModelledRelief:
         # Every so manieth cell: their tops are those of all around them.
         step = max(int(math.sqrt(rows * columns / 4e6)), 1)
         column, row = (
-            at.ravel()
-            for at in np.meshgrid(np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step))
+            at.ravel() for at in np.meshgrid(np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step))
         )
         at_lat, at_lon = surface.places(column, row)
         middle = (west + east) / 2.0
@@ -545,9 +536,7 @@ class ModelledRelief:
             found = self._surface.first_points(
                 poses.lat_deg[by], poses.lon_deg[by], height_m[by], vectors[some], self.lowest_m
             )
-            off_m = np.linalg.norm(
-                sight_lines(lat[at], np.zeros(len(at)), found[0], found[1] - dlon[some]), axis=-1
-            )
+            off_m = np.linalg.norm(sight_lines(lat[at], np.zeros(len(at)), found[0], found[1] - dlon[some]), axis=-1)
             seen[at[~(off_m > _SAME_PLACE * cell_size_m(self._surface))]] = True
         held_at_all = np.zeros(len(lat), bool)
         held_at_all[point[held]] = True
@@ -630,9 +619,7 @@ class ModelledRelief:
             float(near[at]),
             self.mission.terrain.clearance_m,
             field="agl_m",
-            remedy=Message(
-                "fly {0:.0f} m higher, or above the ground below", math.ceil(least[at] - height[at])
-            ),
+            remedy=Message("fly {0:.0f} m higher, or above the ground below", math.ceil(least[at] - height[at])),
         )
 
 
@@ -724,9 +711,7 @@ def _along_edge(area: Area) -> tuple[Floats, Floats]:
     rings = [ring for part in area.parts for ring in part.arrays()]
     share = np.linspace(0.0, 1.0, max(_LOOKED_FOR // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
     lon, lat = (
-        np.concatenate(
-            [(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in ways]
-        )
+        np.concatenate([(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in ways])
         for ways in zip(*rings)
     )
     return lat, lon

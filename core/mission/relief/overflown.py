@@ -65,9 +65,7 @@ class Overflown:
         # Half a cell lies between a place and its nearest pixel.
         return _highest_of(self._surface, math.floor(self._distance_m / self.cell_m + 0.5))
 
-    def _highest(
-        self, near: Callable[[Floats, Floats], Floats] | None, lat_deg: Floats, lon_deg: Floats
-    ) -> Floats:
+    def _highest(self, near: Callable[[Floats, Floats], Floats] | None, lat_deg: Floats, lon_deg: Floats) -> Floats:
         found = self._surface.heights(*self._surface.position(lat_deg, lon_deg))
         if near is not None:
             found = np.fmax(found, near(lat_deg, lon_deg))

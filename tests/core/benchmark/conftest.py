@@ -30,9 +30,7 @@ def texture(seed: int) -> np.ndarray:
     rough = rng.random((HEIGHT // 4 + 2, WIDTH // 4 + 2))
     fine = np.kron(rough, np.ones((4, 4)))
     for _ in range(3):
-        fine = (
-            fine + np.roll(fine, 1, 0) + np.roll(fine, 1, 1) + np.roll(fine, -1, 0) + np.roll(fine, -1, 1)
-        ) / 5.0
+        fine = (fine + np.roll(fine, 1, 0) + np.roll(fine, 1, 1) + np.roll(fine, -1, 0) + np.roll(fine, -1, 1)) / 5.0
     fine = fine[:HEIGHT, :WIDTH]
     return np.uint8(255.0 * (fine - fine.min()) / np.ptp(fine))[np.newaxis]
 

@@ -127,9 +127,7 @@ def test_torch_has_the_same_pairs(benchmark):
     from terrainav.core.dataset.loading.torch_loader import TorchDataset
 
     pairs = Pairs(benchmark, part="train", img_size=SIZE)
-    for ((queries, tiles), labels), ((some, others), values) in zip(
-        Batches(pairs, 4), TorchDataset(pairs).batches(4)
-    ):
+    for ((queries, tiles), labels), ((some, others), values) in zip(Batches(pairs, 4), TorchDataset(pairs).batches(4)):
         np.testing.assert_array_equal(some.numpy(), queries.transpose(0, 3, 1, 2))
         np.testing.assert_array_equal(others.numpy(), tiles.transpose(0, 3, 1, 2))
         np.testing.assert_array_equal(values.numpy(), labels)

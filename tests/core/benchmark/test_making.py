@@ -37,23 +37,15 @@ def table(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def ground_ellipsoid(
-    query: dict[str, str], x_px: np.ndarray, y_px: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def ground_ellipsoid(query: dict[str, str], x_px: np.ndarray, y_px: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """UTM of the ground at image points, from ``queries.csv`` alone: rays met with the ellipsoid in geocentric axes."""
-    value = {
-        name: float(text) for name, text in query.items() if name not in ("id", "file", "imagery", "part")
-    }
+    value = {name: float(text) for name, text in query.items() if name not in ("id", "file", "imagery", "part")}
     lat, lon = math.radians(value["lat_deg"]), math.radians(value["lon_deg"])
     yaw, tilt, roll = (math.radians(value[f"{name}_deg"]) for name in ("yaw", "tilt", "roll"))
     # Nose, right wing and belly of an aircraft (z-y'-x''), whose camera looks along the belly: right, down, axis.
     turn_yaw = np.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
-    turn_tilt = np.array(
-        [[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]]
-    )
-    turn_roll = np.array(
-        [[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]]
-    )
+    turn_tilt = np.array([[math.cos(tilt), 0, math.sin(tilt)], [0, 1, 0], [-math.sin(tilt), 0, math.cos(tilt)]])
+    turn_roll = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
     body = np.stack(
         [
             -(y_px - value["cy_px"]) / value["fy_px"],
@@ -144,9 +136,7 @@ def test_every_place_of_the_reference_is_in_some_tile(benchmark):
     y = np.linspace(tiles.south.min(), tiles.north.max(), 60)[1:-1]
     for east in x:
         for north in y:
-            inside = (
-                (tiles.west <= east) & (tiles.east >= east) & (tiles.south <= north) & (tiles.north >= north)
-            )
+            inside = (tiles.west <= east) & (tiles.east >= east) & (tiles.south <= north) & (tiles.north >= north)
             assert inside.any()
 
 
@@ -168,12 +158,8 @@ def test_positives_are_tiles_that_show_the_same_ground(benchmark):
     for name in list(rows)[:6]:
         row = rows[name]
         wide, high = float(row["width_px"]), float(row["height_px"])
-        edge_x = np.concatenate(
-            [np.linspace(0, wide, 20), np.full(20, wide), np.linspace(wide, 0, 20), np.zeros(20)]
-        )
-        edge_y = np.concatenate(
-            [np.zeros(20), np.linspace(0, high, 20), np.full(20, high), np.linspace(high, 0, 20)]
-        )
+        edge_x = np.concatenate([np.linspace(0, wide, 20), np.full(20, wide), np.linspace(wide, 0, 20), np.zeros(20)])
+        edge_y = np.concatenate([np.zeros(20), np.linspace(0, high, 20), np.full(20, high), np.linspace(high, 0, 20)])
         ring = np.stack(ground_ellipsoid(row, edge_x, edge_y), axis=1)
         low, top = ring.min(axis=0), ring.max(axis=0)
         x, y = np.meshgrid(np.arange(low[0], top[0], step), np.arange(low[1], top[1], step))
@@ -205,16 +191,12 @@ def test_cross_area_parts_share_no_ground(tmp_path):
     source = "world"
     imagery = NamedImagery("world", source)
     queries = Mission(Box(35.150, -89.900, 35.142, -89.888), 60.0, image_px=64, image_format="png")
-    settings = BenchmarkSettings(
-        queries, (imagery,), imagery, tile_widths_m=(70.0,), tile_overlap=0.0, gap_m=10.0
-    )
+    settings = BenchmarkSettings(queries, (imagery,), imagery, tile_widths_m=(70.0,), tile_overlap=0.0, gap_m=10.0)
     folder = tmp_path / "benchmark"
     found = made(folder, settings).benchmark
     parts, boxes = [], []
     for row in table(folder / "queries.csv"):
-        east, north = ground_ellipsoid(
-            row, np.array([0.0, 64.0, 64.0, 0.0]), np.array([0.0, 0.0, 48.0, 48.0])
-        )
+        east, north = ground_ellipsoid(row, np.array([0.0, 64.0, 64.0, 0.0]), np.array([0.0, 0.0, 48.0, 48.0]))
         parts.append(row["part"])
         boxes.append((east.min(), north.min(), east.max(), north.max()))
     from_map = Transformer.from_crs(3857, EPSG, always_xy=True)
@@ -231,9 +213,7 @@ def test_cross_area_parts_share_no_ground(tmp_path):
     others = (part[:, None] != part) & (part != "gap") & (part[:, None] != "gap")
     # Boxes along the grid are wider than those along meridians, which are turned by 1.7 degrees: 3 m of 70 on a side.
     assert apart[others].min() > 10.0 - 2.0 * 3.0
-    assert set(found.gallery("test")) == {
-        at for at, part in enumerate(found.references.part) if part == "test"
-    }
+    assert set(found.gallery("test")) == {at for at, part in enumerate(found.references.part) if part == "test"}
 
 
 def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
@@ -245,9 +225,7 @@ def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
     first = made(tmp_path / "first", settings)
     lost, count = first.benchmark.queries_of_parts["gap"], len(first.benchmark.queries)
     assert str(first.hint).startswith(f"{lost} of {count} queries are in the gap between parts; it would be ")
-    hinted = {
-        words: int(number) for number, words in re.findall(r"(\d+) (with(?:out)? [^,;]+)", str(first.hint))
-    }
+    hinted = {words: int(number) for number, words in re.findall(r"(\d+) (with(?:out)? [^,;]+)", str(first.hint))}
     changes = {
         "with a gap of 0 m": {"gap_m": 0.0},
         "without a validation part": {"shares": (0.9, 0.0, 0.1)},
@@ -274,9 +252,7 @@ def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_pat
     counts = {name: found.benchmark.queries.imagery.count(name) for name in dates}
     assert set(counts.values()) == {24 - worked_out.left_out}
     for row in table(tmp_path / "inside" / "queries.csv"):
-        east, north = ground_ellipsoid(
-            row, np.array([0.0, 79.0, 79.0, 0.0]), np.array([0.0, 0.0, 59.0, 59.0])
-        )
+        east, north = ground_ellipsoid(row, np.array([0.0, 79.0, 79.0, 0.0]), np.array([0.0, 0.0, 59.0, 59.0]))
         assert WEST < east.min() < east.max() < WEST + WIDTH
         assert NORTH - HEIGHT < north.min() < north.max() < NORTH
     # Settings of before are those that leave none out.
@@ -318,9 +294,7 @@ def test_tiles_of_several_widths_are_one_gallery(tmp_path, settings):
     assert set(found.references.width_m) == {60.0, 120.0}
     for width in (60.0, 120.0):
         of_width = found.references.width_m == width
-        assert found.references.east[of_width] - found.references.west[of_width] == pytest.approx(
-            width, abs=1.0
-        )
+        assert found.references.east[of_width] - found.references.west[of_width] == pytest.approx(width, abs=1.0)
         assert (tmp_path / "benchmark" / tiles_folder(width) / "mission.json").is_file()
 
 
@@ -377,9 +351,7 @@ def test_a_reference_of_too_many_pixels_is_refused():
     world = NamedImagery("world", "world")
     queries = Mission(Box(35.5, -90.0, 35.0, -89.0), 2_000.0, image_px=4000)
     with pytest.raises(InvalidInput, match=r"reference of .* m in pixels of .* m: more than 20,000 px"):
-        plan_benchmark(
-            BenchmarkSettings(queries, (world,), world), {"world=world": open_source("world").grid}
-        )
+        plan_benchmark(BenchmarkSettings(queries, (world,), world), {"world=world": open_source("world").grid})
 
 
 def test_folders_of_others_are_left_alone(tmp_path, settings):

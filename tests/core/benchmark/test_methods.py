@@ -100,9 +100,7 @@ def test_one_colour_agrees_with_nothing():
     assert correlation._agreement(flat, (9, 9), correlation._transforms(np.ones((9, 9)))) is None
     grey = np.arange(16.0).reshape(4, 4) - 7.5
     patch = correlation._Patch(grey, np.ones((4, 4)), 0, 0, (0.0, 0.0), (0.0, 0.0))
-    assert (
-        correlation._agreement(patch, (9, 9), correlation._transforms(np.full((9, 9), 200.0))) == -1.0
-    ).all()
+    assert (correlation._agreement(patch, (9, 9), correlation._transforms(np.full((9, 9), 200.0))) == -1.0).all()
 
 
 def test_queries_come_with_priors_of_the_stated_errors(benchmark):

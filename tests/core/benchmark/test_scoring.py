@@ -115,9 +115,7 @@ def test_angles_are_those_between_the_rotations(benchmark, yaw, tilt):
     for at in range(len(queries)):
         # Intrinsic rotations about down, right wing and nose.
         own, other = (
-            Rotation.from_euler(
-                "ZYX", [queries.yaw_deg[at] + a, queries.tilt_deg[at] + b, queries.roll_deg[at]], True
-            )
+            Rotation.from_euler("ZYX", [queries.yaw_deg[at] + a, queries.tilt_deg[at] + b, queries.roll_deg[at]], True)
             for a, b in ((0.0, 0.0), (yaw, tilt))
         )
         angle = math.degrees((own.inv() * other).magnitude())

@@ -79,9 +79,7 @@ def edited(path: Path, part: str, **values) -> None:
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
+        path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()
     }
 
 
@@ -98,9 +96,7 @@ def begun(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize(
-    ("part", "one"), sampled(FIELDS, 4), ids=[f"{part}.{one.name}" for part, one in FIELDS]
-)
+@pytest.mark.parametrize(("part", "one"), sampled(FIELDS, 4), ids=[f"{part}.{one.name}" for part, one in FIELDS])
 def test_each_field_that_is_edited_is_refused_by_name(begun, tmp_path, part, one):
     folder = shutil.copytree(begun, tmp_path / "out")
     was = getattr(getattr(MISSION, part), one.name)
@@ -174,9 +170,7 @@ def test_edits_that_change_no_value_are_accepted(begun, tmp_path):
     assert contents(folder) == before
 
 
-@pytest.mark.parametrize(
-    "blocks", [None, Blocks(2), Blocks(2, "webdataset")], ids=["plain", "folders", "shards"]
-)
+@pytest.mark.parametrize("blocks", [None, Blocks(2), Blocks(2, "webdataset")], ids=["plain", "folders", "shards"])
 def test_going_on_with_the_options_of_before_says_that_the_file_was_edited(tmp_path, blocks):
     captured(MISSION, tmp_path, blocks=blocks)
     edited(tmp_path / "mission.json", "imagery", seed=8)
@@ -242,9 +236,7 @@ def test_of_several_imageries_the_file_above_them_is_held(tmp_path):
 
     def run(asked):
         plans = {name: plan(one, PatternSource().grid) for name, one in asked.by_imagery.items()}
-        return capture_imageries(
-            asked, plans, {name: PatternSource() for name in plans}, tmp_path, resume=True
-        )
+        return capture_imageries(asked, plans, {name: PatternSource() for name in plans}, tmp_path, resume=True)
 
     run(mission)
     edited(tmp_path / "mission.json", "imagery", imageries=["a=world", "c=world"])
@@ -257,9 +249,7 @@ def test_pairs_are_held_to_their_settings(tmp_path):
     places = tuple(PairPlace(35.14 + 0.01 * at, -89.86, str(at)) for at in range(4))
 
     def run(**changes):
-        settings = PairSettings(
-            views=spiral((120.0,), 2, 1, (30.0,)), size_px=32, satellite_m=60.0, **changes
-        )
+        settings = PairSettings(views=spiral((120.0,), 2, 1, (30.0,)), size_px=32, satellite_m=60.0, **changes)
         return capture_pairs(plan_pairs(places, settings, source.grid), source, tmp_path, resume=True)
 
     run(gap_m=0.0, seed=3)
@@ -274,9 +264,7 @@ def test_pairs_are_held_to_their_settings(tmp_path):
     edited_settings = plan_pairs(places, settings, source.grid).to_dict()
     (tmp_path / SETTINGS_FILE).write_bytes(json_bytes(edited_settings))
     before = contents(tmp_path)
-    with pytest.raises(
-        OutputError, match=r"its pairs.json was edited since the capture began: parts.shares from"
-    ):
+    with pytest.raises(OutputError, match=r"its pairs.json was edited since the capture began: parts.shares from"):
         run(gap_m=0.0, seed=3, shares=(0.25, 0.5, 0.25))
     assert contents(tmp_path) == before
 
@@ -291,9 +279,7 @@ def test_a_benchmark_is_held_to_its_settings(tmp_path):
 
     def run(gap_m):
         asked = BenchmarkSettings(queries, (one,), one, split="none", margin_m=10.0, gap_m=gap_m)
-        return make_benchmark(
-            plan_benchmark(asked, {str(one): source.grid}), {str(one): source}, tmp_path, resume=True
-        )
+        return make_benchmark(plan_benchmark(asked, {str(one): source.grid}), {str(one): source}, tmp_path, resume=True)
 
     run(10.0)
     document = json.loads((tmp_path / "benchmark.json").read_text())

@@ -37,9 +37,7 @@ def captured(folder, area=SMALL, agl=120.0, **changes):
 @pytest.mark.parametrize(
     ("image_format", "tilt"), sampled([("tif", 85.0), ("jpg", 60.0), ("jpg", 85.0), ("png", 85.0)], 2)
 )
-def test_gdal_reads_the_pose_and_control_points_that_the_50_digit_camera_confirms(
-    tmp_path, image_format, tilt
-):
+def test_gdal_reads_the_pose_and_control_points_that_the_50_digit_camera_confirms(tmp_path, image_format, tilt):
     gdal.UseExceptions()
     area = Points(((35.1425, -89.866, 120.0),))
     worked_out, _ = captured(
@@ -64,9 +62,7 @@ def test_gdal_reads_the_pose_and_control_points_that_the_50_digit_camera_confirm
         x, y = point.GCPPixel / 80.0 - 1.0, 1.0 - point.GCPLine / 60.0
         lat, dlon = see(35.1425, 120.0, camera.fov_deg, camera.aspect_ratio, 30.0, tilt, 0.0, x, y, 80.0)
         # Nine decimals of degrees.
-        np.testing.assert_allclose(
-            [point.GCPY, point.GCPX + 89.866], [float(lat), float(dlon)], rtol=0, atol=0.51e-9
-        )
+        np.testing.assert_allclose([point.GCPY, point.GCPX + 89.866], [float(lat), float(dlon)], rtol=0, atol=0.51e-9)
         assert point.GCPZ == 80.0
     if masked:
         alpha = opened.GetRasterBand(4)
@@ -144,9 +140,7 @@ def test_footprints_of_the_plan_are_polygons_cut_by_the_horizon(tmp_path):
             assert np.sum(lon[:-1] * lat[1:] - lon[1:] * lat[:-1]) > 0.0
     assert across["geometry"]["type"] == "MultiPolygon"
     assert "pole" not in across["properties"]
-    reaches = [
-        lat for ring in pole["geometry"]["coordinates"] for _, lat in (ring[0] if len(ring) == 1 else ring)
-    ]
+    reaches = [lat for ring in pole["geometry"]["coordinates"] for _, lat in (ring[0] if len(ring) == 1 else ring)]
     assert max(reaches) == 90.0
 
 

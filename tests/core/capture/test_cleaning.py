@@ -411,9 +411,7 @@ def test_a_table_that_is_no_file_is_named(dataset):
     path = folder / "satellite" / "meta_data.csv"
     path.unlink()
     path.mkdir()
-    with pytest.raises(
-        OutputError, match=r"table .*meta_data\.csv: cannot be read \(it is no regular file\)"
-    ):
+    with pytest.raises(OutputError, match=r"table .*meta_data\.csv: cannot be read \(it is no regular file\)"):
         capture(worked_out, source, folder, resume=True)
 
 
@@ -452,9 +450,7 @@ def with_entropies(folder, of):
     (folder / "mission.json").unlink()
     path = folder / "satellite" / "meta_data.csv"
     table = Table.load(path)
-    values = [
-        of(np.asarray(Image.open(folder / "satellite" / name).convert("RGB"))) for name in table.img_names
-    ]
+    values = [of(np.asarray(Image.open(folder / "satellite" / name).convert("RGB"))) for name in table.img_names]
     Table(**{**vars(table), "entropies": np.array(values)}).save(path)
 
 
@@ -488,16 +484,10 @@ def test_a_capture_holds_those_of_grey_levels_whatever_its_jpegs_have_lost(datas
 
 
 @pytest.mark.parametrize(("threshold", "said"), [(0.0, "rejects nothing"), (8.0, "rejects nearly all")])
-def test_a_threshold_that_tells_nothing_apart_is_warned_of(
-    dataset, tmp_path, monkeypatch, capsys, threshold, said
-):
+def test_a_threshold_that_tells_nothing_apart_is_warned_of(dataset, tmp_path, monkeypatch, capsys, threshold, said):
     folder, _, _ = dataset
-    found = command(tmp_path, monkeypatch, capsys)(
-        "clean", str(folder), "--entropy", str(threshold), "--dry-run"
-    )
+    found = command(tmp_path, monkeypatch, capsys)("clean", str(folder), "--entropy", str(threshold), "--dry-run")
     assert found.returncode == 0
     assert f"warning: satellite: the threshold {said}" in found.stderr
-    quiet = command(tmp_path, monkeypatch, capsys)(
-        "clean", str(folder), "--entropy", str(THRESHOLD), "--dry-run"
-    )
+    quiet = command(tmp_path, monkeypatch, capsys)("clean", str(folder), "--entropy", str(THRESHOLD), "--dry-run")
     assert "warning" not in quiet.stderr

@@ -50,9 +50,7 @@ PLACES = pytest.mark.parametrize(
 )
 MISSIONS = {
     "tif": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18),
-    "jpg": Mission(
-        AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg"
-    ),
+    "jpg": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg"),
     "camera png": Mission(
         Box(35.16, -89.90, 35.1575, -89.897),
         120.0,
@@ -204,13 +202,9 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, image
 
 @PLACES
 @pytest.mark.parametrize("back", [False, True], ids=["clean", "undo"])
-def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(
-    driver, tmp_path, back, places, images, step
-):
+def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver, tmp_path, back, places, images, step):
     def files(folder):
-        return {
-            str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()
-        }
+        return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
     def ran(folder, arguments, code=0, **options):
         argv = ["clean", str(folder), *arguments]
@@ -300,8 +294,7 @@ def test_a_second_capture_into_the_folder_is_refused(driver, tmp_path):
     try:
         assert first.asked.wait(60.0)
         refused = (
-            f"folder {tmp_path / 'out'}: another run is at work in it; wait until it has ended or choose "
-            "another folder"
+            f"folder {tmp_path / 'out'}: another run is at work in it; wait until it has ended or choose another folder"
         )
         # In this process and in another.
         with pytest.raises(OutputError) as caught:

@@ -18,9 +18,7 @@ from tests.support.forks import Driver
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system sets no limits on processes")
 
-MISSION = Mission(
-    AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg"
-)
+MISSION = Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg")
 AS_ROOT = hasattr(os, "getuid") and os.getuid() == 0
 
 
@@ -101,9 +99,7 @@ def test_a_full_disk_ends_in_a_clear_message_and_is_resumed(driver, small_disk, 
 
 
 @pytest.mark.parametrize("largest_file_bytes", [0, 100, 1200, 4000, 15_000, -1])
-def test_files_that_may_not_grow_end_in_a_clear_message_and_are_resumed(
-    driver, tmp_path, whole, largest_file_bytes
-):
+def test_files_that_may_not_grow_end_in_a_clear_message_and_are_resumed(driver, tmp_path, whole, largest_file_bytes):
     folder = tmp_path / "out"
     if largest_file_bytes < 0:
         largest_file_bytes += max(len(data) for data in whole.values() if isinstance(data, bytes))
@@ -116,9 +112,7 @@ def test_files_that_may_not_grow_end_in_a_clear_message_and_are_resumed(
 
 
 @pytest.mark.parametrize("closes_after", [1, 7, 25])
-def test_a_folder_that_turns_read_only_ends_in_a_clear_message_and_is_resumed(
-    driver, open_folder, whole, closes_after
-):
+def test_a_folder_that_turns_read_only_ends_in_a_clear_message_and_is_resumed(driver, open_folder, whole, closes_after):
     folder = open_folder / "out"
     folder.mkdir()
     job = {"mission": MISSION.to_json(), "folder": str(folder), "obeys_permissions": True}

@@ -123,9 +123,7 @@ def test_focal_length_and_pixels_of_the_sensor_give_the_field_of_view(tmp_path, 
         assert length == pytest.approx(focal_length_mm, rel=1e-9)
         assert longer_mm == pytest.approx(camera_named(name).sensor_mm[0], rel=0.03)
     field = 2.0 * math.atan(
-        math.hypot(
-            width / tags["ExifIFD:FocalPlaneXResolution"], height / tags["ExifIFD:FocalPlaneYResolution"]
-        )
+        math.hypot(width / tags["ExifIFD:FocalPlaneXResolution"], height / tags["ExifIFD:FocalPlaneYResolution"])
         * 10.0
         / 2.0
         / length
@@ -240,9 +238,7 @@ def test_a_camera_of_the_users_own_does_not_change_the_tags(monkeypatch, tmp_pat
     assert camera_body(camera).model == "FOV 61 deg, 1.25 to 1 (simulated)"
 
 
-@pytest.mark.parametrize(
-    "value", [0.0, 1e-12, 0.3, 26.3, 8.8, 359.999999, 4_294_967.294, 36_000_120.0, 4.2e9]
-)
+@pytest.mark.parametrize("value", [0.0, 1e-12, 0.3, 26.3, 8.8, 359.999999, 4_294_967.294, 36_000_120.0, 4.2e9])
 def test_rationals_keep_nine_digits(value):
     numerator, denominator = tiff.rational(value)
     assert 0 <= numerator < 1 << 32

@@ -139,10 +139,7 @@ def last_outcomes(folder):
 def check(folder, failed=frozenset(), reason="", *, stopped=False):
     """Pictures that are there are right to the last pixel, and those that are not are named with the reason."""
     table = Table.load(folder / "satellite" / "meta_data.csv")
-    rows = {
-        name.partition(".tif")[0]: (table.status[i], table.reason[i])
-        for i, name in enumerate(table.img_names)
-    }
+    rows = {name.partition(".tif")[0]: (table.status[i], table.reason[i]) for i, name in enumerate(table.img_names)}
     outcomes = last_outcomes(folder)
     assert set(rows) == set(outcomes)
     there = {path.name.partition(".tif")[0] for path in (folder / "satellite").glob("*.tif")}
@@ -313,9 +310,7 @@ def fetching():
     return {t for t in threading.enumerate() if t.name.startswith(("terrainav-fetch", "terrainav-work"))}
 
 
-@pytest.mark.parametrize(
-    "kind", ["stall", "stall-mid-body", "trickle", "429-seconds", "503", "unfinished-connection"]
-)
+@pytest.mark.parametrize("kind", ["stall", "stall-mid-body", "trickle", "429-seconds", "503", "unfinished-connection"])
 def test_every_wait_of_a_capture_ends_when_it_is_cancelled(server, deaf_template, tmp_path, kind):
     template = deaf_template if kind == "unfinished-connection" else None
     if template is None:
@@ -325,9 +320,7 @@ def test_every_wait_of_a_capture_ends_when_it_is_cancelled(server, deaf_template
 
     def work():
         with opened(server, timeouts=HANG, tries=50, template=template) as source:
-            result = capture(
-                PLAN, source, tmp_path / "out", connections=4, listener=Listener(cancelled=stop.is_set)
-            )
+            result = capture(PLAN, source, tmp_path / "out", connections=4, listener=Listener(cancelled=stop.is_set))
             ended.update(capture=time.monotonic(), cancelled=result.cancelled)
         ended["source"] = time.monotonic()
 

@@ -67,9 +67,7 @@ def test_a_map_frame_is_the_picture_of_its_equivalent_camera(tmp_path, img_size)
 
 @pytest.mark.parametrize("fov_deg", [40.0, 90.0])
 def test_a_camera_frame_has_the_intrinsics_of_its_camera(tmp_path, fov_deg):
-    table = Table.load(
-        captured(tmp_path, frame="camera", image_px=80, camera=Camera(fov_deg)) / "meta_data.csv"
-    )
+    table = Table.load(captured(tmp_path, frame="camera", image_px=80, camera=Camera(fov_deg)) / "meta_data.csv")
     diagonal = np.hypot(table.image_width_px / table.fx_px, table.image_height_px / table.fy_px)
     np.testing.assert_allclose(diagonal, 2.0 * math.tan(math.radians(fov_deg / 2.0)), rtol=1e-7)
     np.testing.assert_array_equal(table.cx_px, table.image_width_px / 2.0)

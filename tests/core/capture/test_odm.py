@@ -95,9 +95,7 @@ def test_both_files_say_what_the_photos_say(tmp_path, mission):
         camera = mission.camera
         (model,) = models.values()
         longer = max(worked_out.frames.largest_px)
-        exact = [
-            size / longer / 2.0 / tan for size, tan in zip(worked_out.frames.largest_px, camera.half_tangents)
-        ]
+        exact = [size / longer / 2.0 / tan for size, tan in zip(worked_out.frames.largest_px, camera.half_tangents)]
         assert [model["focal_x"], model["focal_y"]] == pytest.approx(exact, rel=SIXTH_DIGIT)
 
 

@@ -56,9 +56,7 @@ def corner_error_px(worked_out, index):
     corners = worked_out.corners
     errors = [
         away_px(worked_out, index, lat, lon - worked_out.lon_deg[index], *corner)
-        for lat, lon, hit, corner in zip(
-            corners.lat_deg[index], corners.lon_deg[index], corners.hit[index], CORNERS
-        )
+        for lat, lon, hit, corner in zip(corners.lat_deg[index], corners.lon_deg[index], corners.hit[index], CORNERS)
         if hit
     ]
     return max(errors)

@@ -40,9 +40,7 @@ def server():
 def only_failed(server, folder, worked_out=PLAN, **options):
     client = Client(RequestsTransport(4), "The provider", connections=4, tries=2, first_wait_s=0.01)
     with closing(
-        XYZSource(
-            server.url_template, name="p", title="The provider", attribution="© provider", client=client
-        )
+        XYZSource(server.url_template, name="p", title="The provider", attribution="© provider", client=client)
     ) as source:
         return capture(worked_out, source, folder, only_failed=True, **options)
 
@@ -110,9 +108,7 @@ def test_a_folder_without_this_mission_is_refused_and_left_alone(server, tmp_pat
 def test_failures_of_one_map_type_are_not_those_of_another(tmp_path):
     from tests.support.sources import FailingSource, missing
 
-    mission = Mission(
-        Box(35.16, -89.90, 35.1525, -89.8915), 120.0, zoom=18, map_types=("satellite", "roadmap")
-    )
+    mission = Mission(Box(35.16, -89.90, 35.1525, -89.8915), 120.0, zoom=18, map_types=("satellite", "roadmap"))
     whole = PatternSource()
     worked_out = plan(mission, whole.grid)
 

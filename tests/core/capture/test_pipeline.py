@@ -366,9 +366,7 @@ def test_pictures_that_wait_for_the_workers_are_bounded_however_long_the_mission
 def across(columns, rows):
     """Pictures in strips along the columns, each with a part of its own and one it shares with the next strip."""
     return [
-        [strip * columns + column, (strip + 1) * columns + column]
-        for strip in range(rows)
-        for column in range(columns)
+        [strip * columns + column, (strip + 1) * columns + column] for strip in range(rows) for column in range(columns)
     ]
 
 

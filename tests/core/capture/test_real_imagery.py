@@ -27,9 +27,7 @@ NATIVE_ZOOM = 14
 
 pytestmark = [
     pytest.mark.real_data,
-    pytest.mark.skipif(
-        not PHOTOGRAPH.is_file(), reason="the photographs of ../shared/data/naip are not there"
-    ),
+    pytest.mark.skipif(not PHOTOGRAPH.is_file(), reason="the photographs of ../shared/data/naip are not there"),
 ]
 
 
@@ -52,9 +50,7 @@ def tiles(tmp_path_factory):
         resampleAlg="bilinear",
     )
     command = [sys.executable, "-m", "osgeo_utils.gdal2tiles", "--xyz", "-q", "-w", "none", "-r", "bilinear"]
-    subprocess.run(
-        [*command, "-z", str(NATIVE_ZOOM), colours, str(folder / "tiles")], check=True, timeout=120
-    )
+    subprocess.run([*command, "-z", str(NATIVE_ZOOM), colours, str(folder / "tiles")], check=True, timeout=120)
     return folder / "tiles", warped
 
 
@@ -87,9 +83,7 @@ def test_an_aerial_survey_over_real_photographs(tiles, tmp_path):
         # The two grids differ by a part of a pixel, so neighbours are compared too: the picture must lie best
         # where its georeference says.
         errors = {
-            (dx, dy): float(
-                np.abs(pixels[:, 2:-2, 2:-2] - np.roll(reference, (dy, dx), (1, 2))[:, 2:-2, 2:-2]).mean()
-            )
+            (dx, dy): float(np.abs(pixels[:, 2:-2, 2:-2] - np.roll(reference, (dy, dx), (1, 2))[:, 2:-2, 2:-2]).mean())
             for dx in (-1, 0, 1)
             for dy in (-1, 0, 1)
         }

@@ -67,9 +67,7 @@ def server():
 
 def run(server, folder, *, cache=None, placeholders=(), connections=4, **options):
     with closing(
-        open_source(
-            server.url_template, cache=cache, placeholders=placeholders, connections=connections, tile_px=256
-        )
+        open_source(server.url_template, cache=cache, placeholders=placeholders, connections=connections, tile_px=256)
     ) as source:
         return capture(PLAN, source, folder, connections=connections, **options)
 
@@ -107,10 +105,7 @@ def test_it_is_the_same_on_every_way_to_the_tiles(server, tmp_path):
     # From the second on the server is asked for nothing.
     assert sum(server.requests.values()) == 3 * len(TILES)
     assert {result.repeated for result in results} == {FOUND}
-    assert (
-        len({tuple(sorted(pictures(folder).items())) for folder in map(tmp_path.joinpath, ("1", "warm"))})
-        == 1
-    )
+    assert len({tuple(sorted(pictures(folder).items())) for folder in map(tmp_path.joinpath, ("1", "warm"))}) == 1
 
 
 def test_two_places_and_neighbours_are_not_told(tmp_path):
@@ -150,9 +145,7 @@ def test_what_is_named_a_placeholder_is_missing_from_then_on(server, tmp_path, o
     folder, cache = tmp_path / "out", TileCache(tmp_path / "cache")
     run(server, folder, cache=cache)
     before = pictures(folder)
-    again = run(
-        server, folder, cache=cache, placeholders=[digest], resume=not only_failed, only_failed=only_failed
-    )
+    again = run(server, folder, cache=cache, placeholders=[digest], resume=not only_failed, only_failed=only_failed)
     assert {failure.name for failure in again.failed} == set(SHOWING)
     assert all(failure.reason.endswith(PLACEHOLDER_REASON) for failure in again.failed)
     assert (again.written, again.repeated) == (0, ())

@@ -76,9 +76,9 @@ def test_every_picture_is_there_and_each_part_was_fetched_once(in_one_go):
     assert set(source.fetched.values()) == {1}
     assert result.requests == result.unique_parts == len(source.fetched) == 2 * worked_out.requests
     for map_type in MISSION.imagery.map_types:
-        assert {path.name for path in (folder / map_type).iterdir()} == {
-            f"{name}.tif" for name in worked_out.names
-        } | {"meta_data.csv"}
+        assert {path.name for path in (folder / map_type).iterdir()} == {f"{name}.tif" for name in worked_out.names} | {
+            "meta_data.csv"
+        }
     files = {"mission.json", "begun.json", "plan.csv", "footprints.geojson", "journal.jsonl"}
     assert {path.name for path in folder.iterdir()} == files | set(MISSION.imagery.map_types)
 
@@ -94,12 +94,8 @@ def test_pixels_are_where_the_files_say(in_one_go):
             data = gdal.Open(str(folder / map_type / f"{name}.tif"))
             west, step_x, _, north, _, step_y = data.GetGeoTransform()
             columns, rows = decode_position(data.ReadAsArray().transpose(1, 2, 0), map_type)
-            stated_column = (
-                west + (np.arange(data.RasterXSize) + 0.5) * step_x + HALF_WORLD_M
-            ) / resolution - 0.5
-            stated_row = (
-                HALF_WORLD_M - north - (np.arange(data.RasterYSize) + 0.5) * step_y
-            ) / resolution - 0.5
+            stated_column = (west + (np.arange(data.RasterXSize) + 0.5) * step_x + HALF_WORLD_M) / resolution - 0.5
+            stated_row = (HALF_WORLD_M - north - (np.arange(data.RasterYSize) + 0.5) * step_y) / resolution - 0.5
             assert np.abs(stated_column % MODULUS - columns).max() < 1e-4
             assert np.abs((stated_row % MODULUS)[:, np.newaxis] - rows).max() < 1e-4
 
@@ -172,9 +168,7 @@ def test_across_the_antimeridian(tmp_path):
     assert len(crossing)
     pixels = np.asarray(Image.open(tmp_path / "satellite" / f"{worked_out.names[crossing[0]]}.tif"))
     columns, _ = decode_position(pixels)
-    assert (
-        columns[0].tolist() == ((left[crossing[0]] + np.arange(pixels.shape[1])) % world % MODULUS).tolist()
-    )
+    assert columns[0].tolist() == ((left[crossing[0]] + np.arange(pixels.shape[1])) % world % MODULUS).tolist()
     table = Table.load(tmp_path / "satellite" / "meta_data.csv")
     assert ((table.left_px >= 0) & (table.left_px < world)).all()
     assert (np.abs(table.pose_lon_deg) <= 180.0).all()
@@ -241,9 +235,7 @@ def test_failed_parts_fail_their_pictures_by_name(in_one_go, tmp_path):
     assert 1 <= len(concerned) < len(worked_out) / 2
     reason = "tile 18/65608/103691: 404, not found"
     assert result.failed == tuple(
-        Failure(map_type, worked_out.names[i], reason)
-        for map_type in MISSION.imagery.map_types
-        for i in concerned
+        Failure(map_type, worked_out.names[i], reason) for map_type in MISSION.imagery.map_types for i in concerned
     )
     assert result.written == result.total - len(result.failed)
     assert set(source.fetched.values()) == {1}
@@ -256,19 +248,13 @@ def test_failed_parts_fail_their_pictures_by_name(in_one_go, tmp_path):
         assert np.flatnonzero(np.isnan(table.entropies)).tolist() == concerned
         for index, name in enumerate(table.img_names):
             assert (tmp_path / map_type / name).exists() == (index not in concerned)
-    failed_lines = [
-        line for line in (tmp_path / "journal.jsonl").read_text().splitlines() if '"failed"' in line
-    ]
+    failed_lines = [line for line in (tmp_path / "journal.jsonl").read_text().splitlines() if '"failed"' in line]
     assert len(failed_lines) == len(result.failed)
 
     again = PatternSource()
     resumed = capture(worked_out, again, tmp_path, resume=True)
     assert (resumed.written, resumed.skipped, resumed.failed) == (len(result.failed), result.written, ())
-    assert (
-        resumed.unique_parts
-        == len(again.fetched)
-        == 2 * len({w for i in concerned for w in broken(worked_out, i)})
-    )
+    assert resumed.unique_parts == len(again.fetched) == 2 * len({w for i in concerned for w in broken(worked_out, i)})
     same, journal = contents(tmp_path), contents(whole)["journal.jsonl"]
     assert {**same, "journal.jsonl": 0} == {**contents(whole), "journal.jsonl": 0}
     assert journal < same["journal.jsonl"]
@@ -333,9 +319,7 @@ def test_cancel_and_resume(in_one_go, tmp_path):
         return bool(seen) and seen[-1].done > 3
 
     source = PatternSource(wait_s=0.002)
-    result = capture(
-        worked_out, source, tmp_path, listener=Listener(progress=seen.append, cancelled=cancelled)
-    )
+    result = capture(worked_out, source, tmp_path, listener=Listener(progress=seen.append, cancelled=cancelled))
     assert result.cancelled
     assert 3 < result.written < result.total
     table = Table.load(tmp_path / "satellite" / "meta_data.csv")
@@ -418,9 +402,7 @@ def test_progress_counts_up_to_everything(tmp_path):
     )
     assert last.requests == result.requests
     assert [p.done + p.failed for p in seen] == sorted(p.done + p.failed for p in seen)
-    assert [p.map_type for p in seen] == sorted(
-        (p.map_type for p in seen), key=MISSION.imagery.map_types.index
-    )
+    assert [p.map_type for p in seen] == sorted((p.map_type for p in seen), key=MISSION.imagery.map_types.index)
     assert len(seen) <= result.seconds / 0.1 + 2 * len(MISSION.imagery.map_types)
     assert threads == {caller}
 
@@ -489,9 +471,7 @@ def test_resuming_what_was_never_begun_begins_it(in_one_go, tmp_path):
 def test_the_same_mission_must_be_resumed(in_one_go):
     worked_out, folder, _, _ = in_one_go
     before = contents(folder)
-    with pytest.raises(
-        OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another one"
-    ):
+    with pytest.raises(OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another one"):
         capture(worked_out, PatternSource(), folder)
     assert contents(folder) == before
 

@@ -104,12 +104,7 @@ def numbers(path: Path) -> list[float]:
     """Numbers of a table or a JSON file, in their order, but for what is worked out from grey values."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".csv":
-        cells = [
-            cell
-            for row in csv.DictReader(text.splitlines())
-            for key, cell in row.items()
-            if key != "entropies"
-        ]
+        cells = [cell for row in csv.DictReader(text.splitlines()) for key, cell in row.items() if key != "entropies"]
     else:
         cells = list(map(str, _leaves(json.loads(text))))
     return [number for number in map(_number, cells) if number is not None]

@@ -49,9 +49,7 @@ def dates(tmp_path_factory):
     made = {}
     for seed, level in ((2014, 60), (2020, 160)):
         noise = np.random.default_rng(seed).integers(0, 64, (3, 2000, 1800))
-        made[str(seed)] = rasters.write(
-            folder / f"{seed}.tif", (noise + level).astype(np.uint8), place, 26916
-        )
+        made[str(seed)] = rasters.write(folder / f"{seed}.tif", (noise + level).astype(np.uint8), place, 26916)
     return made
 
 
@@ -118,9 +116,7 @@ def test_each_imagery_is_a_dataset_as_its_own_mission_makes_it(of_dates, tmp_pat
 def test_stopped_and_resumed_it_leaves_the_same_bytes(of_dates, tmp_path):
     mission, folder, whole = of_dates
     images = itertools.count()
-    result = captured(
-        mission, tmp_path / "again", listener=Listener(cancelled=lambda: next(images) > 8), workers=1
-    )
+    result = captured(mission, tmp_path / "again", listener=Listener(cancelled=lambda: next(images) > 8), workers=1)
     assert result.cancelled
     assert result.total == whole.total > result.written
     with pytest.raises(OutputError, match="already holds this mission"):
@@ -138,9 +134,7 @@ def test_only_what_has_failed_is_made_again(tmp_path):
     first = capture_imageries(mission, plans, {"a": whole, "b": gone}, tmp_path / "out")
     assert first.failed
     assert {one.map_type for one in first.failed} == {"b"}
-    again = capture_imageries(
-        mission, plans, {"a": whole, "b": PatternSource(())}, tmp_path / "out", only_failed=True
-    )
+    again = capture_imageries(mission, plans, {"a": whole, "b": PatternSource(())}, tmp_path / "out", only_failed=True)
     assert (again.written, again.skipped, again.failed) == (len(first.failed), 0, ())
 
 
@@ -258,9 +252,7 @@ def test_the_command_plans_and_captures_them(run, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["plan-air.csv", "plan-streets.csv"]
     made = run("capture", *options, "--data-dir", str(tmp_path / "out"), "--json", "--quiet")
     assert json.loads(made.stdout)["total"] == sum(one["images"] for one in figures.values())
-    again = run(
-        "capture", str(tmp_path / "out" / "mission.json"), "--data-dir", str(tmp_path / "out"), "--resume"
-    )
+    again = run("capture", str(tmp_path / "out" / "mission.json"), "--data-dir", str(tmp_path / "out"), "--resume")
     assert again.stdout.startswith("0 images written")
     assert run("split", str(tmp_path / "out")).returncode == 0
     refused = run("capture", *options, "--source", "osm", "--data-dir", str(tmp_path / "b"))

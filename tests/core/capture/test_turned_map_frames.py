@@ -202,9 +202,7 @@ def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):
 @pytest.mark.parametrize("ending", ["tif", "jpg", pytest.param("png", marks=pytest.mark.thorough)])
 def test_images_of_rows_along_meridians_are_read_as_the_map_frames_that_they_are(tmp_path, ending):
     """Their cameras are turned from the map by what meridians converge: as little as the budget lets pass."""
-    mission = Mission(
-        FIELDS, 60.0, CAMERA, facing="track", row_azimuth_deg=0.0, overlap_along=0.3, image_format=ending
-    )
+    mission = Mission(FIELDS, 60.0, CAMERA, facing="track", row_azimuth_deg=0.0, overlap_along=0.3, image_format=ending)
     made, source = captured(tmp_path, mission)
     images = read_dataset(tmp_path).image_sets["satellite"]
     rows = np.arange(len(made))
@@ -246,9 +244,7 @@ def test_images_lie_by_quarter_turns_on_a_source_s_own_grid(tmp_path, azimuth):
         assert osr.SpatialReference(raster.GetProjection()).IsSame(epsg(32616))
         x, y = places_of(raster)
         column, row = (x - place[0]) / 0.5, (place[3] - y) / 0.5
-        assert np.array_equal(
-            pixels_of(raster), np.moveaxis(values, 0, -1)[row.astype(int), column.astype(int)]
-        )
+        assert np.array_equal(pixels_of(raster), np.moveaxis(values, 0, -1)[row.astype(int), column.astype(int)])
         corners = made.corners.lon_deg[index], made.corners.lat_deg[index]
         true = TO_DEGREES.transform(*corners, direction="INVERSE")
         off = np.hypot(*(np.array([p[0, 0], p[0, -1], p[-1, -1]]) - t[:3] for p, t in zip((x, y), true)))
@@ -275,9 +271,7 @@ FIELD = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), 
 )
 def test_rows_along_meridians_are_map_frames_that_leave_nothing_out(area, changes, turns):
     agl_m = changes.pop("agl_m", 60.0)
-    made = plan(
-        Mission(area, agl_m, CAMERA, **{"facing": "track", **changes}), PixelGrid(max_zoom=22, native_zoom=22)
-    )
+    made = plan(Mission(area, agl_m, CAMERA, **{"facing": "track", **changes}), PixelGrid(max_zoom=22, native_zoom=22))
     assert made.frames.on_map
     assert set(made.frames.quarter_turns.tolist()) == turns
     assert made.coverage.complete

@@ -81,12 +81,8 @@ def test_gdal_finds_crs_and_edges(gdal, tmp_path, image_format, window, resized)
     left, top, window_width, window_height = window
     assert west == pytest.approx(-HALF_WORLD_M + left * resolution, abs=EDGE_M)
     assert north == pytest.approx(HALF_WORLD_M - top * resolution, abs=EDGE_M)
-    assert west + width * step_x == pytest.approx(
-        -HALF_WORLD_M + (left + window_width) * resolution, abs=EDGE_M
-    )
-    assert north + height * step_y == pytest.approx(
-        HALF_WORLD_M - (top + window_height) * resolution, abs=EDGE_M
-    )
+    assert west + width * step_x == pytest.approx(-HALF_WORLD_M + (left + window_width) * resolution, abs=EDGE_M)
+    assert north + height * step_y == pytest.approx(HALF_WORLD_M - (top + window_height) * resolution, abs=EDGE_M)
     crs = data.GetSpatialRef()
     web_mercator = osr.SpatialReference()
     web_mercator.ImportFromEPSG(3857)
@@ -136,9 +132,7 @@ def test_a_geotiff_is_packed_in_strips(gdal, tmp_path):
 def test_jpeg_is_close_to_what_it_was_made_of(tmp_path, channels):
     x, y = np.meshgrid(np.arange(160), np.arange(120))
     colour = (
-        np.stack([100 + 50 * np.sin(x / 9), 120 + 60 * np.cos(y / 7), 60 + x * 0.5], axis=-1)
-        .round()
-        .astype(np.uint8)
+        np.stack([100 + 50 * np.sin(x / 9), 120 + 60 * np.cos(y / 7), 60 + x * 0.5], axis=-1).round().astype(np.uint8)
     )
     pixels = colour if channels == 3 else colour[..., 0].copy()
     write_picture(tmp_path, "jpg", pixels, georeference(WINDOWS["Agricenter"], (160, 120)), DESCRIPTION)
@@ -151,9 +145,7 @@ def test_jpeg_is_close_to_what_it_was_made_of(tmp_path, channels):
 
 @pytest.mark.parametrize("image_format", FORMATS)
 def test_gdal_shows_the_metadata(gdal, tmp_path, image_format):
-    write_picture(
-        tmp_path, image_format, picture(30, 20), georeference(WINDOWS["Agricenter"], (30, 20)), DESCRIPTION
-    )
+    write_picture(tmp_path, image_format, picture(30, 20), georeference(WINDOWS["Agricenter"], (30, 20)), DESCRIPTION)
     shown = gdal.Open(str(tmp_path / f"{DESCRIPTION.name}.{image_format}")).GetMetadata()
     expected = {
         "NAME": DESCRIPTION.name,
@@ -173,9 +165,7 @@ def test_gdal_shows_the_metadata(gdal, tmp_path, image_format):
 
 
 def test_tags_of_a_geotiff(gdal, tmp_path):
-    write_picture(
-        tmp_path, "tif", picture(30, 20), georeference(WINDOWS["Agricenter"], (30, 20)), DESCRIPTION
-    )
+    write_picture(tmp_path, "tif", picture(30, 20), georeference(WINDOWS["Agricenter"], (30, 20)), DESCRIPTION)
     shown = gdal.Open(str(tmp_path / f"{DESCRIPTION.name}.tif")).GetMetadata()
     assert shown["TIFFTAG_SOFTWARE"] == "TerrAInav"
     assert shown["TIFFTAG_COPYRIGHT"] == DESCRIPTION.attribution
@@ -214,9 +204,7 @@ def exif_position(path) -> tuple[float, float, float, float]:
 )
 def test_jpeg_says_where_the_camera_was(tmp_path, lat, lon, agl, yaw):
     description = dataclasses.replace(DESCRIPTION, lat_deg=lat, lon_deg=lon, agl_m=agl, yaw_deg=yaw)
-    write_picture(
-        tmp_path, "jpg", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), description
-    )
+    write_picture(tmp_path, "jpg", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), description)
     read = exif_position(tmp_path / f"{description.name}.jpg")
     # Half of the ninth decimal, and of the last digit of an EXIF second of arc, in degrees.
     digit = 0.5e-9 + 0.5e-7 / 3600
@@ -227,24 +215,16 @@ def test_jpeg_says_where_the_camera_was(tmp_path, lat, lon, agl, yaw):
 
 
 def test_jpeg_says_what_it_is(tmp_path):
-    write_picture(
-        tmp_path, "jpg", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), DESCRIPTION
-    )
+    write_picture(tmp_path, "jpg", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), DESCRIPTION)
     with Image.open(tmp_path / f"{DESCRIPTION.name}.jpg") as image:
         exif = image.getexif()
-    text = {
-        number: value.encode("latin-1").decode("utf-8")
-        for number, value in exif.items()
-        if isinstance(value, str)
-    }
+    text = {number: value.encode("latin-1").decode("utf-8") for number, value in exif.items() if isinstance(value, str)}
     assert text == {270: DESCRIPTION.title, 305: "TerrAInav", 33432: DESCRIPTION.attribution}
     assert exif[274] == 1
 
 
 def test_png_says_what_it_is(tmp_path):
-    write_picture(
-        tmp_path, "png", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), DESCRIPTION
-    )
+    write_picture(tmp_path, "png", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), DESCRIPTION)
     with Image.open(tmp_path / f"{DESCRIPTION.name}.png") as image:
         image.load()
         text = image.text
@@ -258,9 +238,7 @@ def test_png_says_what_it_is(tmp_path):
 def test_bytes_depend_on_nothing_else(tmp_path, image_format):
     def written(folder):
         folder.mkdir()
-        write_picture(
-            folder, image_format, picture(64, 48), georeference(WINDOWS["Agricenter"], (64, 48)), DESCRIPTION
-        )
+        write_picture(folder, image_format, picture(64, 48), georeference(WINDOWS["Agricenter"], (64, 48)), DESCRIPTION)
         return {path.name: path.read_bytes() for path in folder.iterdir()}
 
     first, second = written(tmp_path / "a"), written(tmp_path / "b")
@@ -286,9 +264,7 @@ def test_the_picture_comes_last(tmp_path, image_format):
 def test_metadata_that_is_no_xml_does_not_break_the_files(gdal, tmp_path):
     description = dataclasses.replace(DESCRIPTION, attribution="a\x00b\x1b]c\ud800 & </Item>")
     for image_format in FORMATS:
-        write_picture(
-            tmp_path, image_format, picture(8, 8), georeference(WINDOWS["Agricenter"], (8, 8)), description
-        )
+        write_picture(tmp_path, image_format, picture(8, 8), georeference(WINDOWS["Agricenter"], (8, 8)), description)
         data = gdal.Open(str(tmp_path / f"{description.name}.{image_format}"))
         assert data.GetSpatialRef().GetAuthorityCode(None) == "3857"
         assert data.GetMetadata()["NAME"] == description.name

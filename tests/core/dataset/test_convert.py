@@ -157,9 +157,7 @@ def test_what_was_converted_converts_to_the_same(tmp_path):
     convert(tmp_path / "a", tmp_path / "b")
     convert(tmp_path / "b", tmp_path / "c")
     ours, again = (files(tmp_path / name) for name in "bc")
-    assert {name: data for name, (data, _) in ours.items()} == {
-        name: data for name, (data, _) in again.items()
-    }
+    assert {name: data for name, (data, _) in ours.items()} == {name: data for name, (data, _) in again.items()}
 
 
 def test_images_that_cannot_be_read_are_named_and_nothing_is_written(tmp_path):

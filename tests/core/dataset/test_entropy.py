@@ -97,9 +97,7 @@ def kinds_of_images():
     """Images of every kind that a map or a camera gives, in colour and grey, and the extremes of the measure."""
     random = np.random.default_rng(4)
     x = np.arange(131)[None, :] + np.zeros((97, 1))
-    photograph = (
-        120.0 + 60.0 * np.sin(x / 17.0)[..., None] * [1.0, 0.8, 0.5] + random.normal(0, 9, (97, 131, 3))
-    )
+    photograph = 120.0 + 60.0 * np.sin(x / 17.0)[..., None] * [1.0, 0.8, 0.5] + random.normal(0, 9, (97, 131, 3))
     roadmap = np.full((480, 640, 3), (242, 240, 233), np.uint8)
     roadmap[200:220], roadmap[:, 300:312] = (255, 255, 255), (254, 216, 93)
     one_pixel = np.full((64, 64), 7, np.uint8)
@@ -128,15 +126,11 @@ def test_it_is_scikit_images_shannon_entropy(tmp_path):
     images = kinds_of_images()
     for name, image in images.items():
         np.save(tmp_path / f"{name}.npy", image)
-    peer = subprocess.run(
-        [PEER, "-I", "-c", PEER_CODE, tmp_path], capture_output=True, text=True, check=False
-    )
+    peer = subprocess.run([PEER, "-I", "-c", PEER_CODE, tmp_path], capture_output=True, text=True, check=False)
     assert peer.returncode == 0, peer.stderr
     theirs = json.loads(peer.stdout)
     assert theirs.keys() == images.keys()
-    assert {name: entropy(image) for name, image in images.items()} == pytest.approx(
-        theirs, rel=0, abs=ROUNDING
-    )
+    assert {name: entropy(image) for name, image in images.items()} == pytest.approx(theirs, rel=0, abs=ROUNDING)
 
 
 def test_images_that_loaders_refuse_have_no_entropy_either(tmp_path):

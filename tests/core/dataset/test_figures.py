@@ -247,9 +247,7 @@ def test_what_is_no_dataset_has_none(tmp_path):
     assert not (tmp_path / "figures").exists()
 
 
-def test_without_matplotlib_one_line_says_how_to_get_it_and_nothing_is_changed(
-    dataset, tmp_path, monkeypatch
-):
+def test_without_matplotlib_one_line_says_how_to_get_it_and_nothing_is_changed(dataset, tmp_path, monkeypatch):
     before = files(dataset)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     for draw in (

@@ -84,9 +84,7 @@ def test_a_dataset_of_four_bands_is_read_split_and_loaded_as_it_is(dataset):
 
 
 def test_loaders_refuse_what_they_would_change(dataset):
-    with pytest.raises(
-        InvalidInput, match=r"red, green, blue, nir \(uint16\), and not grey or colours"
-    ) as caught:
+    with pytest.raises(InvalidInput, match=r"red, green, blue, nir \(uint16\), and not grey or colours") as caught:
         LabelledImages(dataset, part="all")
     assert "\n" not in str(caught.value)
     with pytest.raises(InvalidInput, match="not resized as they are stored"):

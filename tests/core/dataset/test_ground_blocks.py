@@ -219,9 +219,7 @@ def test_no_ground_of_a_turned_camera_is_seen_from_another_part(tmp_path, change
     lon = poses.lon_deg[:, None] + seen.dlon_deg
     for index in np.flatnonzero(np.isin(part, PARTS)):
         others = np.flatnonzero(np.isin(part, PARTS) & (part != part[index]))
-        ground = (
-            np.broadcast_to(values[index], (len(others), len(points))) for values in (seen.lat_deg, lon)
-        )
+        ground = (np.broadcast_to(values[index], (len(others), len(points))) for values in (seen.lat_deg, lon))
         in_other = image_points(mission.camera, poses.take(others), *ground)
         assert not (np.abs(in_other) <= 1.0).all(axis=-1).any()
 
@@ -263,9 +261,7 @@ def oblique(tmp_path_factory):
     """Folder of a capture by a turned camera, with images that overlap; not to be changed."""
     folder, source = tmp_path_factory.mktemp("oblique") / "out", PatternSource()
     area = Box(10.006, 179.998, 10.0, -179.997)
-    mission = Mission(
-        area, 80.0, image_format="png", max_px=32, accept_error=True, tilt_deg=25.0, roll_deg=20.0
-    )
+    mission = Mission(area, 80.0, image_format="png", max_px=32, accept_error=True, tilt_deg=25.0, roll_deg=20.0)
     capture(plan(mission, source.grid), source, folder)
     return folder
 

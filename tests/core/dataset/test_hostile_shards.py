@@ -103,9 +103,7 @@ def test_an_image_has_few_files(tmp_path, kind):
         asked.append(start)
         return image._part(start, length)
 
-    with pytest.raises(
-        InvalidInput, match=rf"^shard X: has more than {MAX_IMAGE_MEMBERS} files of one image"
-    ):
+    with pytest.raises(InvalidInput, match=rf"^shard X: has more than {MAX_IMAGE_MEMBERS} files of one image"):
         list(members(read, "X", 0, image.shard_bytes))
     assert len(asked) == MAX_IMAGE_MEMBERS + 1
     with pytest.raises(InvalidInput, match=r"^shard .*x-000000\.tar: has more than"):

@@ -121,9 +121,7 @@ def test_several_zones_have_one_frame_which_is_said():
     labels = make_labels(LAT, lon)
     assert labels.frame.crs == "EPSG:32615"
     assert labels.frame.zones == ("15N", "16N")
-    assert labels.notes == (
-        "the images lie in 2 UTM zones (15N, 16N): one frame, EPSG:32615, is for all of them",
-    )
+    assert labels.notes == ("the images lie in 2 UTM zones (15N, 16N): one frame, EPSG:32615, is for all of them",)
     assert make_labels(LAT, LON).notes == ()
 
 

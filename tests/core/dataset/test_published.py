@@ -137,9 +137,7 @@ def test_the_folder_of_images_is_the_one_that_the_table_is_about(tmp_path):
     assert read_dataset(tmp_path).image_sets["satellite"].image_folder == folder / FLIGHT
     for name in names:
         (folder / "raster_images_35.2_-89.9_0_120.0_78.8_4_4" / name).write_bytes(b"")
-    with pytest.raises(
-        InvalidInput, match=r"are in raster_images_35\.1375.* and in raster_images_35\.2.* as well"
-    ):
+    with pytest.raises(InvalidInput, match=r"are in raster_images_35\.1375.* and in raster_images_35\.2.* as well"):
         read_dataset(tmp_path)
 
 

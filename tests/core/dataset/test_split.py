@@ -239,9 +239,7 @@ def test_folder_at_work_is_left_alone(captured, tmp_path):
         split(folder)
 
 
-@settings(
-    max_examples=examples(12), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=examples(12), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(3, 60), st.tuples(*(st.integers(0, 5),) * 3).filter(sum), st.integers(0, 3))
 def test_counts_are_the_shares_to_less_than_one_image(tmp_path_factory, count, weights, seed):
     shares = [weight / sum(weights) for weight in weights]
@@ -261,9 +259,7 @@ def test_command_prints_the_shares_that_are_reached(tmp_path, run):
     assert "train       16 images (80.0 %)" in said.stdout
     assert "dry run: nothing was changed" in said.stdout
     assert contents(folder) == before
-    told = run(
-        "split", str(folder), "--shares", "0.5", "0.25", "0.25", "--how", "blocks", "--frame", "mercator"
-    )
+    told = run("split", str(folder), "--shares", "0.5", "0.25", "0.25", "--how", "blocks", "--frame", "mercator")
     assert told.returncode == 0
     assert "blocks" in told.stdout
     assert "labels      EPSG:3857" in told.stdout

@@ -108,9 +108,7 @@ def test_bands_and_places_on_the_map_are_read_from_shards(tmp_path):
     about = Description("n", "satellite", "a source", "somebody", 5, 45.0, -87.0, 100.0)
     values = np.arange(31 * 41 * 2, dtype=np.uint16).reshape(31, 41, 2)
     packed = geotiff(values, place, about, bands, ((0.0, 9.0),) * 2)
-    (folder / "satellite" / read_dataset(folder).image_set("satellite").table.img_names[0]).write_bytes(
-        packed
-    )
+    (folder / "satellite" / read_dataset(folder).image_set("satellite").table.img_names[0]).write_bytes(packed)
     found = images_of(read_dataset(write_shards(tmp_path / "SHARDS", folder)))
     np.testing.assert_array_equal(found.pixels(0), values)
     assert open_bands(found.file(0)).bands == bands
@@ -124,9 +122,7 @@ def test_a_split_is_the_folders(folders, place, tmp_path):
     copy = shutil.copytree(folders, tmp_path / "copy")
     wanted, made = (split(one, how="blocks", block_m=400.0) for one in (copy, place))
     assert made.images == wanted.images
-    assert (
-        images_of(read_dataset(place)).table.other[SPLIT] == images_of(read_dataset(copy)).table.other[SPLIT]
-    )
+    assert images_of(read_dataset(place)).table.other[SPLIT] == images_of(read_dataset(copy)).table.other[SPLIT]
 
 
 def test_what_needs_files_says_so_in_one_line(place):
@@ -154,9 +150,7 @@ def test_a_shard_that_is_gone_or_cut_short_is_named(shards):
     with pytest.raises(InvalidInput, match=f"^shard {path}: is cut short, as it has 20,000 bytes of"):
         read_dataset(shards)
     path.unlink()
-    with pytest.raises(
-        InvalidInput, match=r"satellite: the shard satellite-000001\.tar of the table is not there"
-    ):
+    with pytest.raises(InvalidInput, match=r"satellite: the shard satellite-000001\.tar of the table is not there"):
         read_dataset(shards)
     path.write_bytes(data)
     read = read_dataset(shards)
@@ -179,9 +173,7 @@ def test_other_bytes_at_an_offset_are_named(shards, spoiled):
     read = images_of(read_dataset(shards))
     image = read.file(7)
     image.place.write_bytes(spoiled(image.place.read_bytes(), image.range.offset_bytes))
-    with pytest.raises(
-        InvalidInput, match=f"^image {read.table.img_names[7]} in {image.place}: is not where"
-    ):
+    with pytest.raises(InvalidInput, match=f"^image {read.table.img_names[7]} in {image.place}: is not where"):
         open_image(image)
 
 
@@ -288,9 +280,7 @@ def test_the_command_loads_from_an_address(bucket, tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize("layout", ["webdataset", "folders"])
 def test_what_a_capture_in_blocks_leaves_in_a_store_is_read(folders, tmp_path, layout):
     place, source = f"memory://{tmp_path.name}", named_source("world")
-    assert not capture(
-        plan(MISSION, open_source("world").grid), source, place, blocks=Blocks(6, layout)
-    ).failed
+    assert not capture(plan(MISSION, open_source("world").grid), source, place, blocks=Blocks(6, layout)).failed
     wanted, found = (images_of(read_dataset(one)) for one in (folders, place))
     assert bool(found.shards) == (layout == "webdataset")
     for row, name in enumerate(found.table.img_names):

@@ -137,9 +137,7 @@ def test_tables_of_some_columns_know_nothing_of_the_others():
 
 
 def test_an_empty_table_is_a_table():
-    empty = make_table(
-        **{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS}
-    )
+    empty = make_table(**{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS})
     assert len(table_of(text_of(empty))) == 0
 
 

@@ -67,17 +67,13 @@ def test_a_text_without_its_image_is_a_row_that_failed(tmp_path):
 
 def test_images_without_a_text_are_named(tmp_path):
     write_vbn(tmp_path, ["1", "2", "3", "4", "5"], texts=["5"])
-    with pytest.raises(
-        InvalidInput, match=r"1\.jpg, 2\.jpg, 3\.jpg, and 1 more of JPG2 without a text in MetaData2"
-    ):
+    with pytest.raises(InvalidInput, match=r"1\.jpg, 2\.jpg, 3\.jpg, and 1 more of JPG2 without a text in MetaData2"):
         images_of(tmp_path)
 
 
 def test_numbers_that_do_not_fit_are_refused_without_names_in_common(tmp_path):
     write_vbn(tmp_path, ["a", "b"], texts=["c", "d", "e", "f"])
-    with pytest.raises(
-        InvalidInput, match="has 2 images in JPG2 and 4 texts in MetaData2, with no name in common"
-    ):
+    with pytest.raises(InvalidInput, match="has 2 images in JPG2 and 4 texts in MetaData2, with no name in common"):
         images_of(tmp_path)
 
 

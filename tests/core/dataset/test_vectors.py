@@ -14,9 +14,7 @@ from terrainav.core.mission.export.geojson import geojson_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
-FEATURE = (
-    '{"type": "Feature", "properties": {"name": "1"}, "geometry": {"type": "Point", "coordinates": [1, 2]}}'
-)
+FEATURE = '{"type": "Feature", "properties": {"name": "1"}, "geometry": {"type": "Point", "coordinates": [1, 2]}}'
 
 
 def collection(more="", features=FEATURE):
@@ -114,9 +112,7 @@ def test_its_work_grows_with_the_length(monkeypatch):
     """Bytes that are looked at, those that are left over from each block among them."""
     seen = []
     checked = vectors._checked
-    monkeypatch.setattr(
-        vectors, "_checked", lambda text, *rest: seen.append(len(text)) or checked(text, *rest)
-    )
+    monkeypatch.setattr(vectors, "_checked", lambda text, *rest: seen.append(len(text)) or checked(text, *rest))
 
     def work(count):
         seen.clear()

@@ -111,9 +111,7 @@ def test_a_flight_over_a_hole_counts_and_states_what_is_interpolated(tmp_path):
     figures = estimate(made)
     assert (figures.filled_heights, figures.interpolated_heights) == (0, 400)
     lines = dict(figures.lines())
-    assert str(lines["holes interpolated"]).startswith(
-        f"400 of {figures.heights:,} heights around the area (1."
-    )
+    assert str(lines["holes interpolated"]).startswith(f"400 of {figures.heights:,} heights around the area (1.")
     assert "holes filled" not in lines
     whole = asked.with_(elevation=(model(tmp_path / "whole.tif", []),))
     assert "holes interpolated" not in dict(estimate(plan(whole, GRID, heights_of(whole))).lines())
@@ -144,9 +142,7 @@ def test_without_gdal_the_choice_is_refused_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr(reading, "opener", none)
     holed = np.ones((5, 5), np.float32)
     holed[2, 2] = np.nan
-    with pytest.raises(
-        InvalidInput, match=r"interpolated by GDAL, which is not there: pip install"
-    ) as caught:
+    with pytest.raises(InvalidInput, match=r"interpolated by GDAL, which is not there: pip install") as caught:
         interpolated(holed)
     assert caught.value.field == "holes"
     assert np.array_equal(interpolated(np.ones((5, 5), np.float32)), np.ones((5, 5)))
@@ -157,9 +153,7 @@ def test_without_gdal_the_choice_is_refused_in_one_line(tmp_path, monkeypatch):
     ["a.tif, b.tif", "a.tif;b.tif", "a.tif,world", "world; 10", "terrarium,world", "/x/dem.tif;terrarium"],
 )
 def test_several_sources_in_one_text_are_told_apart(text):
-    with pytest.raises(
-        InvalidInput, match="are several sources in one; write a semicolon between them"
-    ) as caught:
+    with pytest.raises(InvalidInput, match="are several sources in one; write a semicolon between them") as caught:
         open_relief([text])
     assert caught.value.field == "elevation"
     assert "imagery" not in str(caught.value)

@@ -65,9 +65,7 @@ def dem(tmp_path_factory):
     holed = hills(x, y)
     holed[240:260, 240:260] = -9999.0
     found["hole"] = str(
-        rasters.write(
-            folder / "hole.tif", holed[np.newaxis], UTM, 32618, nodata=-9999.0, data_type=gdal.GDT_Float32
-        )
+        rasters.write(folder / "hole.tif", holed[np.newaxis], UTM, 32618, nodata=-9999.0, data_type=gdal.GDT_Float32)
     )
     return found
 
@@ -126,9 +124,7 @@ def test_a_climb_rate_is_kept_and_never_takes_height_away(dem):
     asked = {"overlap_along": 0.7, "overlap_across": 0.4, "elevation": (dem["tower"],)}
     plain, slow = (flown(Mission(AREA, 70.0, **asked, **more)) for more in ({}, {"climb_m_per_s": 1.5}))
     assert len(plain) == len(slow)
-    way = pyproj.Geod(ellps="WGS84").inv(
-        slow.lon_deg[:-1], slow.lat_deg[:-1], slow.lon_deg[1:], slow.lat_deg[1:]
-    )[2]
+    way = pyproj.Geod(ellps="WGS84").inv(slow.lon_deg[:-1], slow.lat_deg[:-1], slow.lon_deg[1:], slow.lat_deg[1:])[2]
     steepest = 1.5 / slow.mission.flight.airspeed_m_per_s
     assert (np.abs(np.diff(slow.height_m)) <= steepest * way + 1e-6).all()
     assert (np.abs(np.diff(plain.height_m)) > steepest * way).any()
@@ -276,11 +272,7 @@ FLIGHTS = {
 @pytest.mark.parametrize(
     ("kind", "values"),
     thinned(
-        {
-            f"{kind}, {name}": (kind, values)
-            for kind in ("hills", "tower")
-            for name, values in FLIGHTS.items()
-        },
+        {f"{kind}, {name}": (kind, values) for kind in ("hills", "tower") for name, values in FLIGHTS.items()},
         [*(f"tower, {name}" for name in FLIGHTS), "hills, ground", "hills, turned"],
     ),
 )
@@ -294,9 +286,9 @@ def test_nothing_of_an_area_is_left_out_and_the_least_overlap_is_kept(dem, kind,
     height = (hills if kind == "hills" else tower)(x - WEST, NORTH - y)
     count = seen_by(made, lat, lon, height)
     assert count.min() >= 1
-    inner = (
-        np.abs(lat - (AREA.north_deg + AREA.south_deg) / 2) < 0.3 * (AREA.north_deg - AREA.south_deg)
-    ) & (np.abs(lon - (AREA.east_deg + AREA.west_deg) / 2) < 0.3 * (AREA.east_deg - AREA.west_deg))
+    inner = (np.abs(lat - (AREA.north_deg + AREA.south_deg) / 2) < 0.3 * (AREA.north_deg - AREA.south_deg)) & (
+        np.abs(lon - (AREA.east_deg + AREA.west_deg) / 2) < 0.3 * (AREA.east_deg - AREA.west_deg)
+    )
     # Half of each image along and across again: every point in the middle is in four images, but for rounding.
     assert (count[inner] >= 4).mean() > 0.99
     assert made.coverage.complete
@@ -336,9 +328,7 @@ def test_rows_over_any_relief_leave_nothing_out(tmp_path, trials):
         for _ in range(rng.integers(1, 12)):
             row, column, side = *rng.integers(0, SIDE, 2), rng.integers(1, 120)
             values[row : row + side, column : column + side] += rng.uniform(-rough, rough)
-        path = rasters.write(
-            tmp_path / f"{trial}.tif", values[np.newaxis], UTM, 32618, data_type=gdal.GDT_Float32
-        )
+        path = rasters.write(tmp_path / f"{trial}.tif", values[np.newaxis], UTM, 32618, data_type=gdal.GDT_Float32)
         width, height = rng.uniform(5.0, 500.0, 2)
         # The grid is turned against north by 1.3 degrees: of a flatter box the south would be above the north.
         height = max(height, width / 20.0)
@@ -474,13 +464,9 @@ def test_cameras_that_look_aside_show_the_lowest_ground_of_the_area_too(dem, azi
 def test_what_no_image_holds_is_not_covered(dem):
     """Whatever the windows show: cameras here stand farther aside than the plan thought."""
     area = box(450.0, 480.0, 520.0, 400.0)
-    made = flown(
-        Mission(area, 40.0, Camera(60.0, 4 / 3), elevation=("0",), surface=(dem["town"],), tilt_deg=45.0)
-    )
+    made = flown(Mission(area, 40.0, Camera(60.0, 4 / 3), elevation=("0",), surface=(dem["town"],), tilt_deg=45.0))
     assert made.coverage.complete
-    moved = replace(
-        made, corners=made.corners, poses=made.poses._replace(lat_deg=made.lat_deg + 20.0 / 111e3)
-    )
+    moved = replace(made, corners=made.corners, poses=made.poses._replace(lat_deg=made.lat_deg + 20.0 / 111e3))
     assert not moved.coverage.complete
     assert 0.0 < moved.coverage.uncovered_m2 < moved.coverage.area_m2
 
@@ -502,9 +488,7 @@ def test_exports_for_drones_have_the_heights_that_their_programs_count(dem, tmp_
     altitudes = [item["params"][6] for item in told["items"] if item["command"] == 16]
     assert np.array(altitudes) + made.ground_m[0] == pytest.approx(made.height_m)
     assert np.ptp(altitudes) < 1e-6
-    ((litchi,), *_) = (
-        sorted(tmp_path.glob("*.csv")) for _ in [write_plan(made, tmp_path / "one.litchi.csv")]
-    )
+    ((litchi,), *_) = (sorted(tmp_path.glob("*.csv")) for _ in [write_plan(made, tmp_path / "one.litchi.csv")])
     heights = [float(line.split(",")[2]) for line in litchi.read_text().splitlines()[1:]]
     assert np.array(heights) == pytest.approx(made.agl_m, abs=0.006)
 
@@ -517,9 +501,7 @@ def test_files_for_drones_follow_the_terrain_as_it_was_planned(dem, tmp_path):
     assert np.ptp(above) > 20.0
     assert [mark.height_m for mark in read.marks] == pytest.approx(above, abs=5e-4)
     marks = read.template.findall(read.path("Placemark"))
-    assert [float(read.text(mark, "ellipsoidHeight")) for mark in marks] == pytest.approx(
-        made.height_m, abs=1e-3
-    )
+    assert [float(read.text(mark, "ellipsoidHeight")) for mark in marks] == pytest.approx(made.height_m, abs=1e-3)
     write_plan(made, tmp_path / "one.survey.plan")
     mission = json.loads((tmp_path / "one.survey.plan").read_text())["mission"]
     transects = checked(mission["items"][3])
@@ -612,11 +594,7 @@ def along(path, surface=hills, step_m=0.5):
 
 def ends_of(path):
     """What a path has of its captures alone."""
-    return {
-        name: values[path.capture >= 0]
-        for name, values in vars(path).items()
-        if isinstance(values, np.ndarray)
-    }
+    return {name: values[path.capture >= 0] for name, values in vars(path).items() if isinstance(values, np.ndarray)}
 
 
 def test_legs_between_captures_keep_nine_tenths_of_the_height_over_hills(dem):
@@ -676,16 +654,12 @@ def test_heights_of_the_landscape_are_the_same_beside_imagery_in_any_crs():
     lat, lon = np.array([38.81]), np.array([-77.05])
     found = []
     for crs in ("", "EPSG:32618"):
-        mission = Mission(
-            Box(38.811, -77.051, 38.81, -77.05), 90.0, source="ortho.tif", crs=crs, elevation=("world",)
-        )
+        mission = Mission(Box(38.811, -77.051, 38.81, -77.05), 90.0, source="ortho.tif", crs=crs, elevation=("world",))
         for options in (None, SourceOptions(seed=mission.imagery.seed, crs=crs)):
             below = heights_of(mission, options).surface.surface(lat, lon)
             found.append(float(below.heights(*below.position(lat, lon))[0]))
     assert len(set(found)) == 1
     # The landscape itself about a pole, where its imagery and its heights are of one chart.
-    polar = Mission(
-        Points(((89.9, 10.0, 90.0),)), 90.0, source="world", crs="EPSG:3413", elevation=("world",)
-    )
+    polar = Mission(Points(((89.9, 10.0, 90.0),)), 90.0, source="world", crs="EPSG:3413", elevation=("world",))
     below = heights_of(polar).surface.surface(np.array([89.9]), np.array([10.0]))
     assert np.isfinite(below.heights(*below.position(np.array([89.9]), np.array([10.0])))).all()

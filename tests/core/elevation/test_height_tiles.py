@@ -96,9 +96,7 @@ VOIDS = {
 
 @pytest.mark.parametrize(
     ("encoding", "colour"),
-    sampled(
-        [(encoding, colour) for encodings, colour in VOIDS.values() for encoding in encodings.split()], 2
-    ),
+    sampled([(encoding, colour) for encodings, colour in VOIDS.values() for encoding in encodings.split()], 2),
 )
 @pytest.mark.parametrize("whole", [False, True])
 def test_voids_of_tiles_are_holes_that_other_sources_fill(encoding, colour, whole, served):
@@ -144,9 +142,7 @@ def test_tiles_of_512_px_have_twice_as_many_heights_along_a_side(encoding, behin
 
 def test_tiles_of_another_size_say_what_to_write(served):
     address = served("terrain-rgb", 512)
-    with pytest.raises(
-        PartError, match=r"an image of 512x512 px instead of 256x256; write #tilesize=512 behind"
-    ):
+    with pytest.raises(PartError, match=r"an image of 512x512 px instead of 256x256; write #tilesize=512 behind"):
         surface_of(f"{address}.png#maxzoom={ZOOM}")
     surface_of(f"{address}.png#maxzoom={ZOOM}&tilesize=512")
 
@@ -179,13 +175,9 @@ def test_mbtiles_tell_the_size_themselves_and_have_the_same_voids(size, tmp_path
     path = tmp_path / "heights.mbtiles"
     with closing(sqlite3.connect(path)) as file:
         file.execute("CREATE TABLE metadata (name TEXT, value TEXT)")
-        file.execute(
-            "CREATE TABLE tiles (zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, tile_data BLOB)"
-        )
+        file.execute("CREATE TABLE tiles (zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, tile_data BLOB)")
         file.execute("CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)")
-        columns, rows = (
-            range(int(at[0] * 2**ZOOM) - 1, int(at[1] * 2**ZOOM) + 2) for at in (x.tolist(), y.tolist())
-        )
+        columns, rows = (range(int(at[0] * 2**ZOOM) - 1, int(at[1] * 2**ZOOM) + 2) for at in (x.tolist(), y.tolist()))
         for column in columns:
             for row in rows:
                 made = tile("terrain-rgb", column, row, size, change)

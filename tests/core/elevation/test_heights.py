@@ -129,9 +129,7 @@ def test_what_one_source_does_not_have_the_next_one_fills(tmp_path):
     holed = HEIGHTS.copy()
     holed[20:30, 30:50] = -9999.0
     first = written(tmp_path / "first.tif", holed, nodata=-9999.0)
-    second = written(
-        tmp_path / "second.tif", np.full((40, 40), 7.0), (319_000.0, 100.0, 0.0, 4_299_000.0, 0.0, -100.0)
-    )
+    second = written(tmp_path / "second.tif", np.full((40, 40), 7.0), (319_000.0, 100.0, 0.0, 4_299_000.0, 0.0, -100.0))
     column, row = np.array([10.5, 40.5, 79.9, 200.0]), np.array([10.5, 25.5, 30.0, 30.0])
     lat, lon = places(32618, column, row)
     alone, _ = asked([first], lat, lon)
@@ -229,9 +227,7 @@ def test_heights_in_feet_and_offsets(tmp_path, crs, options, unit_m):
 
 def test_a_file_in_feet_that_does_not_say_so_of_its_heights_is_asked_about(tmp_path):
     path = written(tmp_path / "dem.tif", HEIGHTS, (980_000.0, 6.0, 0.0, 200_000.0, 0.0, -6.0), 2263)
-    with pytest.raises(
-        InvalidInput, match="US survey foot, and it does not say whether its heights are in metres"
-    ):
+    with pytest.raises(InvalidInput, match="US survey foot, and it does not say whether its heights are in metres"):
         open_relief([path])
 
 
@@ -332,9 +328,7 @@ def test_tiles_with_encoded_heights_over_http(encoding, encode, step_m):
 
 
 _GEOGRAPHIC = pyproj.CRS.from_epsg(4326).to_wkt()
-_DEPTH = (
-    'VERTCRS["EGM96 depth",VDATUM["EGM96 geoid",ID["EPSG",5171]],CS[vertical,1],AXIS["depth",down],{unit}]'
-)
+_DEPTH = 'VERTCRS["EGM96 depth",VDATUM["EGM96 geoid",ID["EPSG",5171]],CS[vertical,1],AXIS["depth",down],{unit}]'
 
 
 def _compound(vertical):
@@ -366,9 +360,7 @@ def test_values_along_an_axis_that_points_down_are_depths(tmp_path, monkeypatch,
     lat, lon = places(32618, column, row)
     found, _ = asked([path], lat, lon)
     vertical = _DEPTH.replace("{unit}", unit)
-    to_ellipsoid = pyproj.Transformer.from_crs(
-        f'COMPOUNDCRS["y",{_GEOGRAPHIC},{vertical}]', 4979, always_xy=True
-    )
+    to_ellipsoid = pyproj.Transformer.from_crs(f'COMPOUNDCRS["y",{_GEOGRAPHIC},{vertical}]', 4979, always_xy=True)
     wanted = to_ellipsoid.transform(lon, lat, bilinear(HEIGHTS, column, row))[2]
     assert found == pytest.approx(wanted, abs=0.02)
     assert (wanted - to_ellipsoid.transform(lon, lat, 0.0 * lat)[2] < 0.0).all()
@@ -376,9 +368,7 @@ def test_values_along_an_axis_that_points_down_are_depths(tmp_path, monkeypatch,
     found, _ = asked([path], lat, lon, unit="us-ft")
     wanted = to_ellipsoid.transform(lon, lat, bilinear(HEIGHTS, column, row) * (1200.0 / 3937.0) / unit_m)[2]
     assert found == pytest.approx(wanted, abs=0.02)
-    with pytest.raises(
-        InvalidInput, match=r"^dem\.tif: its vertical axis points down, and that of EGM96 height up"
-    ):
+    with pytest.raises(InvalidInput, match=r"^dem\.tif: its vertical axis points down, and that of EGM96 height up"):
         asked([path], lat, lon, datum="EGM96")
 
 
@@ -398,9 +388,7 @@ def test_heights_named_by_the_code_of_depths_are_depths(tmp_path, monkeypatch):
 def test_a_file_of_heights_is_no_file_of_depths(tmp_path, monkeypatch):
     monkeypatch.setattr(Datum, "check", lambda _: None)
     path = _described(written(tmp_path / "dem.tif", crs=None), _compound(pyproj.CRS.from_epsg(5773).to_wkt()))
-    with pytest.raises(
-        InvalidInput, match=r"^dem\.tif: its vertical axis points up, and that of MSL depth down"
-    ):
+    with pytest.raises(InvalidInput, match=r"^dem\.tif: its vertical axis points up, and that of MSL depth down"):
         asked([path], *places(32618, np.array([10.0]), np.array([20.0])), datum="EPSG:5715")
 
 

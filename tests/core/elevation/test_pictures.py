@@ -62,9 +62,7 @@ def files(tmp_path_factory):
     found = {}
     for name, values in (("hills", hills(x, y)), ("tower", with_tower(x, y))):
         found[name] = str(
-            rasters.write(
-                folder / f"{name}.tif", values[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
-            )
+            rasters.write(folder / f"{name}.tif", values[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32)
         )
     lake = np.where(x < 290.0, 60.0, hills(x, y))
     found["lake"] = str(
@@ -114,9 +112,7 @@ def axes(made):
 
 
 @pytest.mark.parametrize("tilt", [0.0, 40.0])
-def test_captures_of_level_ground_in_a_mission_over_relief_are_made_as_over_level_ground(
-    files, tilt, monkeypatch
-):
+def test_captures_of_level_ground_in_a_mission_over_relief_are_made_as_over_level_ground(files, tilt, monkeypatch):
     """A lake among hills: no ray is traced for its pictures, which are those of traced rays all the same."""
     lon, lat = TO_DEGREES.transform(WEST + 400.0, NORTH - 330.0)
     made, source = one(files, "lake", x=150.0, agl=60.0, tilt_deg=tilt, also=((lat, lon, 60.0),))
@@ -145,9 +141,7 @@ def test_ground_points_lie_on_the_surface_and_where_a_pinhole_sees_them(files, h
     there = np.isfinite(seen.depth_m)
     assert there.mean() > 0.8
     camera, right, top, axis = axes(made)
-    points = np.stack(
-        GEOCENTRIC.transform(seen.lon_deg[there], seen.lat_deg[there], seen.height_m[there]), axis=-1
-    )
+    points = np.stack(GEOCENTRIC.transform(seen.lon_deg[there], seen.lat_deg[there], seen.height_m[there]), axis=-1)
     vectors = points - camera
     depth = vectors @ axis
     tan_x, tan_y = made.mission.camera.half_tangents
@@ -163,17 +157,13 @@ def test_ground_points_lie_on_the_surface_and_where_a_pinhole_sees_them(files, h
     z = (hills if heights == "hills" else with_tower)(*grid_points()).astype(np.float32).astype(float)
     j0, i0 = np.clip(np.floor(j).astype(int), 0, SIDE - 2), np.clip(np.floor(i).astype(int), 0, SIDE - 2)
     u, v = j - j0, i - i0
-    own = (z[i0, j0] * (1 - u) + z[i0, j0 + 1] * u) * (1 - v) + (
-        z[i0 + 1, j0] * (1 - u) + z[i0 + 1, j0 + 1] * u
-    ) * v
+    own = (z[i0, j0] * (1 - u) + z[i0, j0 + 1] * u) * (1 - v) + (z[i0 + 1, j0] * (1 - u) + z[i0 + 1, j0 + 1] * u) * v
     np.testing.assert_allclose(seen.height_m[there], own, rtol=0.0, atol=5e-3)
 
 
 @pytest.mark.parametrize(("tilt", "yaw"), TILTS[1:])
 def test_nothing_stands_between_the_camera_and_what_it_sees(files, tilt, yaw):
-    made, _ = one(
-        files, "tower", tilt_deg=tilt, yaw_deg=yaw, x=300.0, y=300.0 + 60.0 * np.cos(np.radians(yaw))
-    )
+    made, _ = one(files, "tower", tilt_deg=tilt, yaw_deg=yaw, x=300.0, y=300.0 + 60.0 * np.cos(np.radians(yaw)))
     seen = sighting(made, 0, made.frames.largest_px)
     at = np.flatnonzero(np.isfinite(seen.depth_m))[::37]
     lat, lon, high = (values.ravel()[at] for values in (seen.lat_deg, seen.lon_deg, seen.height_m))
@@ -359,9 +349,7 @@ def test_walls_are_painted_in_satellite_images_alone_and_nothing_else_is(town):
 )
 def test_the_source_paints_the_walls_of_its_own_heights(files, photo, terrain, own):
     terrain = {part: tuple(files.get(one, one) for one in names) for part, names in terrain.items()}
-    mission = Mission(
-        Points(((*TOWN, 50.0),)), 50.0, tilt_deg=45.0, source=files.get(photo, photo), **terrain
-    )
+    mission = Mission(Points(((*TOWN, 50.0),)), 50.0, tilt_deg=45.0, source=files.get(photo, photo), **terrain)
     source = open_source(mission.imagery.source)
     made = SimpleNamespace(mission=mission)
     assert (wall_colours(made, source, "satellite") is not None) == own
@@ -457,9 +445,7 @@ def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):
 
 
 def test_photographs_say_the_cameras_altitude(files, tmp_path):
-    mission = Mission(
-        box(), 70.0, elevation=(files["hills"],), source=files["photo"], image_px=120, image_format="jpg"
-    )
+    mission = Mission(box(), 70.0, elevation=(files["hills"],), source=files["photo"], image_px=120, image_format="jpg")
     source = open_source(mission.imagery.source)
     made = plan(mission, source.grid, heights_of(mission))
     capture(made, source, tmp_path)

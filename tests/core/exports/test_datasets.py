@@ -148,9 +148,7 @@ def test_hugging_face_gets_the_images_of_each_part_with_their_rows(dataset, tmp_
     _, head, text = card.read_text(encoding="utf-8").split("---\n", 2)
     assert '- config_name: "satellite"\n  data_dir: "satellite"\n  default: true\n' in head
     assert (
-        head.count('  - name: "Lat"\n    dtype: float64\n')
-        == head.count('  - name: "image"\n    dtype: image\n')
-        == 2
+        head.count('  - name: "Lat"\n    dtype: float64\n') == head.count('  - name: "image"\n    dtype: image\n') == 2
     )
     assert "| satellite | test | 3 |" in text
 
@@ -162,9 +160,7 @@ def test_without_a_split_all_images_are_in_one_folder(flown, tmp_path):
     assert [one["time_utc"] for one in lines] == [
         f"2026-05-04T10:00:0{second}Z" for second in ("0.000", "1.500", "7.250")
     ]
-    assert "satellite: Synthetic (offline), Synthetic landscape, TerrAInav" in card.read_text(
-        encoding="utf-8"
-    )
+    assert "satellite: Synthetic (offline), Synthetic landscape, TerrAInav" in card.read_text(encoding="utf-8")
     assert '"nominal_yaw_deg"' not in card.read_text(encoding="utf-8")
 
 
@@ -264,9 +260,7 @@ def test_a_stopped_export_is_told_how_far_it_is_and_leaves_nothing(dataset, tmp_
     assert 0.0 < told[-1] < 1.0
     assert not (tmp_path / "hf").exists()
     told.clear()
-    done = export_as(
-        dataset, tmp_path / "hf", "huggingface", progress=lambda share: told.append(share) is None
-    )
+    done = export_as(dataset, tmp_path / "hf", "huggingface", progress=lambda share: told.append(share) is None)
     assert told[-1] == 1.0
     # All that it wrote, images too.
     assert done.written == sum(len(files) for _, _, files in os.walk(tmp_path / "hf"))

@@ -84,9 +84,7 @@ def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, 
     # On a surface 40 m above the ellipsoid, found by Newton's method on the height that PROJ tells.
     far = np.full(rows.size, 100.0)
     for _ in range(8):
-        heights = [
-            FROM_ECEF.transform(*(start[:, None] + towards * (far + by)))[2] - 40.0 for by in (0.0, 0.01)
-        ]
+        heights = [FROM_ECEF.transform(*(start[:, None] + towards * (far + by)))[2] - 40.0 for by in (0.0, 0.01)]
         far = far - heights[0] * 0.01 / (heights[1] - heights[0])
     assert np.isfinite(far).all()
     lon, lat, _ = FROM_ECEF.transform(*(start[:, None] + towards * far))
@@ -149,16 +147,12 @@ def test_kitti(captured, tmp_path):
     assert not (folder / "times.txt").exists()
     for at, row in enumerate(rows):
         focal = views.fx_px[at], views.fy_px[at], views.width_px[at] / 2.0, views.height_px[at] / 2.0
-        check_colours(
-            captured / "satellite" / views.names[at], focal, row[:, :3], row[:, 3], origin_of(folder)
-        )
+        check_colours(captured / "satellite" / views.names[at], focal, row[:, :3], row[:, 3], origin_of(folder))
 
 
 def test_quaternions_are_those_of_scipy():
     rotations = Rotation.random(200, random_state=1).as_matrix()
-    halves = Rotation.from_euler(
-        "xyz", [[180, 0, 0], [0, 180, 0], [0, 0, 180], [0, 0, 0]], degrees=True
-    ).as_matrix()
+    halves = Rotation.from_euler("xyz", [[180, 0, 0], [0, 180, 0], [0, 0, 180], [0, 0, 0]], degrees=True).as_matrix()
     for matrix in np.concatenate([rotations, halves]):
         found = quaternions_from_matrices(matrix[np.newaxis])[0]
         assert found[0] >= 0.0
@@ -177,9 +171,7 @@ def test_windows_of_the_map_are_no_cameras_images(tmp_path):
     source = open_source("world")
     mission = Mission(Points(((35.0, -90.0, 100.0),)), 100.0, image_px=64, image_format="png")
     capture(plan(mission, source.grid), source, tmp_path / "out")
-    with pytest.raises(
-        InvalidInput, match=r"which no camera takes; capture camera frames \(--frame camera\)"
-    ):
+    with pytest.raises(InvalidInput, match=r"which no camera takes; capture camera frames \(--frame camera\)"):
         Views.read(tmp_path / "out")
 
 

@@ -65,9 +65,7 @@ def made(imagery, folder, **asked) -> Benchmark:
     lon, lat = TO_DEGREES.transform(*(WEST + np.array(AT_M)[:, 0], NORTH - np.array(AT_M)[:, 1]))
     poses = tuple((*place, 60.0) for place in zip(lat.tolist(), lon.tolist()))
     values = {"tilt_deg": 18.0, "roll_deg": -7.0, "ground_height_m": GROUND_M, "image_px": 64, **asked}
-    mission = Mission(
-        Points(poses, (20.0, -70.0, 130.0, 200.0)), 60.0, accept_error=True, mesh="rays", **values
-    )
+    mission = Mission(Points(poses, (20.0, -70.0, 130.0, 200.0)), 60.0, accept_error=True, mesh="rays", **values)
     old, new = (NamedImagery(name, str(imagery[name])) for name in ("old", "new"))
     settings = BenchmarkSettings(mission, (old, new), old, split="same-area", shares=(0.5, 0.25, 0.25))
     sources = {str(one): open_source(one.source) for one in (old, new)}
@@ -208,9 +206,7 @@ def test_anyvisloc(ground, request, tmp_path):
         assert surface.shape == shown.shape[:2]
         assert abs(np.nanmean(surface)) < 0.01
         column, row = np.meshgrid(*(np.arange(length) for length in surface.shape[::-1]))
-        local = np.stack(
-            [column * mode["map_resolution"][0], row * mode["map_resolution"][1], surface], axis=-1
-        )
+        local = np.stack([column * mode["map_resolution"][0], row * mode["map_resolution"][1], surface], axis=-1)
         first = np.array(about["first_pixel_m"])
         # East, south and up of the map's first pixel.
         enu = local * (1.0, -1.0, 1.0) + first
@@ -330,9 +326,7 @@ def test_uav_visloc(level, tmp_path):
             assert float(flown["height"]) == pytest.approx(60.0)
             assert (float(flown["Phi1"]) - queries.yaw_deg[index]) % 360.0 == pytest.approx(0.0)
             # JPEGs are the captured files.
-            assert (folder / number / "drone" / flown["filename"]).samefile(
-                level.folder / queries.file[index]
-            )
+            assert (folder / number / "drone" / flown["filename"]).samefile(level.folder / queries.file[index])
             count += 1
     assert count == 8
 

@@ -246,9 +246,7 @@ def test_tables_of_others_have_points_and_what_is_rejected_is_where_it_lies(tmp_
     table = folder / "satellite" / "meta_data.csv"
     head, *lines = table.read_text(encoding="utf-8").splitlines()
     # A column of somebody's that STAC calls something else by.
-    table.write_text(
-        "\n".join([f"{head},type", *(f"{line},flat" for line in lines)]) + "\n", encoding="utf-8"
-    )
+    table.write_text("\n".join([f"{head},type", *(f"{line},flat" for line in lines)]) + "\n", encoding="utf-8")
     (folder / "satellite" / "rejected").mkdir()
     rejected = lines[3].partition(",")[0]
     (folder / "satellite" / rejected).rename(folder / "satellite" / "rejected" / rejected)
@@ -296,9 +294,7 @@ def test_what_cannot_be_described_is_one_line(mapped, tmp_path, monkeypatch):
         write_stac(folder, folder)
     assert not (folder / ITEMS_FILE).exists()
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(
-        OutputError, match=r"^format stac: pyarrow cannot be imported \(.*\); get it with: pip "
-    ):
+    with pytest.raises(OutputError, match=r"^format stac: pyarrow cannot be imported \(.*\); get it with: pip "):
         write_stac(mapped, mapped)
 
 
@@ -370,18 +366,13 @@ def test_croissant_describes_what_lies_in_shards(sharded):
             inside[one] = [
                 member
                 for member in members
-                if any(
-                    fnmatch.fnmatchcase(member, pattern)
-                    for pattern in ([patterns] if one == "json" else patterns)
-                )
+                if any(fnmatch.fnmatchcase(member, pattern) for pattern in ([patterns] if one == "json" else patterns))
             ]
         assert sorted(inside["files"] + inside["json"]) == sorted(members)
         samples = next(one for one in told["recordSet"] if one["@id"] == f"{name}/samples")
         fields = {one["name"]: one for one in samples["field"]}
         keys = [re.match(fields["key"]["source"]["transform"]["regex"], one)[1] for one in inside["files"]]
-        assert keys == [
-            re.match(fields["key"]["references"]["transform"]["regex"], one)[1] for one in inside["json"]
-        ]
+        assert keys == [re.match(fields["key"]["references"]["transform"]["regex"], one)[1] for one in inside["json"]]
         assert len({*keys}) == 4
         records = next(one for one in told["recordSet"] if one["@id"] == name)
         columns = [one["source"]["extract"]["column"] for one in records["field"]]
@@ -443,9 +434,7 @@ def test_a_store_that_refuses_is_one_line(monkeypatch):
     with s3_store(monkeypatch) as address:
         place = in_shards(f"{address}/out")
         monkeypatch.setattr(place.fs, "_pipe_file", refuse)
-        with pytest.raises(
-            OutputError, match=r"^s3://data/out/items\.parquet: access is refused: the credentials"
-        ):
+        with pytest.raises(OutputError, match=r"^s3://data/out/items\.parquet: access is refused: the credentials"):
             write_stac(place, place)
     with pytest.raises(OutputError, match=r"^memory://stac/nothing: is not there"):
         write_stac("memory://stac/nothing", "memory://stac/nothing")

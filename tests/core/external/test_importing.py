@@ -56,9 +56,7 @@ except OutputError as wrong:
         ),
     ],
 )
-def test_settings_of_a_library_that_are_wrong_are_told_in_one_line(
-    tmp_path, library, variable, value, code, first
-):
+def test_settings_of_a_library_that_are_wrong_are_told_in_one_line(tmp_path, library, variable, value, code, first):
     if importlib.util.find_spec(library) is None:
         pytest.skip(f"needs {library}")
     (tmp_path / "bad.json").write_text("{bad: [")

@@ -130,9 +130,7 @@ def test_calls_are_left_once_the_program_is_asked_to_end():
 )
 def test_signals_are_heard_while_gdal_reads(tmp_path, slow, arguments, number, code):
     command = [sys.executable, "-c", PROGRAM, *arguments, "--coords", PLACE, "--mission", "raster"]
-    process = subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == "reading\n", process.stderr.read()
         # By then GDAL is at it.

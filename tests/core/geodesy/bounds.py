@@ -101,8 +101,7 @@ def away_px(scene, lat, lon, wanted):
     """Distance in the image, px, of where the exact camera sees ground points from where it should; inf where not."""
     camera, poses = scene.camera, scene.poses
     columns = (
-        values[:, np.newaxis]
-        for values in (poses.lat_deg, poses.agl_m, poses.yaw_deg, poses.tilt_deg, poses.roll_deg)
+        values[:, np.newaxis] for values in (poses.lat_deg, poses.agl_m, poses.yaw_deg, poses.tilt_deg, poses.roll_deg)
     )
     lat_deg, agl, yaw, tilt, roll = columns
     fov, aspect = camera.fov_deg, camera.aspect_ratio
@@ -233,9 +232,9 @@ def perspective(du, v, a, b):
     ca, cb = np.broadcast_to(corner_a, x.shape), np.broadcast_to(corner_b, x.shape)
     upper = np.stack([ca, cb, one, zero, zero, zero, -ca * x, -cb * x], axis=-1)
     lower = np.stack([zero, zero, zero, ca, cb, one, -ca * y, -cb * y], axis=-1)
-    solved = np.linalg.solve(
-        np.concatenate([upper, lower], axis=1), np.concatenate([x, y], axis=1)[..., np.newaxis]
-    )[..., 0]
+    solved = np.linalg.solve(np.concatenate([upper, lower], axis=1), np.concatenate([x, y], axis=1)[..., np.newaxis])[
+        ..., 0
+    ]
     depth = 1 + solved[:, 6] * a + solved[:, 7] * b
     along = (solved[:, 0] * a + solved[:, 1] * b + solved[:, 2]) / depth
     down = (solved[:, 3] * a + solved[:, 4] * b + solved[:, 5]) / depth
@@ -307,9 +306,7 @@ def rectangles_inside(seed, draws, each) -> Rectangles:
             longdouble.latitude_deg(edges.top_v + edges.size[1] * down),
             (edges.west_u + edges.size[0] * across) * 360.0,
         )
-        beyond = np.maximum(
-            (np.abs(seen.x) - 1) * scene.width_px / 2, (np.abs(seen.y) - 1) * scene.height_px / 2
-        )
+        beyond = np.maximum((np.abs(seen.x) - 1) * scene.width_px / 2, (np.abs(seen.y) - 1) * scene.height_px / 2)
         noise = accuracy.mesh_noise_px(some)[:, np.newaxis]
         worst = max(worst, float(np.max(np.where(seen.visible, beyond - noise, np.inf))))
     return Rectangles(count, with_extent, worst)

@@ -67,9 +67,7 @@ class Kept:
 def cliff(z, rng):
     y, x = np.indices(z.shape) - SIDE / 2.0
     angle = rng.choice([0.0, 90.0, 180.0, 270.0, rng.uniform(0.0, 360.0)])
-    z[x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle)) > rng.uniform(-20, 20)] += rng.uniform(
-        0.2, 150
-    )
+    z[x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle)) > rng.uniform(-20, 20)] += rng.uniform(0.2, 150)
 
 
 def terraces(z, rng):
@@ -160,9 +158,7 @@ class Truth:
         x, y = np.clip(column, 0.0, columns - 1.0), np.clip(row, 0.0, rows - 1.0)
         j, i = np.minimum(x.astype(int), columns - 2), np.minimum(y.astype(int), rows - 2)
         u, v, z = x - j, y - i, self.z
-        return (z[i, j] * (1 - u) + z[i, j + 1] * u) * (1 - v) + (
-            z[i + 1, j] * (1 - u) + z[i + 1, j + 1] * u
-        ) * v
+        return (z[i, j] * (1 - u) + z[i, j + 1] * u) * (1 - v) + (z[i + 1, j] * (1 - u) + z[i + 1, j + 1] * u) * v
 
     def met(self, t, x, y, h, margin):
         """First t at which a ray has met the surface, by more than a margin of height; NaN for none.
@@ -172,9 +168,7 @@ class Truth:
         """
         crossed = [t]
         for at in (x, y):
-            lines = np.arange(np.ceil(max(at.min(), -1.0)), np.floor(min(at.max(), SIDE)) + 1.0)[
-                :, np.newaxis
-            ]
+            lines = np.arange(np.ceil(max(at.min(), -1.0)), np.floor(min(at.max(), SIDE)) + 1.0)[:, np.newaxis]
             before, after = at[:-1] - lines, at[1:] - lines
             line, piece = np.nonzero((before < 0.0) != (after < 0.0))
             share = before[line, piece] / (before - after)[line, piece]
@@ -218,9 +212,7 @@ def random_scene(seed, looked_at=16):
     z = rng.uniform(-50.0, 2000.0) + rng.normal(0.0, rng.choice([0.0, 0.2, 2.0]), (SIDE, SIDE))
     KINDS[rng.integers(len(KINDS))](z, rng)
     agl = rng.uniform(2.0, 30.0) if rng.random() < 0.5 else 30.0 * 60.0 ** rng.random()
-    surface, cell = surface_about(
-        crs, lat, lon, max(agl * 50.0 ** -rng.uniform(0.2, 1.5), 0.05), z.astype(np.float32)
-    )
+    surface, cell = surface_about(crs, lat, lon, max(agl * 50.0 ** -rng.uniform(0.2, 1.5), 0.05), z.astype(np.float32))
     beside = rng.random() < 0.25
     column, row = rng.uniform(-0.3 * SIDE, 1.3 * SIDE, 2) if beside else rng.uniform(0.1, 0.9, 2) * SIDE
     lat, lon = (float(at[0]) for at in surface.places(np.array([column]), np.array([row])))
@@ -241,9 +233,7 @@ def judged(tracing, truth, cell_m, rng, looked_at):
     nothing = np.isnan(depth)
     around = np.pad(nothing, 1, constant_values=True).astype(int)
     shifted = [
-        around[1 + i : around.shape[0] - 1 + i, 1 + j : around.shape[1] - 1 + j]
-        for i in (-1, 0, 1)
-        for j in (-1, 0, 1)
+        around[1 + i : around.shape[0] - 1 + i, 1 + j : around.shape[1] - 1 + j] for i in (-1, 0, 1) for j in (-1, 0, 1)
     ]
     alone = nothing & (sum(shifted) <= 4)
     z = truth.z
@@ -276,6 +266,4 @@ def judged(tracing, truth, cell_m, rng, looked_at):
         off_px = np.hypot(onto[0] / onto[2] - column - 0.5, onto[1] / onto[2] - row - 0.5)
     noise_px = NOISE_M * (1.0 + slope) / (pixel * depth[row, column])
     share = off_px / (TOLERANCE_PX + noise_px)
-    return Found(
-        len(unseen) + len(seen), lost, passed, int((~(share <= 1.0)).sum()), float(share.max(initial=0.0))
-    )
+    return Found(len(unseen) + len(seen), lost, passed, int((~(share <= 1.0)).sum()), float(share.max(initial=0.0)))

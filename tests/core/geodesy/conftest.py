@@ -9,9 +9,7 @@ import pytest
 from tests.support.libraries import inexact
 
 
-@pytest.fixture(
-    scope="module", autouse=True, params=["own", pytest.param("4 ulp", marks=pytest.mark.thorough)]
-)
+@pytest.fixture(scope="module", autouse=True, params=["own", pytest.param("4 ulp", marks=pytest.mark.thorough)])
 def library(request):
     """Mathematical library of the core: the machine's, or one whose functions are up to 4 last places off."""
     with inexact(seed=4) if request.param == "4 ulp" else contextlib.nullcontext():

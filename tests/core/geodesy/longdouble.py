@@ -108,11 +108,7 @@ def look(
     north = place.cos * polar - place.sin * outward
     up = place.cos * outward + place.sin * polar - _real(agl_m)
     bulge = 2 * point.cos * sin_half_dlon**2
-    facing = (
-        point.cos * sin_dlon * east
-        + (sin_rise + place.sin * bulge) * north
-        + (cos_rise - place.cos * bulge) * up
-    )
+    facing = point.cos * sin_dlon * east + (sin_rise + place.sin * bulge) * north + (cos_rise - place.cos * bulge) * up
     forward, right, down = _enu_to_body(yaw_deg, tilt_deg, roll_deg, east, north, up)
     visible = (facing <= 0) & (down > 0)
     depth = np.where(visible, down, np.nan)
@@ -126,9 +122,7 @@ def slant_and_grazing(lat_deg, agl_m, point_lat_deg, point_dlon_deg, ground_heig
     sin_dlon, cos_dlon = _sin_cos(point_dlon_deg)
     outward = point.normal_m * point.cos * cos_dlon - (place.normal_m + agl_m) * place.cos
     east = point.normal_m * point.cos * sin_dlon
-    polar = (
-        point.normal_m * (1 - point.e2) * point.sin - (place.normal_m * (1 - place.e2) + agl_m) * place.sin
-    )
+    polar = point.normal_m * (1 - point.e2) * point.sin - (place.normal_m * (1 - place.e2) + agl_m) * place.sin
     slant = np.sqrt(outward**2 + east**2 + polar**2)
     down = point.cos * (cos_dlon * outward + sin_dlon * east) + point.sin * polar
     return slant, -down / slant
@@ -198,18 +192,14 @@ def _half_tangents(fov_deg, aspect_ratio):
 
 def _body_to_enu(yaw_deg, tilt_deg, roll_deg, forward, right, down):
     """Roll, then tilt, then yaw of vectors in an aircraft's axes; east, north, up."""
-    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = map(
-        _sin_cos, (yaw_deg, tilt_deg, roll_deg)
-    )
+    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = map(_sin_cos, (yaw_deg, tilt_deg, roll_deg))
     right, down = cos_roll * right - sin_roll * down, sin_roll * right + cos_roll * down
     forward, down = cos_tilt * forward + sin_tilt * down, cos_tilt * down - sin_tilt * forward
     return sin_yaw * forward + cos_yaw * right, cos_yaw * forward - sin_yaw * right, -down
 
 
 def _enu_to_body(yaw_deg, tilt_deg, roll_deg, east, north, up):
-    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = map(
-        _sin_cos, (yaw_deg, tilt_deg, roll_deg)
-    )
+    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = map(_sin_cos, (yaw_deg, tilt_deg, roll_deg))
     forward, right, down = cos_yaw * north + sin_yaw * east, cos_yaw * east - sin_yaw * north, -up
     forward, down = cos_tilt * forward - sin_tilt * down, sin_tilt * forward + cos_tilt * down
     return forward, cos_roll * right + sin_roll * down, cos_roll * down - sin_roll * right

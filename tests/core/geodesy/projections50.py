@@ -42,8 +42,6 @@ def transverse_mercator(lat_deg, lon_deg, meridian_deg, south=False):
         wanted = _isometric(phi, e) + 1j * turn
         start = mpmath.mpc(phi, turn * mpmath.cos(phi))
         found = mpmath.findroot(lambda z: _isometric(z, e) - wanted, start)
-        arc = mpmath.quad(
-            lambda z: a * (1 - e**2) / (1 - (e * mpmath.sin(z)) ** 2) ** mpmath.mpf("1.5"), [0, found]
-        )
+        arc = mpmath.quad(lambda z: a * (1 - e**2) / (1 - (e * mpmath.sin(z)) ** 2) ** mpmath.mpf("1.5"), [0, found])
         scale = mpmath.mpf("0.9996")
         return 500000 + scale * mpmath.im(arc), scale * mpmath.re(arc) + (10_000_000 if south else 0)

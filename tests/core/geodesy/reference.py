@@ -164,6 +164,4 @@ def _position(lat_deg, lon_deg, height_m, a, b):
     phi, lam, h = mpmath.radians(_exact(lat_deg)), mpmath.radians(_exact(lon_deg)), _exact(height_m)
     s, c = mpmath.sin(phi), mpmath.cos(phi)
     n = a**2 / mpmath.sqrt((a * c) ** 2 + (b * s) ** 2)
-    return mpmath.matrix(
-        [(n + h) * c * mpmath.cos(lam), (n + h) * c * mpmath.sin(lam), ((b / a) ** 2 * n + h) * s]
-    )
+    return mpmath.matrix([(n + h) * c * mpmath.cos(lam), (n + h) * c * mpmath.sin(lam), ((b / a) ** 2 * n + h) * s])

@@ -104,9 +104,7 @@ def report_look(title, drawn):
         if (image is not None) != bool(looked.visible[at]):
             decided += 1
         elif image is not None:
-            off = (
-                math.hypot(float(image[0] - exact(looked.x[at])), float(image[1] - exact(looked.y[at]))) * 320
-            )
+            off = math.hypot(float(image[0] - exact(looked.x[at])), float(image[1] - exact(looked.y[at]))) * 320
             worst = max(worst, off)
             relative = max(relative, off / 320 / max(1.0, math.hypot(*map(float, image))))
     print(

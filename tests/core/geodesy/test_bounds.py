@@ -22,9 +22,7 @@ pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_N
 
 def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), size=(640, 480)):  # noqa: B008
     one = np.array([float(lat)])
-    return ImageGeometry(
-        camera, *size, Poses.from_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll)
-    )
+    return ImageGeometry(camera, *size, Poses.from_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
 
 
 def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_attitude_or_not():

@@ -108,9 +108,7 @@ def test_a_camera_by_a_side_has_that_side(fov, ratio):
 def test_sides_and_diagonal_lead_to_each_other(fov, ratio):
     camera = Camera(fov, ratio)
     # As an angle: near 180 degrees its complement has but the digits that the sides' complements leave it.
-    assert Camera.from_horizontal_fov(camera.horizontal_fov_deg, ratio).fov_deg == pytest.approx(
-        fov, abs=1e-11
-    )
+    assert Camera.from_horizontal_fov(camera.horizontal_fov_deg, ratio).fov_deg == pytest.approx(fov, abs=1e-11)
     assert Camera.from_vertical_fov(camera.vertical_fov_deg, ratio).fov_deg == pytest.approx(fov, abs=1e-11)
 
 
@@ -146,9 +144,7 @@ def test_height_and_ground_sample_distance_lead_to_each_other(fov, ratio, agl_m,
     assert camera.agl_m(gsd, longer_side_px) == pytest.approx(agl_m, rel=1e-14)
     assert gsd * longer_side_px == pytest.approx(max(camera.ground_size_m(agl_m)), rel=1e-14)
     # Square pixels: the same along the shorter side.
-    assert gsd * longer_side_px * min(ratio, 1 / ratio) == pytest.approx(
-        min(camera.ground_size_m(agl_m)), rel=1e-13
-    )
+    assert gsd * longer_side_px * min(ratio, 1 / ratio) == pytest.approx(min(camera.ground_size_m(agl_m)), rel=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -32,9 +32,7 @@ def test_rays_that_cross_from_cell_to_cell_within_a_cliff_are_not_lost(crs, lat,
     z = np.zeros((SIDE, SIDE))
     z[:, SIDE // 2 :] = 120.0 * cell_m
     surface, _ = surface_about(crs, lat, lon, cell_m, z)
-    at_lat, at_lon = (
-        float(at[0]) for at in surface.places(np.array([SIDE / 2 - 30.0]), np.array([SIDE / 2.0]))
-    )
+    at_lat, at_lon = (float(at[0]) for at in surface.places(np.array([SIDE / 2 - 30.0]), np.array([SIDE / 2.0])))
     height = 90.0 * cell_m
     truth = Truth(surface, crs, at_lat, at_lon, height)
     rng = np.random.default_rng(5)

@@ -50,13 +50,9 @@ def test_rays_stay_within_what_trace_states(drawn, height):
     error = longdouble.distance_m(lat, dlon, found.lat_deg[both], found.dlon_deg[both])
     ratio = error / (LATITUDE_FLOOR_M + RAY_SHARE * slant / grazing)
     assert ratio.max() < 1.0, drawn.take(int(ratio.argmax()))
-    back = sight_lines(
-        drawn.lat_deg, drawn.agl_m, lat.astype(float), dlon.astype(float), WGS84.raised(height)
-    )
+    back = sight_lines(drawn.lat_deg, drawn.agl_m, lat.astype(float), dlon.astype(float), WGS84.raised(height))
     # Both are rounded to float64 on the way: half a digit of the longitude, 1.6e-9 m, beside that of the latitude.
-    off = np.linalg.norm(
-        back - rays[both] * (slant / np.linalg.norm(rays[both], axis=-1))[:, np.newaxis], axis=-1
-    )
+    off = np.linalg.norm(back - rays[both] * (slant / np.linalg.norm(rays[both], axis=-1))[:, np.newaxis], axis=-1)
     assert (off < 2e-9 + RAY_SHARE * slant).all()
 
 
@@ -80,9 +76,7 @@ def test_ground_above_the_ellipsoid_is_hit_at_its_height():
     # down to the ellipsoid's scale.
     flat = 400.0 * np.hypot(0.3, 0.2) / (1 + 1500.0 / 6.38e6)
     assert distance == pytest.approx(flat, rel=1e-4)
-    _, _, without = geod.inv(
-        0.0, 46.5, *(float(v) for v in trace(np.array(46.5), np.array(1900.0), ray)[1::-1])
-    )
+    _, _, without = geod.inv(0.0, 46.5, *(float(v) for v in trace(np.array(46.5), np.array(1900.0), ray)[1::-1]))
     assert without > 4.5 * distance
 
 

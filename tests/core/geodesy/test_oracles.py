@@ -76,9 +76,7 @@ def test_near_sided_perspective_of_proj(lat, agl):
     np.testing.assert_allclose(seen.dlon_deg, lon, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("lat", "agl", "yaw", "tilt"), [(40.1, 3e5, 20.0, 30.0), (-65.0, 5.5e6, -110.0, 12.0)]
-)
+@pytest.mark.parametrize(("lat", "agl", "yaw", "tilt"), [(40.1, 3e5, 20.0, 30.0), (-65.0, 5.5e6, -110.0, 12.0)])
 def test_tilted_perspective_of_proj(lat, agl, yaw, tilt):
     # PROJ's plane is tilted about the nadir point: its scale is H cos(tilt) and its origin lies H sin(tilt) below the
     # principal point.
@@ -176,6 +174,4 @@ def test_tiles_of_mercantiles_readme():
     northing = (0.5 - float(lat_to_v(np.array(53.33087298301705)))) * 2 * HALF_WORLD_M
     assert northing == pytest.approx(7044436.526761846, abs=1e-8)
     assert u_to_lon(np.array([20, 21]) / 64).tolist() == [-67.5, -61.875]
-    assert v_to_lat(np.array([35, 36]) / 64) == pytest.approx(
-        [-16.636191878397653, -21.943045533438177], abs=1e-12
-    )
+    assert v_to_lat(np.array([35, 36]) / 64) == pytest.approx([-16.636191878397653, -21.943045533438177], abs=1e-12)

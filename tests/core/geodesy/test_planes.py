@@ -69,9 +69,7 @@ def test_coordinates_are_those_of_the_definition(crs, lat, lon):
         assert float(back_lon) == pytest.approx(lon, abs=1e-11)
 
 
-@pytest.mark.parametrize(
-    "crs", ["EPSG:32616", "EPSG:3413", "EPSG:2154", "EPSG:3035", "EPSG:5070", "EPSG:2263"]
-)
+@pytest.mark.parametrize("crs", ["EPSG:32616", "EPSG:3413", "EPSG:2154", "EPSG:3035", "EPSG:5070", "EPSG:2263"])
 def test_north_and_scale_are_proj_s(crs):
     area = pyproj.CRS(crs).area_of_use
     lon = np.linspace(area.west, area.east, 7)[1:-1]
@@ -165,9 +163,7 @@ def _away_px(crs, lat, lon, attitude, image, place, plane):
     def on_plane(x, y):
         seen = reference.see(lat, 120.0, CAMERA.fov_deg, CAMERA.aspect_ratio, *attitude, x, y)
         there = PLANES[crs][0](seen[0], seen[1] + lon)
-        return np.array(
-            [float((there[0] - plane.west) / plane.width), float((plane.north - there[1]) / plane.height)]
-        )
+        return np.array([float((there[0] - plane.west) / plane.width), float((plane.north - there[1]) / plane.height)])
 
     x, y = image
     off = np.asarray(place) - on_plane(x, y)

@@ -77,9 +77,7 @@ def test_lengths_and_directions_from_the_middle_are_those_of_geodesics(place, az
     slack = (distance_m / RADIUS_M) ** 2 / 8.0
     assert math.hypot(x, y) == pytest.approx(distance_m, rel=slack, abs=NOISE_M)
     bearing = math.degrees(math.atan2(x, y)) + angle
-    assert math.sin(math.radians(bearing - azimuth)) == pytest.approx(
-        0.0, abs=slack + 2 * NOISE_M / distance_m
-    )
+    assert math.sin(math.radians(bearing - azimuth)) == pytest.approx(0.0, abs=slack + 2 * NOISE_M / distance_m)
 
 
 @given(places, st.floats(-3e5, 3e5), st.floats(-3e5, 3e5), st.floats(0, 360))
@@ -88,8 +86,7 @@ def test_angles_are_kept(place, x, y, azimuth):
     lat, lon = (float(values) for values in plane.inverse(np.array(x), np.array(y)))
     ends = [GEOD.fwd(lon, lat, azimuth + turn, 50.0) for turn in (0.0, 180.0)]
     (x1, y1), (x0, y0) = (
-        plane.forward(np.array(end[1]), np.array(lon + (end[0] - lon + 180.0) % 360.0 - 180.0))
-        for end in ends
+        plane.forward(np.array(end[1]), np.array(lon + (end[0] - lon + 180.0) % 360.0 - 180.0)) for end in ends
     )
     north = float(plane.north_deg(np.array(lat), np.array(lon)))
     off = math.degrees(math.atan2(x1 - x0, y1 - y0)) - north - azimuth
@@ -98,9 +95,7 @@ def test_angles_are_kept(place, x, y, azimuth):
     assert enlarged == pytest.approx((math.hypot(x, y) / 2.0 / RADIUS_M) ** 2, rel=0.03, abs=3e-9)
 
 
-@pytest.mark.parametrize(
-    "attitude", [(0.0, 0.0, 0.0), (20.0, 0.0, 0.0), (0.0, 40.0, 0.0), (-70.0, 20.0, 15.0)]
-)
+@pytest.mark.parametrize("attitude", [(0.0, 0.0, 0.0), (20.0, 0.0, 0.0), (0.0, 40.0, 0.0), (-70.0, 20.0, 15.0)])
 def test_images_show_the_borders_of_their_rectangles(attitude):
     camera, plane = Camera(78.8, 1.5), LocalPlane(45.0, 179.9, 37.0)
     x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(-2e4, 2e4, 5), np.linspace(-2e4, 2e4, 5)))

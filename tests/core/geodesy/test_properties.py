@@ -58,9 +58,7 @@ def apart_m(one, other):
 def test_the_reference_looks_back_along_the_ray(camera, lat, agl, yaw, tilt, roll, x, y, height):
     seen_lat, dlon, hit = see(camera, lat, agl, (yaw, tilt, roll), x, y, WGS84.raised(height))
     assert hit
-    found = reference.look(
-        lat, agl, camera.fov_deg, camera.aspect_ratio, yaw, tilt, roll, seen_lat, dlon, height
-    )
+    found = reference.look(lat, agl, camera.fov_deg, camera.aspect_ratio, yaw, tilt, roll, seen_lat, dlon, height)
     tan_x, tan_y = camera.half_tangents
     off = math.hypot(float(found[0] - mpmath.mpf(x)) * tan_x, float(found[1] - mpmath.mpf(y)) * tan_y)
     # The ground point's own resolution, seen from at least the height away, and that of the direction.
@@ -153,9 +151,7 @@ def test_the_ground_is_geodesics_away_in_the_direction_of_the_view(lat, agl, yaw
     azimuth, _, metres = Geod(ellps="WGS84").inv(0.0, lat, dlon, seen_lat)
     flat = agl * math.tan(math.radians(tilt))
     # The ground curves away under 20 km by up to s²·tan/2R.
-    assert metres == pytest.approx(
-        flat, rel=2e-8 + flat * math.tan(math.radians(tilt)) / 6.2e6, abs=SAME_PLACE_M
-    )
+    assert metres == pytest.approx(flat, rel=2e-8 + flat * math.tan(math.radians(tilt)) / 6.2e6, abs=SAME_PLACE_M)
     turn = (azimuth - yaw + 180.0) % 360.0 - 180.0
     assert abs(math.radians(turn)) * metres < SAME_PLACE_M + 1e-8 * metres
 

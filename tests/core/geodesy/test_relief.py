@@ -61,9 +61,7 @@ def bilinear(z, x, y):
     """Heights at columns and rows; NaN beyond the surface."""
     rows, columns = z.shape
     inside = (x >= 0) & (x <= columns - 1) & (y >= 0) & (y <= rows - 1)
-    j, i = (
-        np.clip(np.where(inside, at, 0).astype(int), 0, most - 2) for at, most in ((x, columns), (y, rows))
-    )
+    j, i = (np.clip(np.where(inside, at, 0).astype(int), 0, most - 2) for at, most in ((x, columns), (y, rows)))
     u, v = x - j, y - i
     mean = (z[i, j] * (1 - u) + z[i, j + 1] * u) * (1 - v) + (z[i + 1, j] * (1 - u) + z[i + 1, j + 1] * u) * v
     return np.where(inside, mean, np.nan)
@@ -85,9 +83,7 @@ def marched(z, t, x, y, h):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 12))]
-)
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 12))])
 def test_rays_meet_the_surface_first_where_a_march_does(kind, seed):
     """Straight rays in the surface's own pixels, from anywhere to anywhere; none passes a wall or a spike."""
     rng = np.random.default_rng(seed)
@@ -96,9 +92,7 @@ def test_rays_meet_the_surface_first_where_a_march_does(kind, seed):
     surface = Surface(PixelGrid(), 0, 0, 0, z)
     highest = np.nanmax(z)
     start = np.array([*rng.uniform(-30, 80, 2), highest + rng.uniform(0.1, 60)])
-    ends = np.stack(
-        [rng.uniform(0, side - 1, 60) for side in (columns, rows)] + [rng.uniform(-1, highest + 1, 60)]
-    )
+    ends = np.stack([rng.uniform(0, side - 1, 60) for side in (columns, rows)] + [rng.uniform(-1, highest + 1, 60)])
     rays, farthest = ends.T - start, np.full(60, 5.0)
     hits = surface.first_hits(start, Paths(start, (np.eye(3),)).coefficients(rays), farthest)
     t = np.broadcast_to(np.linspace(0.0, 5.0, MARCHED), (60, MARCHED))
@@ -120,9 +114,7 @@ def grid_about(crs, lat, lon):
         return PixelGrid(), 17
     x, y = ProjectedPlane(crs, 0.0, 0.0, 1.0, 1.0).to_crs(np.array(lat), np.array(lon))
     size = CELL * 2**15
-    return PixelGrid(
-        256, 0, 7, 7, plane=ProjectedPlane(crs, float(x) - size / 2, float(y) + size / 2, size, size)
-    ), 7
+    return PixelGrid(256, 0, 7, 7, plane=ProjectedPlane(crs, float(x) - size / 2, float(y) + size / 2, size, size)), 7
 
 
 def surface_about(crs, lat, lon, z):
@@ -181,9 +173,7 @@ VIEWS = (
         for k, kind in enumerate(("hills", "spikes", "noise"))
     ],
 )
-def test_images_over_the_earth_meet_the_relief_where_a_march_through_space_does(
-    crs, lat, lon, kind, agl, attitude
-):
+def test_images_over_the_earth_meet_the_relief_where_a_march_through_space_does(crs, lat, lon, kind, agl, attitude):
     z = 500.0 + heights(kind, SIDE, SIDE)
     surface = surface_about(crs, lat, lon, z)
     height = float(np.nanmax(z)) + agl
@@ -238,13 +228,9 @@ def random_scene(seed, count=24):
     # From above all relief on.
     down = np.maximum(-directions[:, 2], 1e-9)
     begin = np.minimum(0.98 * agl / down, farthest)[:, np.newaxis]
-    reach = np.where(there, found * (1.0 - 1e-6), np.minimum(farthest, 2.0 * (agl + 100.0) / down))[
-        :, np.newaxis
-    ]
+    reach = np.where(there, found * (1.0 - 1e-6), np.minimum(farthest, 2.0 * (agl + 100.0) / down))[:, np.newaxis]
     t = begin + np.linspace(0.0, 1.0, 1500) * np.maximum(reach - begin, 0.0)
-    x, y, h = on_earth(
-        surface, camera_lat, camera_lon, height, t[..., np.newaxis] * directions[:, np.newaxis]
-    )
+    x, y, h = on_earth(surface, camera_lat, camera_lon, height, t[..., np.newaxis] * directions[:, np.newaxis])
     over = h - bilinear(z, x, y)
     # Rays that come in from beneath, through the side of the model, see nothing.
     entry = over[np.arange(count), np.argmax(np.isfinite(over), axis=1)]
@@ -253,9 +239,7 @@ def random_scene(seed, count=24):
     return count, int(off.sum()), int(before.any(axis=1).sum())
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(30), *(pytest.param(n, marks=pytest.mark.thorough) for n in range(30, 300))]
-)
+@pytest.mark.parametrize("seed", [*range(30), *(pytest.param(n, marks=pytest.mark.thorough) for n in range(30, 300))])
 def test_random_scenes_are_seen_as_a_march_does(seed):
     _, off, before = random_scene(seed)
     assert (off, before) == (0, 0)

@@ -74,9 +74,7 @@ def test_two_areas_too_near_to_each_other_are_gone_around_together():
 
 
 def test_a_hook_is_left_by_its_mouth():
-    hook = np.array(
-        [[0, 0], [100, 0], [100, 100], [0, 100], [0, 90], [90, 90], [90, 10], [0, 10]], np.float64
-    )
+    hook = np.array([[0, 0], [100, 0], [100, 100], [0, 100], [0, 90], [90, 90], [90, 10], [0, 10]], np.float64)
     way = way_around(np.array([50.0, 50.0]), np.array([150.0, 50.0]), [[hook]])
     expected = math.hypot(50.0, 40.0) + 10.0 + 100.0 + math.hypot(50.0, 50.0)
     assert length_of(way) == pytest.approx(expected, abs=0.02)

@@ -194,9 +194,7 @@ def test_other_sources_are_named_that_show_the_same_of_the_same_place():
     # As they are listed, they can be named.
     assert entry_named("synthetic (offline) [world]").name == "world"
     source = open_source("esri-world-imagery")
-    with pytest.raises(
-        SourceError, match=r"sources that allow it: basemap.at \[basemap-at\] \(with --accept-terms\)"
-    ):
+    with pytest.raises(SourceError, match=r"sources that allow it: basemap.at \[basemap-at\] \(with --accept-terms\)"):
         check_policy(source, 101, map_types=("satellite",), bounds_deg=vienna)
     source.close()
 

@@ -23,9 +23,7 @@ from tests.support.growth import PROPORTIONAL, growth
 from tests.support.patterns import encode_position, to_bytes
 
 PICTURE = encode_position(np.arange(64) * 4, np.arange(48) * 5)
-SMOOTH = np.stack(np.broadcast_arrays(np.arange(64) * 4, np.arange(48)[:, None] * 5, 128), axis=-1).astype(
-    np.uint8
-)
+SMOOTH = np.stack(np.broadcast_arrays(np.arange(64) * 4, np.arange(48)[:, None] * 5, 128), axis=-1).astype(np.uint8)
 # Of JPEG at quality 95 without chroma subsampling, on a smooth picture.
 JPEG_GREY_LEVELS = 4
 
@@ -53,17 +51,13 @@ def test_jpeg_with_something_after_its_end():
 
 
 def test_cmyk_jpeg():
-    pixels = decode(
-        encoded(Image.fromarray(SMOOTH).convert("CMYK"), "jpeg", quality=98, subsampling=0), 64, 48
-    )
+    pixels = decode(encoded(Image.fromarray(SMOOTH).convert("CMYK"), "jpeg", quality=98, subsampling=0), 64, 48)
     assert np.abs(pixels.astype(int) - SMOOTH).max() <= 2 * JPEG_GREY_LEVELS
 
 
 def test_grey_and_bilevel():
     grey = SMOOTH[..., 0]
-    assert np.array_equal(
-        decode(encoded(Image.fromarray(grey)), 64, 48), np.repeat(grey[..., None], 3, axis=2)
-    )
+    assert np.array_equal(decode(encoded(Image.fromarray(grey)), 64, 48), np.repeat(grey[..., None], 3, axis=2))
     bilevel = decode(encoded(Image.fromarray(grey > 100)), 64, 48)
     assert np.array_equal(bilevel[..., 0], np.where(grey > 100, 255, 0))
 
@@ -327,9 +321,7 @@ def test_a_jpeg_is_read_without_its_notes():
         assert np.array_equal(pixels, decode(whole, 64, 48))
 
 
-@pytest.mark.parametrize(
-    "error", [AttributeError("no png"), ZeroDivisionError(), AssertionError(), MemoryError()]
-)
+@pytest.mark.parametrize("error", [AttributeError("no png"), ZeroDivisionError(), AssertionError(), MemoryError()])
 def test_whatever_a_reader_of_pillow_raises_is_a_broken_picture(monkeypatch, error):
     def load(_image):
         raise error

@@ -100,10 +100,7 @@ def test_time_dimensions(values, default, expected):
 
 
 def test_words_for_people():
-    assert (
-        Dates("day", "2015-11-24", "2024-06-21").text()
-        == "every day from 2015-11-24 to now; 2024-06-21 by default"
-    )
+    assert Dates("day", "2015-11-24", "2024-06-21").text() == "every day from 2015-11-24 to now; 2024-06-21 by default"
     assert Dates("any").text() == "as the server takes them; one must be asked for"
     assert Dates("listed", default="2020-10-14", values=RELEASES).text().startswith("2014-02-20, 2018-06-27")
     many = {str(year): "" for year in range(2000, 2020)}

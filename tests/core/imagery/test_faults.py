@@ -97,9 +97,7 @@ def sources_over(transport):
             **options,
         )
         opened.append(
-            XYZSource(
-                template or server.url_template, placeholder=PLACEHOLDER, client=client, key=key, cache=cache
-            )
+            XYZSource(template or server.url_template, placeholder=PLACEHOLDER, client=client, key=key, cache=cache)
         )
         return opened[-1]
 
@@ -186,9 +184,7 @@ def test_the_second_request_for_a_broken_picture_waits_for_its_turn(server, sour
 
 
 @pytest.mark.parametrize(("kind", "reason"), [("404", "404 Not Found"), ("500", "500 .*tried 2 times")])
-def test_what_becomes_of_the_second_request_for_a_broken_picture_is_the_reason(
-    server, source_of, kind, reason
-):
+def test_what_becomes_of_the_second_request_for_a_broken_picture_is_the_reason(server, source_of, kind, reason):
     server.fail("corrupt", times=1)
     server.fail(kind)
     with pytest.raises(PartError, match=rf"^{NAME}: {reason}"):

@@ -63,9 +63,7 @@ def header_only(width_px):
     """PNG of any size in a few bytes: its header is all that is looked at."""
     header = b"IHDR" + struct.pack(">IIBBBBB", width_px, width_px, 8, 2, 0, 0, 0)
     chunk = struct.pack(">I", 13) + header + struct.pack(">I", zlib.crc32(header))
-    return (
-        b"\x89PNG\r\n\x1a\n" + chunk + struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT"))
-    )
+    return b"\x89PNG\r\n\x1a\n" + chunk + struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT"))
 
 
 COMPUTED = "is computed; must be a table, or a view that reads tables alone"
@@ -102,9 +100,7 @@ WORDS = (
         (
             (
                 *METADATA,
-                *chain(
-                    "tiles", 27, "SELECT x || x AS x FROM {}", f"SELECT {PLACE}, x AS tile_data FROM {{}}"
-                ),
+                *chain("tiles", 27, "SELECT x || x AS x FROM {}", f"SELECT {PLACE}, x AS tile_data FROM {{}}"),
             ),
             COMPUTED,
         ),
@@ -167,14 +163,10 @@ def test_a_view_without_end_is_given_up_in_time(tmp_path, monkeypatch):
         "CREATE TABLE n AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n LIMIT 2000) SELECT i FROM n",
     )
     end = " UNION ALL SELECT zoom_level, tile_column, tile_row, tile_data FROM one"
-    loops = view(
-        "CAST(a.i + b.i + c.i + d.i AS blob)", of="one, n AS a, n AS b, n AS c, n AS d WHERE a.i = 0"
-    )
+    loops = view("CAST(a.i + b.i + c.i + d.i AS blob)", of="one, n AS a, n AS b, n AS c, n AS d WHERE a.i = 0")
     path = made(tmp_path / "own.mbtiles", *METADATA, *many, *loops[:2], loops[2] + end)
     monkeypatch.setattr(mbtiles, "MAX_QUERY_S", 0.2)
-    with pytest.raises(
-        InvalidInput, match=r"takes more than 0\.2 s to look a tile up; give the file an index"
-    ):
+    with pytest.raises(InvalidInput, match=r"takes more than 0\.2 s to look a tile up; give the file an index"):
         open_mbtiles(path)
 
 

@@ -52,11 +52,7 @@ def write(path, tiles, *, wal=False, **rows):
 
 
 def some_tiles(extension="png", tile_px=256):
-    return {
-        (ZOOM, x, y): to_bytes(positions("", ZOOM, x, y, tile_px), extension)
-        for x in (20, 21)
-        for y in (30, 31)
-    }
+    return {(ZOOM, x, y): to_bytes(positions("", ZOOM, x, y, tile_px), extension) for x in (20, 21) for y in (30, 31)}
 
 
 def window(x=20, y=30, tile_px=256):
@@ -334,9 +330,7 @@ def test_what_another_program_is_writing_is_seen(tmp_path):
 def test_a_cache_is_a_source(tmp_path):
     cache = TileCache(tmp_path)
     with CachingTileServer(headers={"Cache-Control": "max-age=60"}) as server:
-        online = source_of(
-            server.url_template, cache, title="Somebody", attribution="© Somebody", date="2020"
-        )
+        online = source_of(server.url_template, cache, title="Somebody", attribution="© Somebody", date="2020")
         picture = online.fetch("", tile(3, 4))
         online._stores[""].flush()
         (file,) = cache.list()
@@ -417,9 +411,7 @@ def test_a_locked_file_is_waited_for_until_the_source_is_closed(tmp_path):
 def test_damage_is_a_missing_part(tmp_path):
     rng = np.random.default_rng(5)
     tiles = {
-        (8, x, y): to_bytes(rng.integers(0, 256, (256, 256, 3), np.uint8), "png")
-        for x in range(3)
-        for y in range(2)
+        (8, x, y): to_bytes(rng.integers(0, 256, (256, 256, 3), np.uint8), "png") for x in range(3) for y in range(2)
     }
     path = write(tmp_path / "own.mbtiles", tiles)
     source = open_mbtiles(path)

@@ -335,17 +335,13 @@ class Answers:
         ),
     ],
 )
-def test_terms_that_nothing_overrides_hold_for_the_host_that_is_asked_in_the_end(
-    template, options, redirects
-):
+def test_terms_that_nothing_overrides_hold_for_the_host_that_is_asked_in_the_end(template, options, redirects):
     transport = Answers(redirects)
     source = XYZSource(template, transport=transport, **options)
     limit = entry_named("osm").policy.max_tiles
     for x in range(limit):
         source.fetch("", Window(12, x * 256, 0, 256, 256))
-    with pytest.raises(
-        SourceError, match=f"^OpenStreetMap: {limit + 1} requests, but at most {limit} are allowed"
-    ):
+    with pytest.raises(SourceError, match=f"^OpenStreetMap: {limit + 1} requests, but at most {limit} are allowed"):
         source.fetch("", Window(12, limit * 256, 0, 256, 256))
     assert sum(times for host, times in transport.asked.items() if "openstreetmap" in host) == limit
     source.close()

@@ -134,9 +134,7 @@ def test_a_centre_the_service_would_move_is_refused(server, source_of):
 def test_pictures_the_service_does_not_have(server, source_of, change, message):
     window = Window(0, 128.0 - 100, 128.0 - 100, 200, 200)._replace(**change)
     world_px = 256 << window.zoom
-    window = window._replace(
-        left_px=world_px / 2 - window.width_px / 2, top_px=world_px / 2 - window.height_px / 2
-    )
+    window = window._replace(left_px=world_px / 2 - window.width_px / 2, top_px=world_px / 2 - window.height_px / 2)
     with pytest.raises(InvalidInput, match=message):
         source_of(server).fetch("satellite", window)
 

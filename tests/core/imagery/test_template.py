@@ -11,9 +11,7 @@ from terrainav.core.imagery.tiles import Template, bbox, check_address, quadkey,
 
 
 def test_each_placeholder_gets_its_value():
-    template = Template(
-        "https://{s}.example.org/{map_type}/{date}/{z}/{x}/{y}{r}.png?tms={-y}&q={q}&token={key}"
-    )
+    template = Template("https://{s}.example.org/{map_type}/{date}/{z}/{x}/{y}{r}.png?tms={-y}&q={q}&token={key}")
     url = template.url(3, 3, 5, scale=2, map_type="terrain", date="2024-06-21", key="a&b")
     assert url == "https://c.example.org/terrain/2024-06-21/3/3/5@2x.png?tms=2&q=213&token=a%26b"
 

@@ -85,9 +85,7 @@ def test_all_providers_of_a_text_are_found_each_once():
     assert [one.name for one in find_providers(text)] == ["osm", "esri-world-imagery"]
 
 
-@pytest.mark.parametrize(
-    "piece", ["a", "https://a", "{a", "[a", ":/", "%", "%25", "&amp;", "&#", "https://h/ "]
-)
+@pytest.mark.parametrize("piece", ["a", "https://a", "{a", "[a", ":/", "%", "%25", "&amp;", "&#", "https://h/ "])
 def test_reading_a_text_takes_time_in_proportion_to_it(piece):
     assert growth(lambda size: find_providers(piece * size), 10_000) < PROPORTIONAL
 

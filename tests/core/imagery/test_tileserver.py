@@ -31,10 +31,7 @@ def test_positions_are_read_back(column, row, map_type):
 def test_faults_fall_on_the_share_asked_for_and_always_on_the_same():
     with TileServer() as server, requests.Session() as session:
         server.fail("404", share=0.25)
-        runs = [
-            [session.get(f"{server.url}/9/{x}/7.png", timeout=10).status_code for x in range(80)]
-            for _ in range(2)
-        ]
+        runs = [[session.get(f"{server.url}/9/{x}/7.png", timeout=10).status_code for x in range(80)] for _ in range(2)]
         assert runs[0] == runs[1]
         assert 8 < runs[0].count(404) < 32
         assert server.connections == 1

@@ -39,9 +39,7 @@ def assemble(source, window, map_type="satellite"):
 @pytest.mark.parametrize("tile_px", [256, 512])
 def test_every_pixel_is_where_the_window_says(tile_px, extension):
     with TileServer(tile_px=tile_px) as server:
-        source = XYZSource(
-            server.url_template.replace("png", extension), grid=PixelGrid(tile_px), connections=2
-        )
+        source = XYZSource(server.url_template.replace("png", extension), grid=PixelGrid(tile_px), connections=2)
         window = Window(10, 200_001, 77_777, 600, 300)
         columns, rows = decode_position(assemble(source, window))
         source.close()
@@ -113,9 +111,7 @@ def test_tiles_that_another_program_cut(tmp_path):
     for x in range(2):
         (tmp_path / "1" / str(x)).mkdir(parents=True)
         for y in range(2):
-            (tmp_path / "1" / str(x) / f"{y}.webp").write_bytes(
-                to_bytes(positions("satellite", 1, x, y, 256), "webp")
-            )
+            (tmp_path / "1" / str(x) / f"{y}.webp").write_bytes(to_bytes(positions("satellite", 1, x, y, 256), "webp"))
     with TileServer(read=folder(tmp_path)) as server:
         source = XYZSource(server.url_template)
         columns, rows = decode_position(assemble(source, Window(1, 0, 0, 512, 512)))

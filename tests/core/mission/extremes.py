@@ -159,10 +159,7 @@ def run(case: Case) -> Outcome:
         return Outcome(case, str(refused), "", math.nan, math.nan, math.nan, time.perf_counter() - start)
     seconds = time.perf_counter() - start
     covered = (
-        case.mission.flight.layout != "cover"
-        or len(made) > MOST
-        or made.coverage is None
-        or made.coverage.complete
+        case.mission.flight.layout != "cover" or len(made) > MOST or made.coverage is None or made.coverage.complete
     )
     chosen = made.accuracy
     methods = ", ".join(choice.method.name for choice in chosen.choices)
@@ -191,11 +188,7 @@ def measured_px(made: Plan) -> float:
     camera = made.mission.camera
     # A map frame's pixels are the source's squares, however few rows of them a flat picture has.
     width = float(made.frames.width_px[0])
-    size = (
-        (width, width / camera.aspect_ratio)
-        if made.frames.on_map
-        else tuple(map(float, made.frames.largest_px))
-    )
+    size = (width, width / camera.aspect_ratio) if made.frames.on_map else tuple(map(float, made.frames.largest_px))
     scene = ImageGeometry(camera, *size, poses, ground_ellipsoid(made.mission))
     corners = made.corners
     error = away_px(

@@ -42,9 +42,7 @@ class Ground:
         j = np.clip(np.floor(column).astype(int), 0, columns - 2)
         x, y = column - j, row - i
         h = self.heights
-        found = (h[i, j] * (1 - x) + h[i, j + 1] * x) * (1 - y) + (
-            h[i + 1, j] * (1 - x) + h[i + 1, j + 1] * x
-        ) * y
+        found = (h[i, j] * (1 - x) + h[i, j + 1] * x) * (1 - y) + (h[i + 1, j] * (1 - x) + h[i + 1, j + 1] * x) * y
         inside = (column >= 0) & (column <= columns - 1) & (row >= 0) & (row <= rows - 1)
         return np.where(inside, found, np.nan)
 
@@ -151,9 +149,7 @@ def _kml(path, ground, _home):
     found = []
     for line in ET.parse(path).getroot().iter(f"{KML}LineString"):
         assert line.find(f"{KML}altitudeMode").text == "relativeToGround"
-        places = (
-            tuple(map(float, place.split(","))) for place in line.find(f"{KML}coordinates").text.split()
-        )
+        places = (tuple(map(float, place.split(","))) for place in line.find(f"{KML}coordinates").text.split())
         found.append(_raised([(lat, lon, above) for lon, lat, above in places], ground))
     return found
 

@@ -32,9 +32,7 @@ LOADERS = {
         },
         {},
     ),
-    "GeoFenceController": Keys(
-        {"version": NUMBER, "circles": LIST, "polygons": LIST}, {"breachReturn": LIST}
-    ),
+    "GeoFenceController": Keys({"version": NUMBER, "circles": LIST, "polygons": LIST}, {"breachReturn": LIST}),
     "RallyPointController": Keys({"version": NUMBER, "points": LIST}, {}),
     # MissionController::_loadJsonMissionFileV2; its version is written and not asked for.
     "MissionController": Keys(

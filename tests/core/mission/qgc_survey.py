@@ -32,10 +32,7 @@ def checked(survey):
 def footprint_m(camera):
     """Side and front of an image on the ground, as QGroundControl works them out of the camera."""
     density = (
-        camera["DistanceToSurface"]
-        * camera["SensorWidth"]
-        * 100.0
-        / (camera["ImageWidth"] * camera["FocalLength"])
+        camera["DistanceToSurface"] * camera["SensorWidth"] * 100.0 / (camera["ImageWidth"] * camera["FocalLength"])
     )
     assert math.isclose(density, camera["ImageDensity"], rel_tol=1e-9)
     wide, high = camera["ImageWidth"] * density / 100.0, camera["ImageHeight"] * density / 100.0
@@ -93,9 +90,7 @@ def rows_anew(survey):
             found.append(max(pairs, key=lambda pair: math.dist(*pair)))
         x += camera["AdjustedFootprintSide"]
     directions = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in found]
-    found = [
-        pair if math.cos(one - directions[0]) > 0.0 else pair[::-1] for pair, one in zip(found, directions)
-    ]
+    found = [pair if math.cos(one - directions[0]) > 0.0 else pair[::-1] for pair, one in zip(found, directions)]
     # Top left, top right, bottom left, bottom right.
     if survey["entryLocation"] in (2, 3):
         found = [pair[::-1] for pair in found]
@@ -128,6 +123,5 @@ def shots_anew(survey):
     """How many images QGroundControl takes along each of its own rows, by distance."""
     spacing = survey["TransectStyleComplexItem"]["CameraCalc"]["AdjustedFootprintFrontal"]
     return [
-        math.floor(GEOD.inv(start[1], start[0], end[1], end[0])[2] / spacing) + 1
-        for start, end in rows_anew(survey)
+        math.floor(GEOD.inv(start[1], start[0], end[1], end[0])[2] / spacing) + 1 for start, end in rows_anew(survey)
     ]

@@ -60,8 +60,7 @@ def test_no_flight_is_shorter_than_the_shortest():
     mission = Mission(field, 220.0, WIDE, overlap_across=0.3)
     found = align_rows(mission, GRID)
     others = [
-        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).direct.distance_m
-        for azimuth in range(0, 180, 15)
+        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).direct.distance_m for azimuth in range(0, 180, 15)
     ]
     assert found.made.direct.distance_m <= min(others)
     again = plan(found.mission, GRID)
@@ -88,14 +87,11 @@ def test_what_is_gained_is_said():
 def test_what_is_flown_counts_with_its_turns_and_ways_around():
     """Turns that are much longer than the rows between make few rows the shortest flight, whatever lies between."""
     field = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))
-    forbidden = (
-        Polygon((((-89.864, 35.1405), (-89.8635, 35.1405), (-89.8635, 35.141), (-89.864, 35.141)),)),
-    )
+    forbidden = (Polygon((((-89.864, 35.1405), (-89.8635, 35.1405), (-89.8635, 35.141), (-89.864, 35.141)),)),)
     mission = Mission(field, 150.0, WIDE, takeoff=(35.1375, -89.8675), turnaround_m=400.0, no_fly=forbidden)
     found = align_rows(mission, GRID)
     others = [
-        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).path.distance_m
-        for azimuth in range(0, 180, 45)
+        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).path.distance_m for azimuth in range(0, 180, 45)
     ]
     assert found.made.path.distance_m <= min(others)
     captures_alone = align_rows(mission.with_(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)

@@ -120,9 +120,7 @@ def ring_text(ring, ending=",0"):
 
 
 def kml_polygon(*rings, ending=",0"):
-    outer, *holes = (
-        f"<LinearRing><coordinates>{ring_text(ring, ending)}</coordinates></LinearRing>" for ring in rings
-    )
+    outer, *holes = (f"<LinearRing><coordinates>{ring_text(ring, ending)}</coordinates></LinearRing>" for ring in rings)
     inner = "".join(f"<innerBoundaryIs>{hole}</innerBoundaryIs>" for hole in holes)
     return f"<Polygon><tessellate>1</tessellate><outerBoundaryIs>{outer}</outerBoundaryIs>{inner}</Polygon>"
 
@@ -304,9 +302,7 @@ def test_without_lxml_it_is_said_how_to_get_it(tmp_path, monkeypatch):
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(safe_xml.importlib, "import_module", missing)
-    with pytest.raises(
-        OutputError, match=r"lxml, which reads KML, is not installed; get it with: pip install"
-    ):
+    with pytest.raises(OutputError, match=r"lxml, which reads KML, is not installed; get it with: pip install"):
         load_area(path)
 
 
@@ -372,9 +368,7 @@ def test_rings_may_touch_each_other_and_themselves(tmp_path):
         [-89.795, 35.105],
     ]
     path = tmp_path / "touching.geojson"
-    path.write_text(
-        json.dumps({"type": "MultiPolygon", "coordinates": [[SQUARE, touching], [twice], [on_corner]]})
-    )
+    path.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[SQUARE, touching], [twice], [on_corner]]}))
     area = load_area(path)
     assert len(area.parts) == 3
     assert area.parts[1].area_m2() == pytest.approx(Polygon((((0, 0), (1, 0), (1, 1), (0, 1)),)).area_m2())
@@ -384,9 +378,7 @@ def test_a_ring_through_a_pole_holds_the_ground_around_it(tmp_path):
     """As RFC 7946 asks for: the meridian of 180 is cut, and a side leads along the pole."""
     around = [[lon, 89.9] for lon in range(-180, 181, 60)]
     path = tmp_path / "cap.geojson"
-    path.write_text(
-        json.dumps({"type": "Polygon", "coordinates": [[*around, [180, 90], [-180, 90], around[0]]]})
-    )
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [[*around, [180, 90], [-180, 90], around[0]]]}))
     cap = load_area(path)
     # On a sphere of the Earth's radius at the pole.
     assert cap.area_m2() == pytest.approx(np.pi * (6_399_594.0 * np.radians(0.1)) ** 2, rel=1e-3)
@@ -403,10 +395,7 @@ def test_a_ring_through_a_pole_holds_the_ground_around_it(tmp_path):
 )
 def test_a_polygon_of_far_too_many_rows_is_refused_before_they_are_followed(monkeypatch, lat, images):
     band = Polygon(
-        (
-            tuple((lon, -lat) for lon in range(-180, 181, 60))
-            + tuple((lon, lat) for lon in range(180, -181, -60)),
-        )
+        (tuple((lon, -lat) for lon in range(-180, 181, 60)) + tuple((lon, lat) for lon in range(180, -181, -60)),)
     )
     monkeypatch.setattr(rows, "row_spans", lambda *_: pytest.fail("rows are followed"))
     with pytest.raises(InvalidInput, match=f"mission of {images} images: the limit is 10,000,000"):

@@ -56,9 +56,7 @@ def test_the_supplement_s_camera_sees_75_degrees_both_ways():
     assert camera.vertical_fov_deg == pytest.approx(75.0, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    "facts", [facts for facts in FACTS if "sensor_mm" in facts], ids=lambda facts: facts["name"]
-)
+@pytest.mark.parametrize("facts", [facts for facts in FACTS if "sensor_mm" in facts], ids=lambda facts: facts["name"])
 def test_pixels_are_square(facts):
     pitch_um = [1000.0 * size / count for size, count in zip(facts["sensor_mm"], facts["size_px"])]
     assert pitch_um[0] == pytest.approx(pitch_um[1], rel=0.03)

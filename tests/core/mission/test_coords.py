@@ -83,9 +83,7 @@ def test_coordinates_without_a_height_take_the_one_given(unit):
     box, point = Box(35.16, -89.9, 35.115, -89.823), (35.1, -89.8)
     assert parse_coords("35.16_-89.90_35.115_-89.823", agl_unit=unit, agl_m=90.0) == (box, 90.0)
     assert parse_coords("35.1, -89.8", agl_unit=unit, agl_m=90.0) == (Points(((*point, 90.0),)), 90.0)
-    assert parse_coords("35.16 -89.90 35.115 -89.823", "single", unit, 90.0)[0].poses == (
-        (35.16, -89.9, 90.0),
-    )
+    assert parse_coords("35.16 -89.90 35.115 -89.823", "single", unit, 90.0)[0].poses == ((35.16, -89.9, 90.0),)
     assert parse_coords("35.1_-89.8_120", agl_m=90.0)[1] == 120.0
 
 

@@ -209,9 +209,7 @@ def scattered(random, count, middle, size, whole):
 @given(st.integers(0, 2**32 - 1), st.integers(3, 30), st.integers(0, 2), st.booleans())
 def test_ground_of_gaps_is_that_of_each_by_itself(seed, corners, holes, whole):
     random = np.random.default_rng(seed)
-    plane = LocalPlane(
-        random.uniform(-70.0, 70.0), random.uniform(-180.0, 180.0), random.uniform(-180.0, 180.0)
-    )
+    plane = LocalPlane(random.uniform(-70.0, 70.0), random.uniform(-180.0, 180.0), random.uniform(-180.0, 180.0))
     rings = [star(random, corners, (0.0, 0.0), 5000.0)]
     rings += [star(random, 5, random.uniform(-600.0, 600.0, 2), 400.0) for _ in range(holes)]
     if whole:  # corners lie on lines of the rectangles, too

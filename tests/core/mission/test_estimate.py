@@ -44,9 +44,7 @@ def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
     mission = Mission(Points(((35, -89, 40),)), 40.0, image_px=160, elevation=("world",), frame="camera")
     seconds, cells = [], []
     for agl_m in (40.0, 80.0):
-        made = plan(
-            mission.with_(area=Points(((35, -89, agl_m),)), agl_m=agl_m), PixelGrid(), heights_of(mission)
-        )
+        made = plan(mission.with_(area=Points(((35, -89, agl_m),)), agl_m=agl_m), PixelGrid(), heights_of(mission))
         costs = replace(OFFLINE, request_s=0.0)
         seconds.append(estimate(made, costs, cores=1).seconds)
         tan_x, tan_y = mission.camera.half_tangents
@@ -140,9 +138,7 @@ def test_camera_frames_count_by_the_ground_below():
 
 
 def test_warnings_are_among_the_figures_for_people_and_scripts():
-    summary = estimate(
-        plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=18, upsample=True), COARSE)
-    )
+    summary = estimate(plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=18, upsample=True), COARSE))
     assert text(summary)["warning"] == summary.warnings[0]
     assert summary.to_dict()["warnings"] == summary.warnings
 

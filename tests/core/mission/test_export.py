@@ -63,8 +63,7 @@ def test_footprints_are_rfc_7946(worked_out, tmp_path):
             assert max(lon) - min(lon) < 1  # no part goes around the world
     corners = worked_out.corners
     exact = sum(
-        -signed_area([*zip(lon - lon[0], lat), (0.0, lat[0])])
-        for lon, lat in zip(corners.lon_deg, corners.lat_deg)
+        -signed_area([*zip(lon - lon[0], lat), (0.0, lat[0])]) for lon, lat in zip(corners.lon_deg, corners.lat_deg)
     )
     assert total == pytest.approx(exact, rel=1e-7)
 

@@ -75,9 +75,7 @@ def dem(tmp_path_factory):
     transform = (WEST, CELL, 0.0, NORTH, 0.0, -CELL)
     return {
         name: str(
-            rasters.write(
-                folder / f"{name}.tif", make(x, y)[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
-            )
+            rasters.write(folder / f"{name}.tif", make(x, y)[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32)
         )
         for name, make in SURFACES.items()
     }
@@ -130,9 +128,7 @@ def shortfalls(made, folder, endings=ENDINGS):
 
 @pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
 def test_a_hill_of_60_m_is_flown_over_at_30_m_in_every_file(dem, tmp_path, trigger):
-    mission = Mission(
-        box(400.0, 570.0, 620.0, 430.0), 30.0, CAMERA, elevation=(dem["hill"],), trigger=trigger
-    )
+    mission = Mission(box(400.0, 570.0, 620.0, 430.0), 30.0, CAMERA, elevation=(dem["hill"],), trigger=trigger)
     made = worked_out(mission)
     found = shortfalls(made, tmp_path)
     assert {ending for ending in ENDINGS if any(name.endswith(ending) for name in found)} == set(ENDINGS)
@@ -199,20 +195,14 @@ def test_the_limit_of_a_drone_holds_for_each_file_of_a_flight(tmp_path):
     places = [placed(350.0 + 0.2 * at, y) for at, y in enumerate(along.tolist())]
     points = Points(tuple((lat, lon, 60.0) for lat, lon in places))
     made = worked_out(Mission(points, 60.0, CAMERA, elevation=(str(path),), drone="dji-fly"))
-    with pytest.raises(
-        InvalidInput, match=r"DJI mission at \d+(\.\d+)? m: must be 500 m above the take-off or less"
-    ):
+    with pytest.raises(InvalidInput, match=r"DJI mission at \d+(\.\d+)? m: must be 500 m above the take-off or less"):
         write_plan(made, tmp_path / "field.kmz")
 
 
 def without_lifts(made):
     """The plan with a path of nothing but its captures."""
     path = made.path
-    kept = {
-        name: values[path.capture >= 0]
-        for name, values in vars(path).items()
-        if isinstance(values, np.ndarray)
-    }
+    kept = {name: values[path.capture >= 0] for name, values in vars(path).items() if isinstance(values, np.ndarray)}
     made.__dict__["path"] = replace(path, **kept)
     return made
 
@@ -230,15 +220,11 @@ def refused(made, target):
 
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_file_that_does_not_keep_the_clearance_is_refused_with_the_place(dem, tmp_path, ending):
-    mission = Mission(
-        box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0
-    )
+    mission = Mission(box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0)
     made = without_lifts(worked_out(mission))
     path = made.path
     places = list(zip(path.lat_deg.tolist(), path.lon_deg.tolist(), path.height_m.tolist()))
-    least, (lat, lon, _) = least_clearance_m(
-        [Leg(*pair) for pair in zip(places, places[1:])], Ground(dem["towers"])
-    )
+    least, (lat, lon, _) = least_clearance_m([Leg(*pair) for pair in zip(places, places[1:])], Ground(dem["towers"]))
     short, *place = refused(made, tmp_path / f"field{ending}")
     assert short == pytest.approx(50.0 - least, abs=0.3)
     assert GEOD.inv(place[1], place[0], lon, lat)[2] < 2.0
@@ -255,9 +241,7 @@ def test_a_flight_into_the_surface_is_refused_with_the_place(dem, tmp_path, endi
 
 
 def test_over_relief_a_drone_cuts_corners_by_half_a_centimetre_at_most(dem, tmp_path):
-    mission = Mission(
-        box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0
-    )
+    mission = Mission(box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0)
     write_plan(worked_out(mission), tmp_path / "field.kmz")
     read = Wpml(tmp_path / "field.kmz")
     first = read.marks[0]
@@ -314,9 +298,7 @@ def random_mission(rng, dem):
         battery_min=chance(0.5, float(rng.uniform(2.0, 6.0))) if routed else None,
         turnaround_m=float(chance(0.3, rng.uniform(5.0, 30.0), 0.0)),
         lead_in_m=float(chance(0.3, rng.uniform(5.0, 20.0), 0.0)),
-        no_fly=(square(x + wide * rng.random(), y + high * rng.random(), 12.0),)
-        if rng.random() < 0.4
-        else (),
+        no_fly=(square(x + wide * rng.random(), y + high * rng.random(), 12.0),) if rng.random() < 0.4 else (),
         drone=str(rng.choice(["mavic-3e", "m350", "dji-fly"])),
     )
 

@@ -22,9 +22,7 @@ def test_layers_hold_the_plan(tmp_path, mission):
     write_plan(flown, path)
     assert list(tmp_path.iterdir()) == [path]
     data = ogr.Open(str(path))
-    layers = {
-        layer.GetName(): layer for layer in (data.GetLayer(index) for index in range(data.GetLayerCount()))
-    }
+    layers = {layer.GetName(): layer for layer in (data.GetLayer(index) for index in range(data.GetLayerCount()))}
     assert list(layers) == ["footprints", "captures", "flight_line"]
     for layer in layers.values():
         assert layer.GetSpatialRef().GetAuthorityCode(None) == "4326"
@@ -44,15 +42,11 @@ def test_layers_hold_the_plan(tmp_path, mission):
             assert [one.GetField(field) for one in features] == values.tolist()
         seconds = [one.GetFieldAsDateTime("time") for one in features]
         start = seconds[0]
-        passed = [
-            60.0 * (60 * (one[3] - start[3]) + one[4] - start[4]) + one[5] - start[5] for one in seconds
-        ]
+        passed = [60.0 * (60 * (one[3] - start[3]) + one[4] - start[4]) + one[5] - start[5] for one in seconds]
         assert passed == pytest.approx(flown.times_s.tolist(), abs=2e-3)
         assert {one[6] for one in seconds} == {100}  # UTC
     points = [one.GetGeometryRef().GetPoint() for one in captures]
-    assert points == list(
-        zip(wrap_lon_deg(flown.lon_deg).tolist(), flown.lat_deg.tolist(), flown.agl_m.tolist())
-    )
+    assert points == list(zip(wrap_lon_deg(flown.lon_deg).tolist(), flown.lat_deg.tolist(), flown.agl_m.tolist()))
     area = sum(one.GetGeometryRef().GetArea() for one in footprints)
     x, y = flown.corners.lon_deg, flown.corners.lat_deg
     exact = np.abs(np.sum(x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1), axis=1)).sum() / 2

@@ -28,9 +28,7 @@ def test_the_route_keeps_to_the_schema(tmp_path, mission):
     points = root.findall(f"{GPX}rte/{GPX}rtept")
     for element, one in zip(points, waypoints(flown)):
         # In the schema's order; without a height above sea level, which is not known.
-        assert [child.tag for child in element] == [
-            f"{GPX}{name}" for name in ("time", "name", "desc", "extensions")
-        ]
+        assert [child.tag for child in element] == [f"{GPX}{name}" for name in ("time", "name", "desc", "extensions")]
         assert all(re.fullmatch(r"-?\d+\.\d+", element.get(axis)) for axis in ("lat", "lon"))
         assert float(element.get("lat")) == pytest.approx(one.lat_deg, abs=5.1e-10)
         assert float(element.get("lon")) == pytest.approx(one.lon_deg, abs=5.1e-10)

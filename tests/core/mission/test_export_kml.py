@@ -33,16 +33,10 @@ def test_waypoints_and_line_are_above_ground_where_they_were_meant(tmp_path, mis
     assert list(found) == ["Footprints", "Waypoints", "Flight line"]
     assert len(found["Footprints"]) == len(flown)
     wanted = [(one.lon_deg, one.lat_deg, one.agl_m) for one in waypoints(flown)]
-    assert [
-        coordinates(mark.find(f"{KML}Point/{KML}coordinates"))[0] for mark in found["Waypoints"]
-    ] == wanted
+    assert [coordinates(mark.find(f"{KML}Point/{KML}coordinates"))[0] for mark in found["Waypoints"]] == wanted
     (line,) = found["Flight line"]
     lines = line.findall(f"{KML}MultiGeometry/{KML}LineString")
-    modes = [
-        element.text
-        for element in (*found["Waypoints"], line)
-        for element in element.iter(f"{KML}altitudeMode")
-    ]
+    modes = [element.text for element in (*found["Waypoints"], line) for element in element.iter(f"{KML}altitudeMode")]
     assert set(modes) == {"relativeToGround"}
     assert len(modes) == len(flown) + len(lines)
     drawn = [place for part in lines for place in coordinates(part.find(f"{KML}coordinates"))]

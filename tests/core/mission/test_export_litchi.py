@@ -102,9 +102,7 @@ def test_long_flights_come_in_parts_of_99_or_fewer(tmp_path):
     assert exported.notes[0] == f"{count} parts of one flight, big-1.litchi.csv to big-{count}.litchi.csv"
 
 
-@pytest.mark.parametrize(
-    ("poses", "sizes"), [(99, [99]), (100, [50, 50]), (198, [99, 99]), (199, [66, 66, 67])]
-)
+@pytest.mark.parametrize(("poses", "sizes"), [(99, [99]), (100, [50, 50]), (198, [99, 99]), (199, [66, 66, 67])])
 def test_sizes_of_the_parts(tmp_path, poses, sizes):
     places = tuple((10.0 + index * 1e-3, 20.0, 100.0) for index in range(poses))
     exported = write_plan(worked_out(Mission(Points(places), 100.0)), tmp_path / "p.litchi.csv")
@@ -168,16 +166,13 @@ def test_the_file_is_read_back_as_its_images(tmp_path, trigger):
 
 
 HUB = (
-    "latitude,longitude,altitude({unit}),heading(deg),curvesize(m),rotationdir,gimbalmode,gimbalpitchangle,"
-    "altitudemode"
+    "latitude,longitude,altitude({unit}),heading(deg),curvesize(m),rotationdir,gimbalmode,gimbalpitchangle,altitudemode"
 )
 
 
 def test_missions_of_the_hub_without_images_are_their_waypoints(tmp_path):
     path = tmp_path / "hub.csv"
-    path.write_text(
-        HUB.format(unit="ft") + "\n47.1,8.1,328.084,10,0,0,2,-60,1\n47.2,8.1,328.084,20,0,0,0,0,1\n"
-    )
+    path.write_text(HUB.format(unit="ft") + "\n47.1,8.1,328.084,10,0,0,2,-60,1\n47.2,8.1,328.084,20,0,0,0,0,1\n")
     points, _ = parse_coords(str(path))
     assert points.poses == ((47.1, 8.1, pytest.approx(100.0)), (47.2, 8.1, pytest.approx(100.0)))
     assert points.yaws_deg == (10.0, 20.0)
@@ -211,9 +206,7 @@ def test_what_no_camera_could_take_is_refused(tmp_path, cells, says):
     with pytest.raises(InvalidInput, match=says):
         parse_coords(str(path))
     path.write_text(
-        "\n".join(
-            [HUB.format(unit="m") + ",photo_distinterval", *(one[: one.rindex(",") + 1] for one in lines), ""]
-        )
+        "\n".join([HUB.format(unit="m") + ",photo_distinterval", *(one[: one.rindex(",") + 1] for one in lines), ""])
     )
     # Left empty, as by spreadsheets, no image is taken by distance.
     assert len(parse_coords(str(path))[0].poses) == 2

@@ -31,9 +31,7 @@ OVERLAPS = {"overlap_along": 0.7, "overlap_across": 0.6}
 MISSIONS = {
     "north": Mission(AREA, 100.0, Camera(FOV_DEG, ASPECT), **OVERLAPS),
     "track": Mission(AREA, 100.0, Camera(FOV_DEG, ASPECT), facing="track", **OVERLAPS),
-    "track, turned": Mission(
-        FIELD, 100.0, Camera(FOV_DEG, ASPECT), facing="track", row_azimuth_deg=57.0, **OVERLAPS
-    ),
+    "track, turned": Mission(FIELD, 100.0, Camera(FOV_DEG, ASPECT), facing="track", row_azimuth_deg=57.0, **OVERLAPS),
     "a fixed azimuth": Mission(AREA, 100.0, Camera(FOV_DEG, ASPECT), facing="-90", **OVERLAPS),
     "one way": Mission(AREA, 100.0, Camera(FOV_DEG, ASPECT), facing="track", order="one-way", **OVERLAPS),
 }
@@ -71,11 +69,7 @@ def of_geopackage(path):
 def of_kml(path):
     found, kml = [], "{http://www.opengis.net/kml/2.2}"
     for mark in ET.parse(path).iter(f"{kml}Placemark"):
-        about = {
-            one.get("name"): float(one[0].text)
-            for one in mark.iter(f"{kml}Data")
-            if one.get("name") != "time"
-        }
+        about = {one.get("name"): float(one[0].text) for one in mark.iter(f"{kml}Data") if one.get("name") != "time"}
         if about:
             lon, lat, height = map(float, mark.find(f"{kml}Point/{kml}coordinates").text.split(","))
             found.append([lat, lon, height, about["heading_deg"]])
@@ -87,10 +81,7 @@ def of_gpx(path):
     for point in ET.parse(path).iter("{http://www.topografix.com/GPX/1/1}rtept"):
         about = {one.tag.rpartition("}")[2]: one.text for one in point[-1]}
         found.append(
-            [
-                float(value)
-                for value in (point.get("lat"), point.get("lon"), about["agl_m"], about["heading_deg"])
-            ]
+            [float(value) for value in (point.get("lat"), point.get("lon"), about["agl_m"], about["heading_deg"])]
         )
     return found
 
@@ -142,18 +133,14 @@ def exported(made, folder, kind):
 
 def overlaps_in_flight(lat, lon, agl, heading):
     """Least and median share along and across the flight's rows, from where it flies and how the camera is held."""
-    to_plane = Transformer.from_crs(
-        4326, "+proj=laea +lat_0=35.14 +lon_0=-89.86 +ellps=WGS84", always_xy=True
-    )
+    to_plane = Transformer.from_crs(4326, "+proj=laea +lat_0=35.14 +lon_0=-89.86 +ellps=WGS84", always_xy=True)
     places = np.stack(to_plane.transform(lon, lat), axis=1)
     diagonal = 2.0 * agl * math.tan(math.radians(FOV_DEG / 2.0))
     width, height = diagonal * ASPECT / math.hypot(ASPECT, 1.0), diagonal / math.hypot(ASPECT, 1.0)
     yaw = np.radians(heading)
     top = np.stack([np.sin(yaw), np.cos(yaw)], axis=1) * height[:, np.newaxis] / 2.0
     right = np.stack([np.cos(yaw), -np.sin(yaw)], axis=1) * width[:, np.newaxis] / 2.0
-    corners = np.stack(
-        [places + top - right, places + top + right, places - top + right, places - top - right], axis=1
-    )
+    corners = np.stack([places + top - right, places + top + right, places - top + right, places - top - right], axis=1)
     # Rows end where the way bends; most of the flight goes along them.
     legs = np.diff(places, axis=0)
     way = np.degrees(np.arctan2(legs[:, 0], legs[:, 1]))

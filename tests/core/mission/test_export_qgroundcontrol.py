@@ -31,9 +31,7 @@ def read(path):
     return json.loads(path.read_text(), parse_constant=refuse)
 
 
-@pytest.mark.parametrize(
-    "mission", [HERE, ACROSS, ALONE, IN_WIND], ids=["here", "antimeridian", "alone", "wind"]
-)
+@pytest.mark.parametrize("mission", [HERE, ACROSS, ALONE, IN_WIND], ids=["here", "antimeridian", "alone", "wind"])
 def test_the_plan_has_what_the_loaders_ask_for(tmp_path, mission):
     flown = worked_out(mission)
     write_plan(flown, tmp_path / "field.plan")
@@ -55,9 +53,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
     exported = write_plan(flown, tmp_path / "field.plan")
     items = read(tmp_path / "field.plan")["mission"]["items"]
     places = [item["params"] for item in items if item["command"] == WAYPOINT]
-    assert [tuple(params[4:6]) for params in places] == list(
-        zip(meant.lat_deg.tolist(), meant.lon_deg.tolist())
-    )
+    assert [tuple(params[4:6]) for params in places] == list(zip(meant.lat_deg.tolist(), meant.lon_deg.tolist()))
     assert {(params[0], params[3], params[6]) for params in places} == {(0, 330.0, 120.0)}
     speed, mount = items[1]["params"], items[2]["params"]
     assert speed[:3] == [1, 15.0, -1]  # over ground; the throttle stays
@@ -69,9 +65,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
 
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
     area = Box(35.1555, -89.896, 35.154, -89.894)
-    mission = HERE.with_(
-        area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0
-    )
+    mission = HERE.with_(area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
     flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
@@ -173,6 +167,6 @@ def test_the_gimbal_is_turned_where_its_pitch_changes(tmp_path):
     poses = ((47.4, 8.5, 80.0), (47.4, 8.501, 80.0), (47.4, 8.502, 80.0))
     write_plan(worked_out(Mission(Points(poses, tilts_deg=(0.0, 30.0, 30.0)), 80.0)), tmp_path / "field.plan")
     items = read(tmp_path / "field.plan")["mission"]["items"]
-    assert [
-        (item["command"], item["params"][0]) for item in items if item["command"] in (MOUNT, PICTURE)
-    ] == [*((MOUNT, -90.0), (PICTURE, 0), (MOUNT, -60.0), (PICTURE, 0), (PICTURE, 0))]
+    assert [(item["command"], item["params"][0]) for item in items if item["command"] in (MOUNT, PICTURE)] == [
+        *((MOUNT, -90.0), (PICTURE, 0), (MOUNT, -60.0), (PICTURE, 0), (PICTURE, 0))
+    ]

@@ -46,9 +46,7 @@ def test_waypoints_are_the_points_of_each_sortie():
     assert everything == list(waypoints(FLOWN))
     assert [one.kind for one in everything] == path.kind.tolist()
     assert [one.name for one in everything if one.is_capture] == FLOWN.names
-    assert {(one.name, one.column, one.row) for one in everything if one.kind == TAKEOFF} == {
-        ("take-off", -1, -1)
-    }
+    assert {(one.name, one.column, one.row) for one in everything if one.kind == TAKEOFF} == {("take-off", -1, -1)}
     ground = [one for one in everything if one.kind in (TAKEOFF, LANDING)]
     assert {(one.lat_deg, one.lon_deg, one.agl_m) for one in ground} == {(*HOME, 0.0)}
     assert {one.agl_m for one in everything if one.kind not in (TAKEOFF, LANDING)} == {120.0}
@@ -107,9 +105,7 @@ def test_litchi_has_a_file_for_each_sortie_and_photos_at_captures(tmp_path):
 
 
 def test_litchi_stays_where_it_hovers(tmp_path):
-    exported = write_plan(
-        worked_out(ROUTED.with_(trigger="hover", battery_min=None)), tmp_path / "n.litchi.csv"
-    )
+    exported = write_plan(worked_out(ROUTED.with_(trigger="hover", battery_min=None)), tmp_path / "n.litchi.csv")
     for row in (row for table in tables(exported) for row in table):
         actions = [(row[f"actiontype{number}"], row[f"actionparam{number}"]) for number in (1, 2, 3)]
         assert actions in ([("0", "1000"), ("1", "0"), ("-1", "0")], [("-1", "0")] * 3)
@@ -161,9 +157,7 @@ def test_google_earth_has_a_line_for_each_sortie_and_the_take_off(tmp_path):
     write_plan(FLOWN, tmp_path / "field.kml")
     space = "{http://www.opengis.net/kml/2.2}"
     root = ET.parse(tmp_path / "field.kml").getroot()
-    folders = {
-        one.find(f"{space}name").text: one.findall(f"{space}Placemark") for one in root.iter(f"{space}Folder")
-    }
+    folders = {one.find(f"{space}name").text: one.findall(f"{space}Placemark") for one in root.iter(f"{space}Folder")}
     assert len(folders["Waypoints"]) == len(FLOWN)
     names = [one.find(f"{space}name").text for one in folders["Flight line"]]
     assert names == ["Take-off", *(f"Sortie {number}" for number in range(1, FLOWN.path.sorties + 1))]
@@ -194,10 +188,7 @@ def test_gpx_has_a_route_for_each_sortie(tmp_path):
 
 def test_geojson_says_which_sortie_takes_an_image(tmp_path):
     write_plan(FLOWN, tmp_path / "field.geojson")
-    sorties = [
-        one["properties"]["sortie"]
-        for one in json.loads((tmp_path / "field.geojson").read_text())["features"]
-    ]
+    sorties = [one["properties"]["sortie"] for one in json.loads((tmp_path / "field.geojson").read_text())["features"]]
     path = FLOWN.path
     assert sorties == (path.sortie[path.capture >= 0] + 1).tolist()
     write_plan(worked_out(ROUTED.with_(battery_min=None)), tmp_path / "one.geojson")

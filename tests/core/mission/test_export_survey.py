@@ -125,9 +125,7 @@ def test_rows_of_a_polygon_laid_anew_lie_on_the_planned_ones(tmp_path, plans, na
             assert abs(length * np.sin(np.radians(azimuth - forward))) < 1.0
         if len(captures) > 1:
             first, last = captures[[0, -1]]
-            way = GEOD.inv(
-                flown.lon_deg[first], flown.lat_deg[first], flown.lon_deg[last], flown.lat_deg[last]
-            )[0]
+            way = GEOD.inv(flown.lon_deg[first], flown.lat_deg[first], flown.lon_deg[last], flown.lat_deg[last])[0]
             assert np.cos(np.radians(way - forward)) > 0.999
 
 

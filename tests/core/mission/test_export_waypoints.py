@@ -62,9 +62,7 @@ def test_a_heading_a_hair_west_of_north_is_below_360():
 
 
 def test_a_roll_is_said_to_be_left_out():
-    assert not_flown(worked_out(ALONE.with_(roll_deg=5.0))) == (
-        "the roll of 5 deg is left out: waypoints have none",
-    )
+    assert not_flown(worked_out(ALONE.with_(roll_deg=5.0))) == ("the roll of 5 deg is left out: waypoints have none",)
     assert not_flown(worked_out(ALONE)) == ()
 
 

@@ -118,21 +118,17 @@ def test_files_are_as_the_reference_says(tmp_path, survey, drone, trigger):
     assert len(read.marks) == (2 * flown.rows if by_distance else len(flown))
     stops = {mark.turn for mark in read.marks[1:-1]}
     passing = trigger == "waypoint" and not read.of_fly
-    assert stops == {
-        "toPointAndPassWithContinuityCurvature" if passing else "toPointAndStopWithDiscontinuityCurvature"
-    }
+    assert stops == {"toPointAndPassWithContinuityCurvature" if passing else "toPointAndStopWithDiscontinuityCurvature"}
     hovers = [name for mark in read.marks for group in mark.groups for name, _ in group[4] if name == "hover"]
     assert len(hovers) == (len(flown) if trigger == "hover" else 0)
     said = " ".join(map(str, exported.notes))
     assert "not flown" in said
     assert f"for the drone {field_named(Route, 'drone').choices[drone]}" in said
-    assert any("by distance" in str(note) for note in exported.notes) is (
-        trigger == "distance" and read.of_fly
-    )
+    assert any("by distance" in str(note) for note in exported.notes) is (trigger == "distance" and read.of_fly)
     # What the file has the drone do, and no figure counts.
-    assert (
-        "stops at each waypoint; times and sorties count these stops with the trigger hover alone" in said
-    ) is (trigger != "hover" and read.of_fly)
+    assert ("stops at each waypoint; times and sorties count these stops with the trigger hover alone" in said) is (
+        trigger != "hover" and read.of_fly
+    )
 
 
 @pytest.mark.parametrize("name", [TEMPLATE, WAYLINES])
@@ -154,9 +150,7 @@ def test_elements_are_where_other_writers_put_them(tmp_path, survey, drone, name
         more[parent] = have - {child for order in theirs for child in order}
         turned[parent] = set()
         for first, second in permutations(agreed & have, 2):
-            votes = [
-                order.index(first) < order.index(second) for order in theirs if {first, second} <= {*order}
-            ]
+            votes = [order.index(first) < order.index(second) for order in theirs if {first, second} <= {*order}]
             if sum(votes) >= most and 2 * sum(votes) > len(votes):
                 both = [order for order in ours[parent] if {first, second} <= {*order}]
                 if any(order.index(first) > order.index(second) for order in both):
@@ -203,9 +197,7 @@ def test_the_file_alone_reaches_the_overlaps_of_the_plan(tmp_path, survey, trigg
     seen = np.where(off < 0.1, high, np.where(off > 0.99, wide, np.nan)) * height[1:]
     in_row = np.abs(np.sin(np.radians(azimuth))) > 0.99
     one_px = 1.0 / 480.0
-    assert np.median(1.0 - step[in_row] / seen[in_row]) == pytest.approx(
-        flown.overlap.median_along, abs=one_px
-    )
+    assert np.median(1.0 - step[in_row] / seen[in_row]) == pytest.approx(flown.overlap.median_along, abs=one_px)
     turns = ~in_row
     assert np.count_nonzero(turns) == flown.rows - 1
     # Rows of different lengths end at different longitudes: what is between them is their distance in latitude.
@@ -218,8 +210,7 @@ def test_gdal_reads_both_files(tmp_path, survey):
     flown = survey
     path = written(flown, tmp_path).files[0]
     gdal, ogr = (
-        pytest.importorskip(f"osgeo.{name}", reason="GDAL's Python module comes with QGIS")
-        for name in ("gdal", "ogr")
+        pytest.importorskip(f"osgeo.{name}", reason="GDAL's Python module comes with QGIS") for name in ("gdal", "ogr")
     )
     for name in ("template.kml", "waylines.wpml"):
         held = gdal.OpenEx(f"/vsizip/{path}/wpmz/{name}", gdal.OF_VECTOR, allowed_drivers=["LIBKML", "KML"])
@@ -279,9 +270,7 @@ def with_sorties(plan, count):
 
     def add(number, what, at, up, index=-1):
         place = (47.39, 8.49) if at is None else (meant.lat_deg[at], meant.lon_deg[at])
-        for values, value in zip(
-            (lat, lon, height, kind, capture, sortie), (*place, up, what, index, number)
-        ):
+        for values, value in zip((lat, lon, height, kind, capture, sortie), (*place, up, what, index, number)):
             values.append(value)
 
     for number, part in enumerate((range(count), range(count, len(plan)))):

@@ -19,8 +19,7 @@ PART = 40
 outcome_of = cache(lambda index: run(CASES[index]))
 #: Of the parts, one in eight in every run of the tests.
 PARTS = [
-    pytest.param(part, marks=() if part % 8 == 0 else pytest.mark.thorough)
-    for part in range(-(-len(CASES) // PART))
+    pytest.param(part, marks=() if part % 8 == 0 else pytest.mark.thorough) for part in range(-(-len(CASES) // PART))
 ]
 
 

@@ -26,9 +26,7 @@ def test_times_are_those_of_geodesics_at_the_airspeed():
     way_m = 0.0
     for index in range(len(worked_out)):
         if index:
-            ends = [
-                values[at] for at in (index - 1, index) for values in (worked_out.lon_deg, worked_out.lat_deg)
-            ]
+            ends = [values[at] for at in (index - 1, index) for values in (worked_out.lon_deg, worked_out.lat_deg)]
             way_m += GEOD.inv(*ends)[2]
         assert worked_out.times_s[index] == pytest.approx(way_m / 12.0, rel=1e-12)
     assert worked_out.times_s[0] == 0.0

@@ -23,9 +23,7 @@ from tests.support.sources import PatternSource
 GEOCENTRIC = Transformer.from_crs(4979, 4978, always_xy=True)
 #: Of 5 m, 1 m and 0.3 m on the ground at 38.8 degrees, and a raster's own of 0.5 m in UTM.
 COARSE, MIDDLE, FINE = (PixelGrid(native_zoom=zoom, max_zoom=zoom) for zoom in (14, 17, 19))
-UTM = PixelGrid(
-    native_zoom=15, max_zoom=15, plane=ProjectedPlane("EPSG:32618", 310_000.0, 4_310_000.0, 2**22, 2**22)
-)
+UTM = PixelGrid(native_zoom=15, max_zoom=15, plane=ProjectedPlane("EPSG:32618", 310_000.0, 4_310_000.0, 2**22, 2**22))
 POSES = ((38.81, -77.05, 900.0), (38.83, -77.02, 914.0), (38.9, -77.06, 2700.0), (38.8, -77.01, 700.0))
 YAW_DEG, TILT_DEG, ROLL_DEG = 40.0, 35.0, -8.0
 LEANING = {"tilt_deg": TILT_DEG, "roll_deg": ROLL_DEG}
@@ -117,9 +115,7 @@ def test_of_an_image_of_the_horizon_the_place_is_in_the_part_that_shows_ground()
 
 
 @pytest.mark.parametrize("grid", [COARSE, UTM], ids=["5 m", "UTM"])
-@pytest.mark.parametrize(
-    "wanted", [{"image_px": 4000}, {"gsd_m_per_px": 12.0}, {"zoom": 13}], ids=["", "gsd", "zoom"]
-)
+@pytest.mark.parametrize("wanted", [{"image_px": 4000}, {"gsd_m_per_px": 12.0}, {"zoom": 13}], ids=["", "gsd", "zoom"])
 def test_the_size_of_an_image_does_not_depend_on_others_of_its_table(grid, wanted):
     def sizes(which):
         made = plan(mission_of(which, **wanted), grid)

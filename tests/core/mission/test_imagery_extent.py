@@ -25,8 +25,7 @@ def held(ring, u, v):
     """Whether points lie in a convex ring, by the side of each of its edges that they are on."""
     corners = np.array(ring)
     sides = [
-        (u1 - u0) * (v - v0) - (v1 - v0) * (u - u0)
-        for (u0, v0), (u1, v1) in zip(corners, np.roll(corners, -1, axis=0))
+        (u1 - u0) * (v - v0) - (v1 - v0) * (u - u0) for (u0, v0), (u1, v1) in zip(corners, np.roll(corners, -1, axis=0))
     ]
     return (np.min(sides, axis=0) > 0.0) | (np.max(sides, axis=0) < 0.0)
 
@@ -48,9 +47,7 @@ def test_images_and_share_are_those_of_points(turn, size, east, south, backwards
     lat = float(v_to_lat(np.array(0.4 + south)))
     west, right = lon - 0.006, lon + 0.006
     area = Box(lat + 0.005, west, lat - 0.005, right - 360.0 if right > 180.0 else right)
-    worked_out = plan(
-        Mission(area, 120.0, accept_error=True), PixelGrid(extent=tuple(map(tuple, ring.tolist())))
-    )
+    worked_out = plan(Mission(area, 120.0, accept_error=True), PixelGrid(extent=tuple(map(tuple, ring.tolist()))))
     world = worked_out.grid.world_px(worked_out.zoom)
     left, top, right_px, bottom = (edge / world for edge in worked_out.windows.bounds_px)
     # A pixel of room for what rounding moves edges by.
@@ -131,9 +128,7 @@ def test_a_raster_says_where_it_ends(tmp_path):
         file.write(np.full((3, 800, 1000), 90, np.uint8))
     to_degrees = Transformer.from_crs(32616, 4326, always_xy=True).transform
     lon, lat = to_degrees([x - 500, x + 500, x + 500, x - 500], [y + 400, y + 400, y - 400, y - 400])
-    on_map = np.stack(
-        [np.array(lon) / 360.0 + 0.5, 0.5 - np.arcsinh(np.tan(np.radians(lat))) / (2.0 * np.pi)], axis=1
-    )
+    on_map = np.stack([np.array(lon) / 360.0 + 0.5, 0.5 - np.arcsinh(np.tan(np.radians(lat))) / (2.0 * np.pi)], axis=1)
     own = np.array([[0, 0], [1000, 0], [1000, 800], [0, 800]]) / 1024.0
     # Of the map to a centimetre of ground; of its own pixels exactly.
     for crs, expected, most in (("EPSG:3857", on_map, 2e-10), ("", own, 1e-12)):

@@ -145,9 +145,7 @@ def test_a_smaller_count_is_the_beginning_of_a_larger_one_also_inside(raster, bo
 
 
 def test_a_grid_of_an_area_keeps_what_lies_inside(raster, box):
-    mission = Mission(
-        box, 60.0, frame="camera", image_px=48, image_format="png", accept_error=True, yaw_deg=30.0
-    )
+    mission = Mission(box, 60.0, frame="camera", image_px=48, image_format="png", accept_error=True, yaw_deg=30.0)
     source = open_source(str(raster))
     worked_out = plan(mission, source.grid)
     kept = captures_inside(worked_out, source.grid)

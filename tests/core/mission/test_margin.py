@@ -29,15 +29,11 @@ SCENES = {
     "box, track": Mission(SMALL, 120.0, WIDE, margin_m=80.0, facing="track", overlap_along=0.5),
     "box, track tilted": Mission(SMALL, 120.0, WIDE, margin_m=80.0, facing="track", tilt_deg=15.0),
     "field": Mission(FIELD, 120.0, WIDE, margin_m=120.0),
-    "field, turned and crossed": Mission(
-        FIELD, 120.0, WIDE, margin_m=60.0, row_azimuth_deg=20.0, crosshatch=True
-    ),
+    "field, turned and crossed": Mission(FIELD, 120.0, WIDE, margin_m=60.0, row_azimuth_deg=20.0, crosshatch=True),
     "a hole": Mission(CONCAVE, 300.0, WIDE, margin_m=150.0, row_azimuth_deg=120.0),
     "wider than the area": Mission(FIELD, 300.0, WIDE, margin_m=3000.0),
     "latitude 75": Mission(Box(75.02, 10.0, 75.0, 10.1), 500.0, WIDE, margin_m=900.0),
-    "latitude 75, turned": Mission(
-        Box(-75.0, 10.0, -75.02, 10.1), 500.0, WIDE, margin_m=900.0, row_azimuth_deg=60.0
-    ),
+    "latitude 75, turned": Mission(Box(-75.0, 10.0, -75.02, 10.1), 500.0, WIDE, margin_m=900.0, row_azimuth_deg=60.0),
     "antimeridian": Mission(Box(-12.0, 179.99, -12.02, -179.99), 300.0, WIDE, margin_m=400.0),
     "a point": Mission(Box(35.0000000001, -89.0000000001, 35.0, -89.0), 120.0, WIDE, margin_m=300.0),
 }
@@ -68,17 +64,14 @@ def test_ground_within_the_margin_is_shown(name):
 @pytest.mark.parametrize("area", [SMALL, FIELD], ids=["box", "field"])
 def test_windows_hold_the_buffer_that_geos_makes_and_little_more(area):
     made = plan(Mission(area, 60.0, WIDE, margin_m=100.0), GRID)
-    to_plane = Transformer.from_crs(
-        4326, "+proj=laea +lat_0=35.14 +lon_0=-89.861 +ellps=WGS84", always_xy=True
-    )
+    to_plane = Transformer.from_crs(4326, "+proj=laea +lat_0=35.14 +lon_0=-89.861 +ellps=WGS84", always_xy=True)
     ring = area.rings[0] if isinstance(area, Polygon) else ring_of(area)
     field = polygon(*to_plane.transform(*np.array(ring).T))
     buffer = field.Buffer(100.0, 60)
     # Its sides are bent on the map, where windows have straight ones.
     buffer.Segmentize(2.0)
     to_map = Transformer.from_pipeline(
-        "+proj=pipeline +step +inv +proj=laea +lat_0=35.14 +lon_0=-89.861 +ellps=WGS84 "
-        "+step +proj=webmerc +ellps=WGS84"
+        "+proj=pipeline +step +inv +proj=laea +lat_0=35.14 +lon_0=-89.861 +ellps=WGS84 +step +proj=webmerc +ellps=WGS84"
     )
     points = np.array(buffer.GetGeometryRef(0).GetPoints())
     on_map = polygon(*to_map.transform(points[:, 0], points[:, 1]))

@@ -57,10 +57,7 @@ def test_null_stands_for_the_default():
         nulls = dict.fromkeys(field.name for field in declared_fields(part) if not field.needed)
         nulls.update({"agl_m": 120.0} if name == "flight" else {})
         assert Mission.from_dict({**whole.to_dict(), name: nulls}) == whole
-    assert (
-        Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera", "wind"))})
-        == whole
-    )
+    assert Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera", "wind"))}) == whole
 
 
 @pytest.mark.parametrize(

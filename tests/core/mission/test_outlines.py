@@ -80,9 +80,7 @@ def test_pictures_on_the_map_are_the_frames_that_files_state_or_what_the_camera_
             continue
         if "pole" in name:
             # What lies beyond the map is cut off.
-            assert max(np.abs(y).max() for _, y in rings) == pytest.approx(
-                float(metres(0.0, MAX_LAT_DEG)[1]), abs=1e-3
-            )
+            assert max(np.abs(y).max() for _, y in rings) == pytest.approx(float(metres(0.0, MAX_LAT_DEG)[1]), abs=1e-3)
             continue
         assert len(rings) == len(seen)
         for ring, degrees in zip(rings, seen):
@@ -101,15 +99,11 @@ def test_a_part_of_a_plan_is_drawn_as_in_the_whole(name):
                 assert all(np.array_equal(a, b) for one, two in zip(ours, theirs) for a, b in zip(one, two))
 
 
-@pytest.mark.parametrize(
-    ("lat", "lon", "yaw"), [(88.0, 30.0, 0.0), (-88.0, 170.0, 20.0), (-90.0, 0.0, 180.0)]
-)
+@pytest.mark.parametrize(("lat", "lon", "yaw"), [(88.0, 30.0, 0.0), (-88.0, 170.0, 20.0), (-90.0, 0.0, 180.0)])
 def test_ground_around_a_pole_is_in_one_piece_and_on_a_plane_has_no_way_to_the_pole(lat, lon, yaw):
     pole, crs = math.copysign(1.0, lat), 3413 if lat > 0.0 else 3031
     plane = ProjectedPlane(f"EPSG:{crs}", -2e6, 2e6, 4e6, 4e6)
-    mission = Mission(
-        Points(((lat, lon, 1e6),)), 1e6, yaw_deg=yaw, tilt_deg=1.0, frame="camera", accept_error=True
-    )
+    mission = Mission(Points(((lat, lon, 1e6),)), 1e6, yaw_deg=yaw, tilt_deg=1.0, frame="camera", accept_error=True)
     made = plan(mission, PixelGrid(plane=plane, max_zoom=12, native_zoom=12))
     assert made.views.poles[0] == pole
     ((x, y),) = next(footprints_deg(made))

@@ -59,9 +59,7 @@ def test_without_a_route_it_is_the_captures_alone():
 # --- entry
 
 
-@pytest.mark.parametrize(
-    "changes", [{}, {"order": "one-way"}, {"row_azimuth_deg": 120.0}, {"row_azimuth_deg": 40.0}]
-)
+@pytest.mark.parametrize("changes", [{}, {"order": "one-way"}, {"row_azimuth_deg": 120.0}, {"row_azimuth_deg": 40.0}])
 def test_a_flight_enters_at_each_corner_and_takes_the_same_images(changes):
     as_laid_out = flown(**changes)
     begins = {}
@@ -215,9 +213,7 @@ def test_the_way_there_and_back_leads_around_a_no_fly_area():
 
 def test_a_take_off_inside_a_no_fly_area_is_refused():
     with pytest.raises(InvalidInput, match="lies inside a no-fly area; move it outside"):
-        _ = flown(
-            takeoff=(35.1565, -89.8975), no_fly=(TOWER,), area=Box(35.158, -89.894, 35.155, -89.89)
-        ).path
+        _ = flown(takeoff=(35.1565, -89.8975), no_fly=(TOWER,), area=Box(35.158, -89.894, 35.155, -89.89)).path
 
 
 # --- batteries

@@ -50,10 +50,7 @@ def test_the_speed_that_is_named_is_the_highest_that_does(wind, trigger):
     assert f"the camera takes one every {least_s:g} s" in text
     speed = float(re.search(r"fly at ([0-9.]+) m/s or slower", text).group(1))
     assert (
-        interval_warnings(
-            planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed)
-        )
-        == ()
+        interval_warnings(planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed)) == ()
     )
     faster = planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed + 0.1)
     assert interval_warnings(faster) != ()
@@ -121,9 +118,7 @@ def test_the_sun_in_words(sun, fov, text):
 
 def test_sorties_are_told_one_by_one_or_by_their_range():
     assert str(sorties_text((600.0, 90.0), 12.0)) == "2: 10.0, 1.5 of 12 min"
-    assert (
-        str(sorties_text(tuple(60.0 * count for count in range(3, 12)), 12.5)) == "9: 3.0 to 11.0 of 12.5 min"
-    )
+    assert str(sorties_text(tuple(60.0 * count for count in range(3, 12)), 12.5)) == "9: 3.0 to 11.0 of 12.5 min"
 
 
 def test_figures_of_the_path_are_those_of_all_sorties():

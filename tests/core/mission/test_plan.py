@@ -145,11 +145,7 @@ def test_overlap_and_tiles_are_what_counting_gives(layout, overlap):
     left, top, right, bottom = (edge.astype(int).tolist() for edge in worked_out.windows.bounds_px)
     tiles = set()
     for x0, y0, x1, y1 in zip(left, top, right, bottom):
-        tiles |= {
-            (x, y)
-            for x in range(x0 // 256, (x1 - 1) // 256 + 1)
-            for y in range(y0 // 256, (y1 - 1) // 256 + 1)
-        }
+        tiles |= {(x, y) for x in range(x0 // 256, (x1 - 1) // 256 + 1) for y in range(y0 // 256, (y1 - 1) // 256 + 1)}
     assert worked_out.requests == len(tiles)
     at = {pair: i for i, pair in enumerate(zip(worked_out.column.tolist(), worked_out.row.tolist()))}
     along = [
@@ -297,9 +293,7 @@ def test_points_keep_their_own_heights_and_share_a_zoom():
     assert worked_out.column.tolist() == [0, 1]
     assert worked_out.coverage is None
     assert worked_out.overlap.least_along is None
-    widths = worked_out.windows.width_px * GRID.ground_m_per_px(
-        worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom
-    )
+    widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom)
     assert widths[0] / widths[1] == pytest.approx(2.0, rel=0.01)
 
 
@@ -332,9 +326,7 @@ def test_the_default_has_as_many_pixels_as_its_camera():
 )
 def test_no_other_zoom_has_pixels_nearer_to_the_camera_s(lat, agl, image_px, tile_px, camera, frame):
     grid = PixelGrid(tile_px=tile_px, max_zoom=30, native_zoom=30)
-    mission = Mission(
-        Points(((lat, 10.0, agl),)), agl, camera, image_px=image_px, frame=frame, accept_error=True
-    )
+    mission = Mission(Points(((lat, 10.0, agl),)), agl, camera, image_px=image_px, frame=frame, accept_error=True)
     assume(abs(lat) < 70.0 or agl < 3e3)
     worked_out = plan(mission, grid)
     wanted_m = max(camera.ground_size_m(agl)) / image_px
@@ -344,10 +336,7 @@ def test_no_other_zoom_has_pixels_nearer_to_the_camera_s(lat, agl, image_px, til
     ]
     assert off[1] <= min(off) + 1e-9
     assert worked_out.resolution.requested_m_per_px == pytest.approx(wanted_m)
-    assert (
-        abs(np.log2(worked_out.resolution.delivered_m_per_px / wanted_m))
-        <= (0.5 if frame == "map" else 0.02) + 1e-9
-    )
+    assert abs(np.log2(worked_out.resolution.delivered_m_per_px / wanted_m)) <= (0.5 if frame == "map" else 0.02) + 1e-9
 
 
 @pytest.mark.parametrize("max_px", [160, 640, 645, 646, 5000])
@@ -423,9 +412,7 @@ def test_pictures_of_too_many_pixels_are_refused_before_memory_is_taken(more):
     assert plan(mission(9_700), GRID).frames.width_px[0] * 9_700 > 150e6
     tracemalloc.start()
     try:
-        with pytest.raises(
-            InvalidInput, match=r"20,000 x 1[0-9],... px: 200,000,000 px in all are allowed; choose"
-        ):
+        with pytest.raises(InvalidInput, match=r"20,000 x 1[0-9],... px: 200,000,000 px in all are allowed; choose"):
             plan(mission(15_000), GRID)
         assert tracemalloc.get_traced_memory()[1] < 20e6
     finally:
@@ -468,9 +455,7 @@ def test_requested_and_delivered_are_of_the_files():
         max(tall.mission.camera.ground_size_m(120.0)) / 256, rel=0.01
     )
     in_wind = mission.with_(wind=Wind(8.0, 250.0, 0.2))
-    assert (
-        plan(in_wind, GRID).resolution.requested_m_per_px == plan(mission, GRID).resolution.requested_m_per_px
-    )
+    assert plan(in_wind, GRID).resolution.requested_m_per_px == plan(mission, GRID).resolution.requested_m_per_px
 
 
 TOO_FINE = "ground sample distance {0} m: the source's own pixels are {1:.3g} m here"
@@ -497,10 +482,7 @@ def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
     assert max(plan(mission.with_(upsample=True), PixelGrid()).frames.largest_px) == 640
     with refused(TOO_FINE, field="gsd_m_per_px"):
         plan(mission.with_(gsd_m_per_px=0.5), coarse)
-    assert (
-        plan(mission.with_(gsd_m_per_px=0.5, upsample=True), coarse).frames.largest_px[0]
-        > own.frames.largest_px[0]
-    )
+    assert plan(mission.with_(gsd_m_per_px=0.5, upsample=True), coarse).frames.largest_px[0] > own.frames.largest_px[0]
 
 
 @pytest.mark.parametrize("changes", [{"zoom": 18}, {"max_px": 640, "image_px": 5000}])
@@ -572,9 +554,7 @@ def test_names_are_the_published_ones():
         (Mission(Points(((0.0, 0.0, 3e6),)), 3e6, tilt_deg=150.0), "no ray of its image meets the Earth"),
         (Mission(AGRICENTER, 120.0, error_budget_px=1e-12), "times as much"),
         (
-            Mission(
-                Points(((35.0, -89.0, 0.01),)), 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True
-            ),
+            Mission(Points(((35.0, -89.0, 0.01),)), 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True),
             "resolve 4e-08 m",
         ),
         (Mission(AGRICENTER, 120.0, zoom=23), "zoom 23: the source has 0 to 22"),

@@ -161,9 +161,7 @@ def seen(found, lat, lon):
 def places_in(polygon, count, seed):
     """Places drawn inside a polygon, held against it by GEOS."""
     ogr = pytest.importorskip("osgeo.ogr")
-    text = ",".join(
-        "(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")" for ring in polygon.rings
-    )
+    text = ",".join("(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")" for ring in polygon.rings)
     shape = ogr.CreateGeometryFromWkt(f"POLYGON ({text})")
     west, east, south, north = shape.GetEnvelope()
     found = []
@@ -213,9 +211,7 @@ def test_one_polygon_is_the_mission_of_that_polygon():
 
 def way_m(found):
     """Length of a flight, by pyproj."""
-    _, _, length = Geod(ellps="WGS84").inv(
-        found.lon_deg[:-1], found.lat_deg[:-1], found.lon_deg[1:], found.lat_deg[1:]
-    )
+    _, _, length = Geod(ellps="WGS84").inv(found.lon_deg[:-1], found.lat_deg[:-1], found.lon_deg[1:], found.lat_deg[1:])
     return float(np.sum(length))
 
 
@@ -248,8 +244,7 @@ def test_no_other_order_of_few_polygons_is_shorter():
     def length(order, chosen):
         places = [(ways[part], way) for part, way in zip(order, chosen)]
         gaps = sum(
-            int(np.rint(1000.0 * np.linalg.norm(b.start[j] - a.end[i])))
-            for (a, i), (b, j) in zip(places, places[1:])
+            int(np.rint(1000.0 * np.linalg.norm(b.start[j] - a.end[i]))) for (a, i), (b, j) in zip(places, places[1:])
         )
         return gaps + sum(int(one.length[way]) for one, way in places)
 
@@ -314,9 +309,7 @@ FORBIDDEN = square(-89.8990, 35.1008, 0.0015)
 
 
 @pytest.mark.parametrize("layout", sampled(LAYOUTS, 2))
-@pytest.mark.parametrize(
-    "area", [FAR_APART, FAR_APART.parts[0], FAR_APART.bounds], ids=["parts", "polygon", "box"]
-)
+@pytest.mark.parametrize("area", [FAR_APART, FAR_APART.parts[0], FAR_APART.bounds], ids=["parts", "polygon", "box"])
 def test_captures_inside_no_fly_polygons_are_left_out_and_no_others(layout, area):
     more = {"overlap_along": 0.5, "overlap_across": 0.5, **LAYOUTS[layout]}
     whole, found = planned(area, **more), planned(area, no_fly=(FORBIDDEN,), **more)
@@ -356,10 +349,7 @@ def shape_of(polygons):
     ogr = pytest.importorskip("osgeo.ogr")
     union = ogr.Geometry(ogr.wkbMultiPolygon)
     for polygon in polygons:
-        rings = (
-            "(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")"
-            for ring in polygon.rings
-        )
+        rings = ("(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")" for ring in polygon.rings)
         union = union.Union(ogr.CreateGeometryFromWkt(f"POLYGON ({','.join(rings)})"))
     return union
 
@@ -536,6 +526,4 @@ def test_crossings_are_those_of_each_pair_of_sides():
         for chunk in (100_000, 3):
             with mock.patch.object(area_module, "_CHUNK", chunk):
                 lon, lat = area_module._crossing_places(*area_module.sides_of(ring))
-            assert sorted(zip(1024.0 * lon, 1024.0 * lat)) == pytest.approx(
-                np.array(sorted(places)), abs=1e-9
-            )
+            assert sorted(zip(1024.0 * lon, 1024.0 * lat)) == pytest.approx(np.array(sorted(places)), abs=1e-9)

@@ -122,9 +122,7 @@ def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(points, relief
     grid, within_deg = PixelGrid(), 2e-6 if relief else 1e-12
     worked_out = plan(mission, grid, heights_of(mission, SourceOptions()) if relief else None)
     for index, pose in enumerate(points.poses):
-        angles = {
-            name: getattr(points, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")
-        }
+        angles = {name: getattr(points, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")}
         single = mission.with_(area=Points((pose,)), agl_m=pose[2], **angles)
         alone = plan(single, grid, heights_of(single, SourceOptions()) if relief else None)
         assert all(values[index] == own[0] for values, own in zip(worked_out.poses, alone.poses))
@@ -166,9 +164,7 @@ def test_mission_files_keep_them_and_stay_as_they_were_without(tmp_path):
     mission = Mission(POINTS, 120.0)
     mission.save(tmp_path / "mission.json")
     assert Mission.load(tmp_path / "mission.json") == mission
-    area = json.loads(Mission(replace(POINTS, tilts_deg=(), rolls_deg=(), times_s=()), 120.0).to_json())[
-        "area"
-    ]
+    area = json.loads(Mission(replace(POINTS, tilts_deg=(), rolls_deg=(), times_s=()), 120.0).to_json())["area"]
     assert set(area) == {"type", "poses", "yaws_deg"}
     with pytest.raises(InvalidInput, match=r"mission field 'area\.tilt'"):
         Mission.from_json(mission.to_json().replace("tilts_deg", "tilt"))

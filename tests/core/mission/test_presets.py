@@ -25,9 +25,7 @@ def test_a_mission_has_every_value_of_its_preset(preset):
     assert {name: values[name] for name in preset.values} == dict(preset.values)
     # All else is as it is without a preset.
     plain = asked()
-    changed = {
-        one.name for part, one in parts_of(mission) if getattr(part, one.name) != dict_of(plain)[one.name]
-    }
+    changed = {one.name for part, one in parts_of(mission) if getattr(part, one.name) != dict_of(plain)[one.name]}
     assert changed <= set(preset.values)
 
 

@@ -108,9 +108,7 @@ def places_of(area, count=400, seed=1):
         ]
     )
     share = np.linspace(0, 1, 25, endpoint=False)[:, np.newaxis]
-    border = [
-        start + share * (end - start) for ring in rings for start, end in zip(ring, np.roll(ring, -1, axis=0))
-    ]
+    border = [start + share * (end - start) for ring in rings for start, end in zip(ring, np.roll(ring, -1, axis=0))]
     return tuple(
         np.concatenate([found, *(part[:, axis] for part in border)])
         for axis, found in ((0, lon[within]), (1, lat[within]))
@@ -124,9 +122,7 @@ def passes_of(made):
 
 def ideal_count(made):
     width, height = made.mission.camera.ground_size_m(made.mission.flight.agl_m)
-    steps = (
-        width * (1 - made.mission.flight.overlap_along) * height * (1 - made.mission.flight.overlap_across)
-    )
+    steps = width * (1 - made.mission.flight.overlap_along) * height * (1 - made.mission.flight.overlap_across)
     return made.mission.area.area_m2() / steps
 
 
@@ -195,9 +191,7 @@ def test_sides_of_an_area_are_cut_alike_whatever_kind_of_numbers_its_corners_are
     assert len(plan(whole, GRID)) == len(plan(real, GRID)) < 1.7 * ideal_count(plan(real, GRID))
 
 
-@pytest.mark.parametrize(
-    "name", ["37", "90", "-90", "180", "latitude 60", "wide", "overlap", "ground height"]
-)
+@pytest.mark.parametrize("name", ["37", "90", "-90", "180", "latitude 60", "wide", "overlap", "ground height"])
 def test_hardly_more_pictures_are_flown_than_their_whole_ground_asks_for(name):
     made = plan(SCENES[name], GRID)
     # The area's border takes about half a row and half a column more on each side.
@@ -239,9 +233,7 @@ def test_a_field_that_is_turned_with_its_rows_takes_as_many_pictures():
         assert made.direct.distance_m == pytest.approx(north_up.direct.distance_m, rel=0.02)
 
 
-@pytest.mark.parametrize(
-    "name", ["37", "-90", "180", "latitude 60", "antimeridian", "turned crosshatch", "wide"]
-)
+@pytest.mark.parametrize("name", ["37", "-90", "180", "latitude 60", "antimeridian", "turned crosshatch", "wide"])
 def test_pictures_lie_along_their_rows(name):
     made = plan(SCENES[name], GRID)
     for part, captures in zip(made.passes, passes_of(made)):
@@ -252,12 +244,7 @@ def test_pictures_lie_along_their_rows(name):
         heading = np.where(eastward, forward, forward + 180.0)
         # In its middle a row of the plane and the geodesic between neighbours have one direction.
         half_bend = (back - forward + 180.0 + 180.0) % 360.0 - 180.0
-        off = (
-            heading
-            + half_bend / 2.0
-            - 90.0
-            - (made.poses.yaw_deg[along] + made.poses.yaw_deg[along + 1]) / 2.0
-        )
+        off = heading + half_bend / 2.0 - 90.0 - (made.poses.yaw_deg[along] + made.poses.yaw_deg[along + 1]) / 2.0
         beside = np.abs(made.poses.yaw_deg[along] - made.poses.yaw_deg[along + 1]) < 1.0
         assert np.abs((off[beside] + 180.0) % 360.0 - 180.0).max() < 2e-3
         # And the pass's middle has the angle that was asked for.
@@ -333,9 +320,7 @@ def test_pictures_beside_a_concave_area_are_not_flown(angle):
     for index in range(len(made)):
         near = (np.abs(lat - made.lat_deg[index]) < 0.002) & (np.abs(lon - made.lon_deg[index]) < 0.002)
         with np.errstate(invalid="ignore"):
-            spare += (
-                not (np.abs(image_positions(made, [index], lon[near], lat[near])) <= 1.0).all(axis=-1).any()
-            )
+            spare += not (np.abs(image_positions(made, [index], lon[near], lat[near])) <= 1.0).all(axis=-1).any()
     # Points stand 6 m apart: pictures of 158 by 118 m may touch the area with a tip between them.
     assert spare <= 0.01 * len(made)
 

@@ -77,9 +77,7 @@ CAMERA = {"fov", "hfov", "vfov", "camera", "sensor", "focal_length", "aspect_rat
         ({}, {}, {"fov": 60, "hfov": 50}, {"fov": 60.0, "hfov": 50.0}),
     ],
 )
-def test_one_way_to_state_the_camera_displaces_the_others_of_later_places(
-    config, given, environment, file, left
-):
+def test_one_way_to_state_the_camera_displaces_the_others_of_later_places(config, given, environment, file, left):
     values = resolve(given, environment, config(**file))
     assert {name: values[name] for name in CAMERA if values[name] is not None} == left
 
@@ -100,9 +98,7 @@ def test_a_mission_with_a_camera_of_the_command_line_and_a_field_of_view_of_the_
 
 
 def test_a_file_may_use_hyphens_and_lists(config):
-    values = resolve(
-        {}, {}, config(**{"aspect-ratio": [16, 9], "map_type": ["roadmap", "terrain"], "upsample": True})
-    )
+    values = resolve({}, {}, config(**{"aspect-ratio": [16, 9], "map_type": ["roadmap", "terrain"], "upsample": True}))
     assert values["aspect_ratio"] == (16.0, 9.0)
     assert values["map_type"] == ("roadmap", "terrain")
     assert values["upsample"] is True
@@ -183,9 +179,7 @@ def test_overlap_along_and_across():
     assert (mission.flight.overlap_along, mission.flight.overlap_across) == (0.8, 0.6)
 
 
-@pytest.mark.parametrize(
-    ("given", "shares"), [("60%", (0.6, 0.6)), ("60% 0.3", (0.6, 0.3)), (["7.5 %"], (0.075,) * 2)]
-)
+@pytest.mark.parametrize(("given", "shares"), [("60%", (0.6, 0.6)), ("60% 0.3", (0.6, 0.3)), (["7.5 %"], (0.075,) * 2)])
 def test_overlap_in_percent_is_the_share(given, shares):
     mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=given)
     assert (mission.flight.overlap_along, mission.flight.overlap_across) == shares
@@ -349,9 +343,7 @@ def test_the_date_is_the_mission_s_and_the_cache_the_run_s():
 def test_every_option_explains_itself():
     for option in OPTIONS:
         assert option.help
-        assert (
-            option.default is None or option.flag or option.read(option.default, "default") == option.default
-        )
+        assert option.default is None or option.flag or option.read(option.default, "default") == option.default
 
 
 def test_a_long_crs_is_refused_in_time_that_grows_with_its_length():

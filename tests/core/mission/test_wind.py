@@ -139,9 +139,7 @@ def test_two_halves_make_a_whole_step(step_s):
     # Terms of a product cancel in states that are much smaller than those they follow.
     assert in_sigmas(twice - covariance, covariance) <= 1e-8
     picked = gusts.output_matrix()
-    assert np.diag(picked @ twice @ picked.T) == pytest.approx(
-        np.diag(picked @ covariance @ picked.T), rel=1e-11
-    )
+    assert np.diag(picked @ twice @ picked.T) == pytest.approx(np.diag(picked @ covariance @ picked.T), rel=1e-11)
 
 
 @given(steps)
@@ -150,9 +148,7 @@ def test_a_stationary_flight_stays_stationary(step_s):
     growth, covariance = stepped(step_s)
     after = growth @ stationary @ growth.T + covariance
     picked = gusts.output_matrix()
-    assert np.diag(picked @ after @ picked.T) == pytest.approx(
-        np.diag(picked @ stationary @ picked.T), rel=1e-12
-    )
+    assert np.diag(picked @ after @ picked.T) == pytest.approx(np.diag(picked @ stationary @ picked.T), rel=1e-12)
     assert np.all(np.diag(covariance) <= np.diag(stationary) * (1.0 + 1e-9))
 
 

@@ -265,9 +265,7 @@ class Wpml:
         self._checked_document(template, True)
         self._checked_document(flown, False)
         self.config, self.folder = config, flown[0].find(f"{KML}Folder")
-        kind = tuple(
-            int(self.text(config, f"droneInfo/{name}")) for name in ("droneEnumValue", "droneSubEnumValue")
-        )
+        kind = tuple(int(self.text(config, f"droneInfo/{name}")) for name in ("droneEnumValue", "droneSubEnumValue"))
         camera = self.text(config, "payloadInfo/payloadEnumValue")
         assert (None if camera is None else int(camera)) in AIRCRAFT[kind]
         self.kind = kind
@@ -278,9 +276,7 @@ class Wpml:
             self._checked_pair(template)
 
     def path(self, names):
-        return "/".join(
-            (KML if name in STANDARD else f"{{{self.namespace}}}") + name for name in names.split("/")
-        )
+        return "/".join((KML if name in STANDARD else f"{{{self.namespace}}}") + name for name in names.split("/"))
 
     def text(self, element, names):
         found = element.find(self.path(names))
@@ -349,9 +345,7 @@ class Wpml:
             for name in ("Point/coordinates", "index", "waypointHeadingParam/waypointHeadingAngle"):
                 assert self.text(one, name) == self.text(other, name)
             assert self.text(one, "height") == self.text(other, "executeHeight")
-            groups = [
-                [ET.tostring(group) for group in it.findall(self.path("actionGroup"))] for it in (one, other)
-            ]
+            groups = [[ET.tostring(group) for group in it.findall(self.path("actionGroup"))] for it in (one, other)]
             assert groups[0] == groups[1]
 
     def photos(self, along):

@@ -98,9 +98,7 @@ _DJIKMZ = {
     TEMPLATE: {
         "kml": "Document",
         "Document": "author createTime updateTime missionConfig Folder",
-        "missionConfig": (
-            "flyToWaylineMode finishAction takeOffSecurityHeight droneInfo payloadInfo exitOnRCLost"
-        ),
+        "missionConfig": ("flyToWaylineMode finishAction takeOffSecurityHeight droneInfo payloadInfo exitOnRCLost"),
         "droneInfo": _DRONE,
         "payloadInfo": "payloadEnumValue payloadPositionIndex",
         "Folder": (
@@ -115,9 +113,7 @@ _DJIKMZ = {
         ),
         "Point": "coordinates",
         "waypointTurnParam": "waypointTurnMode",
-        "actionGroup": (
-            "actionGroupId actionGroupStartIndex actionGroupEndIndex actionGroupMode action actionTrigger"
-        ),
+        "actionGroup": ("actionGroupId actionGroupStartIndex actionGroupEndIndex actionGroupMode action actionTrigger"),
         "actionTrigger": "actionTriggerType",
         "action": "actionActuatorFunc actionId actionActuatorFuncParam",
         "rotateYaw": "aircraftHeading aircraftPathMode",
@@ -217,9 +213,7 @@ _PAYLOAD_SDK = {
             "waypointHeadingPoiIndex"
         ),
         "waypointTurnParam": _TURN,
-        "focus": (
-            "focusX focusY focusRegionWidth focusRegionHeight isPointFocus isInfiniteFocus payloadPositionIndex"
-        ),
+        "focus": ("focusX focusY focusRegionWidth focusRegionHeight isPointFocus isInfiniteFocus payloadPositionIndex"),
     },
 }
 #: Writers for the same program: DJI Fly; Pilot 2 and FlightHub 2.

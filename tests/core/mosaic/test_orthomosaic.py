@@ -82,9 +82,7 @@ def shift_px(one, other):
     low = (np.hypot(u, v) < 0.12) & (np.hypot(u, v) > 0.0)
     weight = np.abs(across[low])
     matrix = 2.0 * np.pi * np.stack([u[low], v[low]], axis=1)
-    found, *_ = np.linalg.lstsq(
-        matrix * weight[:, None] ** 0.5, np.angle(across[low]) * weight**0.5, rcond=None
-    )
+    found, *_ = np.linalg.lstsq(matrix * weight[:, None] ** 0.5, np.angle(across[low]) * weight**0.5, rcond=None)
     return found
 
 
@@ -248,12 +246,8 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
         inner = (np.abs(x - 239020.0) < 100.0) & (np.abs(y - 3891000.0) < 100.0)
         # Cells of two metres: what grazes an edge by centimetres is told alike by neither.
         assert clearance(index, rows[inner], columns[inner]).min() > -0.05
-    held = np.stack(
-        [frames.sight(i, block, frames.block_ground(block, np.arange(3))).inside for i in range(3)]
-    )
-    steep = np.stack(
-        [frames.sight(i, block, frames.block_ground(block, np.arange(3))).steepness for i in range(3)]
-    )
+    held = np.stack([frames.sight(i, block, frames.block_ground(block, np.arange(3))).inside for i in range(3)])
+    steep = np.stack([frames.sight(i, block, frames.block_ground(block, np.arange(3))).steepness for i in range(3)])
     first = np.where(held, steep, -np.inf).argmax(axis=0)
     for index in range(3):
         rows, columns = np.nonzero(held.any(axis=0) & (first == index) & (choice.image != index))
@@ -298,18 +292,14 @@ def marched(pose, camera, side, heights):
             east, north, above = at = begin[:, low] + share * (end - begin)[:, low]
             down = above <= heights_at(heights, east, north)
             met[:, rest[low[down]]] = at[:, down]
-            rest, clear, begin, end = (
-                np.delete(part, low[down], axis=-1) for part in (rest, clear, begin, end)
-            )
+            rest, clear, begin, end = (np.delete(part, low[down], axis=-1) for part in (rest, clear, begin, end))
         begin = end
     east, north, _ = met
     known = (np.abs(east - 239020.0) <= 119.0) & (np.abs(north - 3891000.0) <= 119.0)
     return Transformer.from_crs(32616, 3857).transform(east[known], north[known])
 
 
-@pytest.mark.parametrize(
-    "east", sampled([239035.0, 239110.0], 2), ids=["beside the wall", "where heights end"]
-)
+@pytest.mark.parametrize("east", sampled([239035.0, 239110.0], 2), ids=["beside the wall", "where heights end"])
 def test_over_relief_a_mosaic_ends_where_its_images_do(tmp_path, east):
     """Rays of the images, marched step by step over the heights, reach as far as the mosaic does."""
     from pyproj import Transformer
@@ -488,9 +478,7 @@ def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     done = terrainav("mosaic", "set", "--gsd", "0.5", "--output", "map.tif")
     assert done.returncode == 0, done.stderr
-    assert re.search(
-        r"^\rmosaic +\[#+\] 100 % *\n$", done.stderr.rpartition("\r")[1] + done.stderr.rpartition("\r")[2]
-    )
+    assert re.search(r"^\rmosaic +\[#+\] 100 % *\n$", done.stderr.rpartition("\r")[1] + done.stderr.rpartition("\r")[2])
     assert terrainav("mosaic", "set", "--gsd", "0.5", "--output", "map.tif", "--quiet").stderr == ""
     said = json.loads(terrainav("mosaic", "set", "--gsd", "0.5", "--json").stdout)
     with (
@@ -502,10 +490,7 @@ def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
         # Metres of the map are longer than those of the ground, on a sphere by the cosine.
         assert one.transform.a * math.cos(math.radians(35.128)) == pytest.approx(0.5, rel=3e-3)
         assert one.tags()["TIFFTAG_COPYRIGHT"] == SOURCE.attribution
-    assert (
-        f"{said['used']} of {said['images']} images, {said['width_px']:,} x {said['height_px']:,} px"
-        in done.stdout
-    )
+    assert f"{said['used']} of {said['images']} images, {said['width_px']:,} x {said['height_px']:,} px" in done.stdout
     assert terrainav("mosaic", "set", "--map-type", "roadmap").returncode == BAD_INPUT
     refused = terrainav("mosaic", "set", "--output", "map.jpg")
     assert refused.returncode == BAD_INPUT

@@ -33,9 +33,7 @@ from tests.support.sources import PatternSource, missing
 
 GEOCENTRIC = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
 PLACES = tuple(PairPlace(35.0 + 0.02 * at, -89.9 + 0.001 * at, f"place {at}") for at in range(5))
-SETTINGS = PairSettings(
-    views=rings((100.0, 140.0), 3, (40.0,)), size_px=64, source="pattern", shares=(2.0, 2.0, 1.0)
-)
+SETTINGS = PairSettings(views=rings((100.0, 140.0), 3, (40.0,)), size_px=64, source="pattern", shares=(2.0, 2.0, 1.0))
 # Endings that torchvision's ImageFolder takes for images (torchvision.datasets.folder.IMG_EXTENSIONS).
 IMG_EXTENSIONS = (".jpg", ".jpeg", ".png", ".ppm", ".bmp", ".pgm", ".tif", ".tiff", ".webp")
 
@@ -46,9 +44,7 @@ def image_folder(root):
     assert classes
     samples = []
     for label, name in enumerate(classes):
-        files = sorted(
-            file for file in (root / name).rglob("*") if file.name.lower().endswith(IMG_EXTENSIONS)
-        )
+        files = sorted(file for file in (root / name).rglob("*") if file.name.lower().endswith(IMG_EXTENSIONS))
         # ImageFolder refuses classes without images.
         assert files, name
         samples += [(file, label) for file in files]
@@ -68,8 +64,7 @@ class SpotSource(PatternSource):
     def __init__(self, places):
         super().__init__(map_types=())
         self.spots = [
-            (float(lon_to_u(np.array(place.lon_deg))), float(lat_to_v(np.array(place.lat_deg))))
-            for place in places
+            (float(lon_to_u(np.array(place.lon_deg))), float(lat_to_v(np.array(place.lat_deg)))) for place in places
         ]
 
     def paint(self, _map_type, part):
@@ -123,9 +118,7 @@ def test_the_baseline_finds_the_same_ids_in_all_views(pairs):
         stand_ins, again = image_folder(folder / "train" / view)
         assert again == names
         assert [path.name for path, _ in stand_ins] == ["image-01.jpeg"] * 2
-        assert all(
-            path.samefile(folder / "train" / "drone" / path.parent.name / path.name) for path, _ in stand_ins
-        )
+        assert all(path.samefile(folder / "train" / "drone" / path.parent.name / path.name) for path, _ in stand_ins)
     assert "hold no photographs from the ground" in (folder / "README.txt").read_text(encoding="utf-8")
 
     for view, count in (("drone", 6), ("satellite", 1), ("street", 1)):
@@ -146,9 +139,7 @@ def test_the_baseline_finds_the_same_ids_in_all_views(pairs):
 
 def test_the_place_is_in_the_middle_of_every_image(pairs):
     folder, _, _, _ = pairs
-    samples = [
-        path for part in ("train/drone", "train/satellite") for path, _ in image_folder(folder / part)[0]
-    ]
+    samples = [path for part in ("train/drone", "train/satellite") for path, _ in image_folder(folder / part)[0]]
     assert len(samples) == 14
     for path in samples:
         with Image.open(path) as image:
@@ -381,9 +372,7 @@ def test_over_relief_the_drone_looks_at_the_ground_of_each_place(tmp_path):
         for _, view in made.shots(index):
             assert drone.height_m[view] == pytest.approx(ground + 60.0, abs=2e-3)
             # The axis, in geocentric coordinates, passes the place.
-            camera = np.array(
-                GEOCENTRIC.transform(drone.lon_deg[view], drone.lat_deg[view], drone.height_m[view])
-            )
+            camera = np.array(GEOCENTRIC.transform(drone.lon_deg[view], drone.lat_deg[view], drone.height_m[view]))
             point = np.array(GEOCENTRIC.transform(place.lon_deg, place.lat_deg, ground))
             phi, lam = np.radians(drone.lat_deg[view]), np.radians(drone.lon_deg[view])
             up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])

@@ -60,10 +60,7 @@ def test_no_ground_is_seen_beyond_the_reach():
     border = np.linspace(-1.0, 1.0, 41)
     side = np.ones_like(border)
     points = np.concatenate(
-        [
-            np.stack(pair, axis=-1)
-            for pair in ((border, side), (border, -side), (side, border), (-side, border))
-        ]
+        [np.stack(pair, axis=-1) for pair in ((border, side), (border, -side), (side, border), (-side, border))]
     )
     farthest = np.zeros_like(reach)
     for view in views:

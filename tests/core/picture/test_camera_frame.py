@@ -159,9 +159,7 @@ def test_rays_and_mesh_agree():
 
 
 def test_every_kernel_makes_the_picture():
-    pictures = {
-        kernel: picture_of(one(resampling=kernel), satellite, kernel)[0].astype(float) for kernel in KERNELS
-    }
+    pictures = {kernel: picture_of(one(resampling=kernel), satellite, kernel)[0].astype(float) for kernel in KERNELS}
     for kernel, picture in pictures.items():
         rms = np.sqrt(np.mean((picture - pictures["lanczos"]) ** 2))
         assert (rms == 0.0) == (kernel == "lanczos")
@@ -172,9 +170,7 @@ def test_missing_imagery_fails_the_picture_and_only_where_it_is_seen():
     worked_out = one()
     view = worked_out.views.view(0)
     parts = camera_parts(view, LON)
-    tiles = {
-        part.window: np.dstack([satellite(part.window), np.full((256, 256), 255, np.uint8)]) for part in parts
-    }
+    tiles = {part.window: np.dstack([satellite(part.window), np.full((256, 256), 255, np.uint8)]) for part in parts}
     assert render(view, LON, parts, tiles, "bilinear").any()
     middle = parts[len(parts) // 2].window
     tiles[middle][100:140, 100:140, 3] = 0

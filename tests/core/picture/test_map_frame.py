@@ -29,12 +29,8 @@ def test_every_pixel_is_where_the_window_says(left, top, width, height, tile_px)
     window = Window(5, left, top, width, height)
     columns, rows = decode_position(assembled(window, PatternSource(tile_px=tile_px)))
     world = tile_px << 5
-    assert np.array_equal(
-        columns, np.broadcast_to((left + np.arange(width)) % world % MODULUS, (height, width))
-    )
-    assert np.array_equal(
-        rows, np.broadcast_to(((top + np.arange(height)) % MODULUS)[:, np.newaxis], (height, width))
-    )
+    assert np.array_equal(columns, np.broadcast_to((left + np.arange(width)) % world % MODULUS, (height, width)))
+    assert np.array_equal(rows, np.broadcast_to(((top + np.arange(height)) % MODULUS)[:, np.newaxis], (height, width)))
 
 
 def test_a_picture_with_a_hole_is_none():
@@ -100,9 +96,7 @@ def test_resizing_keeps_the_ground_in_place(size):
     """A brightness that grows evenly over the ground still does, without a shift: Lanczos keeps planes."""
     width, height = 120, 90
     ramp = np.linspace(40.0, 200.0, width * 2 + 1)[1::2]
-    picture = np.repeat(
-        np.broadcast_to(np.round(ramp).astype(np.uint8), (height, width))[..., np.newaxis], 3, axis=2
-    )
+    picture = np.repeat(np.broadcast_to(np.round(ramp).astype(np.uint8), (height, width))[..., np.newaxis], 3, axis=2)
     small = resized(picture, (*size, 1)).astype(float)
     expected = np.linspace(40.0, 200.0, size[0] * 2 + 1)[1::2]
     inner = slice(size[0] // 4, -size[0] // 4)

@@ -51,15 +51,11 @@ def wrapped(angle):
 
 def off_line(corners, lat, lon):
     """Metres from places to a line that is straight in degrees, on a plane about its first corner."""
-    there = Transformer.from_crs(
-        4326, f"+proj=aeqd +lat_0={corners[0][0]} +lon_0={corners[0][1]}", always_xy=True
-    )
+    there = Transformer.from_crs(4326, f"+proj=aeqd +lat_0={corners[0][0]} +lon_0={corners[0][1]}", always_xy=True)
     lons = corners[0][1] + np.append(0.0, np.cumsum(wrapped(np.diff(corners[:, 1]))))
     sides = np.linspace(0.0, len(corners) - 1.0, 50 * (len(corners) - 1) + 1)
     numbers = np.arange(len(corners))
-    dense = np.stack(
-        there.transform(np.interp(sides, numbers, lons), np.interp(sides, numbers, corners[:, 0])), axis=1
-    )
+    dense = np.stack(there.transform(np.interp(sides, numbers, lons), np.interp(sides, numbers, corners[:, 0])), axis=1)
     places = np.stack(there.transform(lon, lat), axis=1)[:, np.newaxis]
     start, along = dense[:-1], np.diff(dense, axis=0)
     share = np.clip(((places - start) * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
@@ -76,10 +72,7 @@ def test_a_line_is_flown_at_its_speed_and_turned_by_its_bank(shape, place):
     # A chord of the turn's circle is shorter than its arc by (s / r)² / 24, of 1.2 m and the tightest turn there is.
     speed, tightest = apart(lat, lon) / 0.1, flown.slowest_m_per_s**2 / (G * math.tan(math.radians(25.0)))
     assert speed.max() == pytest.approx(12.0, abs=0.01)
-    assert (
-        speed.min()
-        >= flown.slowest_m_per_s * (1.0 - (0.1 * flown.slowest_m_per_s / tightest) ** 2 / 20.0) - 0.01
-    )
+    assert speed.min() >= flown.slowest_m_per_s * (1.0 - (0.1 * flown.slowest_m_per_s / tightest) ** 2 / 20.0) - 0.01
     assert (flown.tight > 0) == (flown.slowest_m_per_s < 12.0) == (shape == "zigzag")
     if not flown.tight:
         assert speed.min() == pytest.approx(12.0, abs=0.01)
@@ -148,9 +141,7 @@ def test_a_side_across_the_equator_is_straight_in_degrees():
     corners = np.array([[-30.0, 0.0, 900.0], [30.0, 60.0, 900.0]])
     lat, lon, *_ = arrays(fly([corners], LineFlight(100.0, every_m=20_000.0)).points)
     assert len(lat) > 400
-    assert np.abs((lon - 30.0 - lat) * np.cos(np.radians(lat))).max() * 111_320.0 <= TOLERANCE_M * math.sqrt(
-        2.0
-    )
+    assert np.abs((lon - 30.0 - lat) * np.cos(np.radians(lat))).max() * 111_320.0 <= TOLERANCE_M * math.sqrt(2.0)
 
 
 def test_lines_are_flown_one_after_the_other():
@@ -218,9 +209,7 @@ def test_the_command_writes_what_missions_are_flown_from(run, tmp_path):
     }
     data["features"][1] = {"type": "Feature", "geometry": {"type": "MultiLineString", "coordinates": [sides]}}
     (tmp_path / "line.geojson").write_text(json.dumps(data))
-    words = (
-        "poses line line.geojson --speed 12 --every-s 2 --agl 120 --fixed-camera --start 2024-06-21T10:30:00Z"
-    )
+    words = "poses line line.geojson --speed 12 --every-s 2 --agl 120 --fixed-camera --start 2024-06-21T10:30:00Z"
     said = run(*words.split(), "--output", "poses.csv")
     assert said.stdout == "49 poses in poses.csv\nturns of 31.5 m, which miss corners by up to 13.0 m\n"
     points, _ = parse_coords(str(tmp_path / "poses.csv"))

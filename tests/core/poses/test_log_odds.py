@@ -53,8 +53,7 @@ def test_positions_without_a_place_are_left_out_and_counted(tmp_path, run, wrong
 def test_states_of_px4_without_a_place_are_left_out_and_counted(tmp_path):
     pytest.importorskip("pyulog")
     rows = [
-        ("vehicle_global_position", 0, us(at), math.nan if at < 3 else 47.0 + at, 8.5, 450.0 + at)
-        for at in range(1, 8)
+        ("vehicle_global_position", 0, us(at), math.nan if at < 3 else 47.0 + at, 8.5, 450.0 + at) for at in range(1, 8)
     ]
     track = read_ulog(ulog(tmp_path / "nan.ulg", rows))
     assert (track.lat_deg.tolist(), track.without_place) == ([50.0, 51.0, 52.0, 53.0, 54.0], 2)
@@ -76,9 +75,7 @@ def test_a_clock_that_starts_again_divides_a_log_into_flights(tmp_path, run):
     text_log(tmp_path / "two.log", [position(at, time=at % 10) for at in range(20)])
     read = ("poses", "read", "two.log", "--agl", "50", "--output", "p.csv")
     refused = run(*read).stderr
-    assert (
-        "its clock starts again at position 11: it holds 2 flights; choose one of them (--flight)" in refused
-    )
+    assert "its clock starts again at position 11: it holds 2 flights; choose one of them (--flight)" in refused
     for number, first in ((1, 0), (2, 10)):
         assert run(*read, "--flight", str(number)).returncode == 0
         wanted = [47.3765 + at * 1e-5 for at in range(first, first + 10)]

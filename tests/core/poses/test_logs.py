@@ -91,9 +91,7 @@ def test_a_log_of_ardupilot_is_flown(tmp_path):
     pytest.importorskip("pymavlink")
     points, left_out = read_dataflash(dataflash(tmp_path / "log.bin", copter())).points()
     assert left_out == 1
-    np.testing.assert_allclose(
-        points.poses, ((-35.3601, 149.16, 100.0), (-35.3602, 149.16, 101.0)), atol=1e-4
-    )
+    np.testing.assert_allclose(points.poses, ((-35.3601, 149.16, 100.0), (-35.3602, 149.16, 101.0)), atol=1e-4)
     # GPS week 2300 begins on 2024-02-04; four days later, less 18 leap seconds.
     assert points.times_s[0] == pytest.approx(1_707_004_800.0 + 345_600.0 + 2.0 - 18.0, abs=1e-3)
     np.testing.assert_allclose(points.yaws_deg[1], 90.0, atol=1e-3)
@@ -180,9 +178,7 @@ def test_damage_is_one_line(tmp_path, caplog, capsys):
     # Data of a topic that the log does not declare.
     path.write_bytes(path.read_bytes() + struct.pack("<HBHQ", 10, ord("D"), 99, 0))
     assert len(read_ulog(path)) == 3
-    assert [record.message.partition(" (")[0] for record in caplog.records] == [
-        f"log {path}: is damaged in places"
-    ]
+    assert [record.message.partition(" (")[0] for record in caplog.records] == [f"log {path}: is damaged in places"]
     assert capsys.readouterr().out == ""
 
 
@@ -195,9 +191,7 @@ def test_damage_that_a_module_in_c_tells_is_one_line(tmp_path, caplog, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize(
-    "topic", ["vehicle_global_position", "vehicle_attitude", "home_position", "sensor_gps"]
-)
+@pytest.mark.parametrize("topic", ["vehicle_global_position", "vehicle_attitude", "home_position", "sensor_gps"])
 def test_topics_without_what_is_needed_of_them_are_not_there(tmp_path, topic):
     pytest.importorskip("pyulog")
     rows = [row for row in flight(FLIGHT) if row[0] != topic]
@@ -221,12 +215,8 @@ def test_attitudes_beyond_measure_are_left_out(tmp_path):
     assert np.isfinite(track.attitude_deg).all()
 
 
-@pytest.mark.parametrize(
-    ("reader", "module"), [(read_ulog, "pyulog"), (read_dataflash, "pymavlink.DFReader")]
-)
+@pytest.mark.parametrize(("reader", "module"), [(read_ulog, "pyulog"), (read_dataflash, "pymavlink.DFReader")])
 def test_a_reader_that_is_missing_is_named(tmp_path, monkeypatch, reader, module):
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(
-        OutputError, match="which reads such files, is not installed; get it with: pip install"
-    ):
+    with pytest.raises(OutputError, match="which reads such files, is not installed; get it with: pip install"):
         reader(tmp_path / "log")

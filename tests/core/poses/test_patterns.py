@@ -86,9 +86,7 @@ def test_a_corridor_shows_all_of_its_strip(shape, width_m, overlap, seed):
 
 def test_a_straight_corridor_has_the_fewest_images_and_the_overlaps_asked_for():
     length_m, width_m, along, across = 2000.0, 400.0, 0.75, 0.6
-    points = corridor(
-        [line_of([(-1000.0, 0.0), (1000.0, 0.0)])], CAMERA, AGL_M, (along, across), Corridor(width_m)
-    )
+    points = corridor([line_of([(-1000.0, 0.0), (1000.0, 0.0)])], CAMERA, AGL_M, (along, across), Corridor(width_m))
     rows = math.ceil((width_m - WIDE_M) / (WIDE_M * (1.0 - across))) + 1
     columns = math.ceil(length_m / (HIGH_M * (1.0 - along))) + 1
     assert len(points.poses) == rows * columns
@@ -104,9 +102,7 @@ def test_a_straight_corridor_has_the_fewest_images_and_the_overlaps_asked_for():
 
 
 def test_an_offset_is_to_the_right_of_the_line():
-    points = corridor(
-        [line_of([(0.0, 0.0), (0.0, 1000.0)])], CAMERA, AGL_M, (0.5, 0.5), Corridor(0.0, offset_m=80.0)
-    )
+    points = corridor([line_of([(0.0, 0.0), (0.0, 1000.0)])], CAMERA, AGL_M, (0.5, 0.5), Corridor(0.0, offset_m=80.0))
     x, _, _ = planar(points)
     np.testing.assert_allclose(x, 80.0, atol=SLACK_M)
 

@@ -45,9 +45,7 @@ def test_places_are_even_by_the_ground():
     lat, lon, _ = columns(random_poses(Box(80.0, 10.0, 0.0, 50.0), 40_000, HOW, 1))
     edges = np.linspace(0.0, 80.0, 9)
     counts, _ = np.histogram(lat, edges)
-    ground = np.array(
-        [float(WGS84.zone_area_m2_per_deg(np.array(a), np.array(b))) for a, b in zip(edges, edges[1:])]
-    )
+    ground = np.array([float(WGS84.zone_area_m2_per_deg(np.array(a), np.array(b))) for a, b in zip(edges, edges[1:])])
     wanted = ground / ground.sum() * len(lat)
     # Five standard deviations of counts, of one seed for ever.
     assert (np.abs(counts - wanted) < 5.0 * np.sqrt(wanted)).all()
@@ -110,16 +108,12 @@ def test_a_seed_gives_the_same_poses_everywhere_and_another_one_others():
     # More poses are the same ones first; other tilts leave the rest as it was.
     more = random_poses(STAR, 80, HOW, 2024)
     assert table_text(more).startswith(text)
-    other = random_poses(
-        STAR, 50, PoseDistributions(HOW.agl, HOW.yaw, Distribution("fixed", 0.0), HOW.roll), 2024
-    )
+    other = random_poses(STAR, 50, PoseDistributions(HOW.agl, HOW.yaw, Distribution("fixed", 0.0), HOW.roll), 2024)
     assert (other.poses, other.yaws_deg) == (
         random_poses(STAR, 50, HOW, 2024).poses,
         random_poses(STAR, 50, HOW, 2024).yaws_deg,
     )
-    box = random_poses(
-        Box(35.16, -89.90, 35.115, -89.823), 3, PoseDistributions(Distribution("fixed", 120.0)), 2024
-    )
+    box = random_poses(Box(35.16, -89.90, 35.115, -89.823), 3, PoseDistributions(Distribution("fixed", 120.0)), 2024)
     assert hashlib.sha256(table_text(box).encode()).hexdigest()[:16] == "936e47d92f5a9935"
 
 

@@ -41,9 +41,7 @@ POSES = Points(
 
 
 def near(points: Points, wanted: Points, *, agl_m=1e-3, deg=1e-6) -> None:
-    np.testing.assert_allclose(
-        np.array(points.poses)[:, :2], np.array(wanted.poses)[:, :2], rtol=0.0, atol=1e-8
-    )
+    np.testing.assert_allclose(np.array(points.poses)[:, :2], np.array(wanted.poses)[:, :2], rtol=0.0, atol=1e-8)
     np.testing.assert_allclose(np.array(points.poses)[:, 2], np.array(wanted.poses)[:, 2], atol=agl_m)
     for name in ("yaw", "tilt", "roll"):
         np.testing.assert_allclose(points.stated_deg(name), wanted.stated_deg(name), atol=deg)
@@ -87,9 +85,7 @@ def test_a_trajectory_that_was_exported_is_flown_again(tmp_path, run):
 def test_axes_are_those_that_are_said(world, body, quaternion, attitude):
     w, x, y, z = quaternion
     up = "-40" if world == "ned" else "40"
-    track = read_trajectory(
-        f"# t x y z\n\n5.5 0 0 {up} {x} {y} {z} {w}\n", "tum", ORIGIN, body=body, world=world
-    )
+    track = read_trajectory(f"# t x y z\n\n5.5 0 0 {up} {x} {y} {z} {w}\n", "tum", ORIGIN, body=body, world=world)
     points, left_out = track.points()
     assert left_out == 0
     assert points.times_s == (5.5,)
@@ -101,9 +97,7 @@ def test_axes_are_those_that_are_said(world, body, quaternion, attitude):
 def test_euroc_and_kitti_have_the_same_poses_as_tum():
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
     w = math.sqrt(1.0 + np.trace(turn)) / 2.0
-    x, y, z = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / (
-        4.0 * w
-    )
+    x, y, z = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / (4.0 * w)
     tum = read_trajectory(f"1.25 10 20 30 {x} {y} {z} {w}", "tum", ORIGIN, world="enu")
     euroc = read_trajectory(
         f"#timestamp [ns],p_RS_R_x [m]\n1250000000,10,20,30,{w},{x},{y},{z}\n", "euroc", ORIGIN, body="camera"
@@ -129,9 +123,7 @@ def test_euroc_and_kitti_have_the_same_poses_as_tum():
         "+step +inv +proj=cart +ellps=WGS84 +step +proj=unitconvert +xy_in=rad +xy_out=deg"
     )
     lon, lat, height = to_cart.transform(10.0, 20.0, 30.0)
-    np.testing.assert_allclose(
-        (tum.lat_deg[0], tum.lon_deg[0], tum.height_m[0]), (lat, lon, height), atol=1e-9
-    )
+    np.testing.assert_allclose((tum.lat_deg[0], tum.lon_deg[0], tum.height_m[0]), (lat, lon, height), atol=1e-9)
 
 
 def test_the_unit_of_euroc_is_mounted_as_its_calibration_says():
@@ -231,9 +223,7 @@ def test_a_flight_of_a_gpx_is_captured_with_its_times(tmp_path, run):
     assert table.time_utc == ("2024-06-21T10:30:00.000Z", "2024-06-21T10:30:30.000Z")
     assert set(table.agl_m) == {90.0}
     refused = run("capture", "--coords", "way.gpx", "--data-dir", "other")
-    assert (
-        "a trajectory or a flight log; make a table of poses from it (terrainav poses read)" in refused.stderr
-    )
+    assert "a trajectory or a flight log; make a table of poses from it (terrainav poses read)" in refused.stderr
 
 
 def test_one_who_stands_looks_where_he_went(tmp_path):
@@ -255,9 +245,7 @@ def test_a_track_may_start_anew_and_be_kept_level():
 
 def test_positions_are_thinned_by_time_and_by_way():
     count = 101
-    track = Track(
-        np.full(count, 0.0), np.arange(count) * 1e-4, np.full(count, 50.0), 0.0, np.arange(count) * 0.1
-    )
+    track = Track(np.full(count, 0.0), np.arange(count) * 1e-4, np.full(count, 50.0), 0.0, np.arange(count) * 0.1)
     assert np.diff(track.thinned(every_s=0.3).time_s).tolist() == pytest.approx([0.3] * 33)
     # 11.13 m each.
     by_way = track.thinned(every_m=20.0)

@@ -126,9 +126,7 @@ def _already(case: Case) -> None:
     case.follow("choose another folder", lambda: made(case.tmp_path / "other"))
 
 
-@remedy(
-    "benchmark/making.py", "folder {}: holds {} but no {}, so it is no benchmark's; choose another folder"
-)
+@remedy("benchmark/making.py", "folder {}: holds {} but no {}, so it is no benchmark's; choose another folder")
 def _foreign(case: Case) -> None:
     (case.tmp_path / "mine.txt").write_text("mine")
     case.refused(lambda: made(case.tmp_path))

@@ -85,9 +85,7 @@ def _none_made(case: Case) -> None:
         case.follow("resume it (--resume) once they are well", lambda: go(True))
 
 
-@remedy(
-    "capture/blocks/running.py", "workers: not all have TerrAInav {}; install it on each, of the same version"
-)
+@remedy("capture/blocks/running.py", "workers: not all have TerrAInav {}; install it on each, of the same version")
 def _not_installed(case: Case) -> None:
     with Failing(ModuleNotFoundError("No module named 'terrainav'")) as workers:
         engine = Engine(workers, lambda: 1, in_process=True)
@@ -107,9 +105,7 @@ def _not_whole(case: Case) -> None:
         place = case.tmp_path / "out"
 
         def go():
-            return capture(
-                plan(MISSION, SOURCE.grid), SOURCE, place, executor=engine, blocks=Blocks(), resume=True
-            )
+            return capture(plan(MISSION, SOURCE.grid), SOURCE, place, executor=engine, blocks=Blocks(), resume=True)
 
         case.refused(go)
         workers.wrong = None
@@ -137,9 +133,7 @@ def _worker_without(case: Case) -> None:
     client.answer = ModuleNotFoundError("No module named 'terrainav'", name="terrainav")
     case.refused(lambda: _Workers(client).slots())
     client.answer = (platform.python_version(), version(), True)
-    case.follow(
-        f"install it there: pip install 'terrainav[cluster]=={version()}'", lambda: _Workers(client).slots()
-    )
+    case.follow(f"install it there: pip install 'terrainav[cluster]=={version()}'", lambda: _Workers(client).slots())
 
 
 @remedy("capture/holding.py", "address {}: another run is at work there; wait until it has ended")
@@ -251,6 +245,4 @@ def _no_dask(case: Case) -> None:
     with case.monkeypatch.context() as without:
         without.setitem(sys.modules, "distributed", None)
         case.refused(opened)
-    case.follow(
-        "get it with: pip install 'terrainav[cluster]'", lambda: extra_brings("cluster", "distributed")
-    )
+    case.follow("get it with: pip install 'terrainav[cluster]'", lambda: extra_brings("cluster", "distributed"))

@@ -54,9 +54,7 @@ def _mission_twice(case: Case) -> None:
     assert case.run("plan", "--coords", BOX, "--output", "mission.json").returncode == 0
     case.says(case.run("plan", "mission.json", "--fov", "80").stderr)
     assert case.run("plan", "mission.json").returncode == 0
-    case.follow(
-        "give one of the two", lambda: case.run("plan", "--coords", BOX, "--fov", "80").returncode == 0
-    )
+    case.follow("give one of the two", lambda: case.run("plan", "--coords", BOX, "--fov", "80").returncode == 0)
 
 
 @contextmanager
@@ -74,9 +72,7 @@ def _stopped_capture(case: Case) -> None:
     with case.monkeypatch.context() as stopped:
         stopped.setattr(flying, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
-    case.follow(
-        "what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0
-    )
+    case.follow("what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0)
 
 
 @remedy("cli/pairing.py", STOPPED)
@@ -85,9 +81,7 @@ def _stopped_pairs(case: Case) -> None:
     with case.monkeypatch.context() as stopped:
         stopped.setattr(pairing, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
-    case.follow(
-        "what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0
-    )
+    case.follow("what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0)
 
 
 @remedy(
@@ -169,9 +163,7 @@ def _no_count(case: Case) -> None:
 def _rings(case: Case) -> None:
     asked = ("pairs", "35.16_-89.90_35.0_-89.7", "--count", "2", "--split", "1", "1", "0", "--dry-run")
     case.says(case.run(*asked, "--yaws", "3", "--rounds", "1").stderr)
-    case.follow(
-        "give --views for a spiral", lambda: case.run(*asked, "--views", "3", "--rounds", "1").returncode == 0
-    )
+    case.follow("give --views for a spiral", lambda: case.run(*asked, "--views", "3", "--rounds", "1").returncode == 0)
 
 
 @remedy("cli/datasets.py", "{}that is most of them: smaller blocks lose more, so try a larger --block")

@@ -170,9 +170,7 @@ def _not_in_the_table(case: Case, several: bool) -> None:
     source, folder = PatternSource(), case.tmp_path / "out"
     worked_out = plan(MISSION, source.grid)
     capture(worked_out, source, folder, only=[0, 1, 2])
-    foreign = [
-        folder / "satellite" / f"9_{row}_35.10000000_-89.90000000_18.png" for row in range(1 + several)
-    ]
+    foreign = [folder / "satellite" / f"9_{row}_35.10000000_-89.90000000_18.png" for row in range(1 + several)]
     for image in foreign:
         shutil.copy(images_in(folder)[0], image)
     case.refused(lambda: clean(folder))
@@ -199,9 +197,7 @@ def _not_in_the_table(case: Case, several: bool) -> None:
 for _entry, _one in {
     _in_both: "{} is in it and in {} as well; remove one of the two",
     _not_there: "{} of the table is not there; put it back, or capture again (--resume)",
-    _not_in_the_table: (
-        "{} is not in the table; finish the capture (--resume), or remove what does not belong to it"
-    ),
+    _not_in_the_table: ("{} is not in the table; finish the capture (--resume), or remove what does not belong to it"),
 }.items():
     _many = _one.replace(" is ", " are ", 1).replace("put it", "put them")
     remedy("dataset/dataset.py", f"folder {{}}: {_one}")(partial(_entry, several=False))
@@ -251,9 +247,7 @@ def _stopped(case: Case) -> None:
     def stopped(folder):
         asked = []
         case.refused(
-            lambda: clean(
-                folder, 8.0, move=True, progress=lambda share: asked.append(share) or len(asked) < 3
-            ),
+            lambda: clean(folder, 8.0, move=True, progress=lambda share: asked.append(share) or len(asked) < 3),
             Cancelled,
         )
 
@@ -344,8 +338,7 @@ def _column_twice(case: Case) -> None:
 
     def write(*headers):
         lines = [
-            ",".join([*row, *more])
-            for row, more in zip(rows, [headers, *(["1"] * len(headers) for _ in rows[1:])])
+            ",".join([*row, *more]) for row, more in zip(rows, [headers, *(["1"] * len(headers) for _ in rows[1:])])
         ]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -411,9 +404,7 @@ def _not_by_zones(case: Case) -> None:
     case.follow("choose mission", lambda: make_labels(lat, lon, "mission"))
 
 
-@remedy(
-    "dataset/labels.py", "labels: no image is in the training part, which the scaler is fitted on; split anew"
-)
+@remedy("dataset/labels.py", "labels: no image is in the training part, which the scaler is fitted on; split anew")
 def _no_training(case: Case) -> None:
     folder = captured(case)
     table = read_dataset(folder).image_sets["satellite"].table
@@ -441,9 +432,7 @@ def _none_left(case: Case) -> None:
 
     case.follow("clean anew", cleaned)
     other = captured(case, name="other")
-    case.follow(
-        "capture", lambda: make_dataset_labels(one.table for one in read_dataset(other).image_sets.values())
-    )
+    case.follow("capture", lambda: make_dataset_labels(one.table for one in read_dataset(other).image_sets.values()))
 
 
 @remedy(
@@ -691,9 +680,7 @@ def _turned_targets(case: Case) -> None:
     chosen = {"part": "all", "targets": ("attitude",)}
     case.refused(lambda: LabelledImages(folder, augment=augment.Augmentation(), **chosen))
     shaded = augment.Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, contrast=0.2, brightness=0.1)
-    case.follow(
-        "take one of contrast and brightness alone", lambda: LabelledImages(folder, augment=shaded, **chosen)
-    )
+    case.follow("take one of contrast and brightness alone", lambda: LabelledImages(folder, augment=shaded, **chosen))
     case.follow("leave the augmentation out", lambda: LabelledImages(folder, augment=None, **chosen))
 
 

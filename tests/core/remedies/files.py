@@ -68,9 +68,7 @@ def _already_there(case: Case) -> None:
     assert case.run(*asked, "--data-dir", "out").returncode == 0
     case.refused(lambda: captured(case.tmp_path / "mine") and captured(case.tmp_path / "mine"))
     case.says(case.run(*asked, "--data-dir", "out").stderr)
-    case.follow(
-        "resume it (--resume)", lambda: case.run(*asked, "--data-dir", "out", "--resume").returncode == 0
-    )
+    case.follow("resume it (--resume)", lambda: case.run(*asked, "--data-dir", "out", "--resume").returncode == 0)
     case.follow("choose another one", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
     address = new_address()
     stored(address)
@@ -300,9 +298,7 @@ def extra_brings(extra, package):
 # --- object stores
 
 
-@remedy(
-    "storage/stores.py", "addresses of object stores: {} cannot be imported ({}); get it with: pip install {}"
-)
+@remedy("storage/stores.py", "addresses of object stores: {} cannot be imported ({}); get it with: pip install {}")
 def _no_fsspec(case: Case) -> None:
     with case.monkeypatch.context() as without:
         without.setitem(sys.modules, "fsspec", None)

@@ -39,9 +39,7 @@ class Late:
         """Hold nothing."""
 
 
-@remedy(
-    "imagery/http/client.py", "{}: not requested, as the last {} requests had no answer in time; resume later"
-)
+@remedy("imagery/http/client.py", "{}: not requested, as the last {} requests had no answer in time; resume later")
 def _kept_waiting(case: Case) -> None:
     server = Late()
     asked = clients.Client(server, "P", tries=1)
@@ -86,9 +84,7 @@ def _host_of_a_file(case: Case) -> None:
     case.monkeypatch.delenv("TERRAINAV_KEY_HOSTS", raising=False)
     case.refused(lambda: opened(TEMPLATE + "?k={key}"))
     case.monkeypatch.setenv("TERRAINAV_KEY_HOSTS", "h.example")
-    case.follow(
-        "set TERRAINAV_KEY_HOSTS=h.example if the key is for it", lambda: opened(TEMPLATE + "?k={key}")
-    )
+    case.follow("set TERRAINAV_KEY_HOSTS=h.example if the key is for it", lambda: opened(TEMPLATE + "?k={key}"))
 
 
 @remedy(

@@ -183,9 +183,7 @@ def _of_qgis(case: Case) -> None:
 @remedy("imagery/opening.py", "source {}: a file states no terms; name one of the sources that have some")
 def _no_terms(case: Case) -> None:
     case.refused(lambda: named_source("ortho.tif").entry)
-    case.follow(
-        "name one of the sources that have some", lambda: bool(named_source("usgs").entry.policy.terms)
-    )
+    case.follow("name one of the sources that have some", lambda: bool(named_source("usgs").entry.policy.terms))
 
 
 ASKS = Policy(bulk_allowed="ask", max_tiles=10, terms="Ask first.")
@@ -574,8 +572,7 @@ def _whole_files_only(case: Case) -> None:
 
 @remedy(
     "imagery/raster/trust.py",
-    "is of a format that is read from folders of this machine alone; "
-    "name a copy of it, unpacked and on this machine",
+    "is of a format that is read from folders of this machine alone; name a copy of it, unpacked and on this machine",
 )
 def _whole_formats(case: Case) -> None:
     import zipfile
@@ -656,9 +653,7 @@ def _many_directories(case: Case) -> None:
 
     gdal.Open(str(path), gdal.GA_Update).BuildOverviews("NEAREST", [2, 4])
     case.refused(lambda: read(path))
-    case.follow(
-        "make a copy of its first image, with gdal_translate", lambda: read(_made_by_gdal(case, path))
-    )
+    case.follow("make a copy of its first image, with gdal_translate", lambda: read(_made_by_gdal(case, path)))
 
 
 @remedy(

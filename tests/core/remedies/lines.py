@@ -27,9 +27,7 @@ def _sharp(case: Case) -> None:
     there, turning = (35.0, 10.0), (35.001, 10.0)
     case.refused(lambda: fly([line(there, turning, there)], FLIGHT))
     case.follow("simplify it", lambda: fly([line(there, turning)], FLIGHT))
-    case.follow(
-        "make two lines of it there", lambda: fly([line(there, turning), line(turning, there)], FLIGHT)
-    )
+    case.follow("make two lines of it there", lambda: fly([line(there, turning), line(turning, there)], FLIGHT))
 
 
 @remedy("poses/line.py", "file {}: its corners have no height above ground; give one for all (--agl)")

@@ -115,9 +115,7 @@ def _around_a_pole(case: Case) -> None:
 )
 def _no_lxml(case: Case) -> None:
     kml, geojson = case.tmp_path / "area.kml", case.tmp_path / "area.geojson"
-    kml.write_text(
-        "<kml><LinearRing><coordinates>10,35 10.1,35 10,35.1 10,35</coordinates></LinearRing></kml>"
-    )
+    kml.write_text("<kml><LinearRing><coordinates>10,35 10.1,35 10,35.1 10,35</coordinates></LinearRing></kml>")
     geojson.write_text(_POLYGON)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "lxml.etree", None)
@@ -152,18 +150,14 @@ def _size_twice(case: Case) -> None:
 
     case.refused(lambda: made({"fov_deg": 80.0, "size_px": [640, 480], "image_px": 640}))
     made({"fov_deg": 80.0, "size_px": [640, 480]})
-    case.follow(
-        "give one of the two", lambda: made({"fov_deg": 80.0, "aspect_ratio": [3, 2], "image_px": 640})
-    )
+    case.follow("give one of the two", lambda: made({"fov_deg": 80.0, "aspect_ratio": [3, 2], "image_px": 640}))
 
 
 @remedy("mission/cameras.py", "camera {} is unknown: {}`terrainav cameras` lists the names")
 def _camera_unknown(case: Case) -> None:
     text = case.refused(lambda: cameras.camera_named("Mavic 2 Prow"))
     meant = text.partition("did you mean ")[2].partition("?")[0]
-    case.follow(
-        f"did you mean {meant}?", lambda: [cameras.camera_named(name) for name in meant.split(" or ")]
-    )
+    case.follow(f"did you mean {meant}?", lambda: [cameras.camera_named(name) for name in meant.split(" or ")])
     names = case.run("cameras").stdout
     case.follow("terrainav cameras` lists the names", lambda: "DJI Mavic 2 Pro" in names)
     cameras.camera_named("DJI Mavic 2 Pro")
@@ -257,8 +251,7 @@ def _beyond(case: Case) -> None:
 
 
 UPSAMPLED = (
-    "requested {}, but the source has {} here (zoom {}): upsampled {} times, images show no more detail; "
-    "ask for {}"
+    "requested {}, but the source has {} here (zoom {}): upsampled {} times, images show no more detail; ask for {}"
 )
 
 
@@ -311,8 +304,7 @@ def _warned(mission, grid):
 
 @remedy(
     "mission/export/geopackage.py",
-    "{}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
-    ".geojson",
+    "{}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose .geojson",
 )
 def _no_gdal(case: Case) -> None:
     made = plan(Mission(AREA, 400.0), GRID)
@@ -323,9 +315,7 @@ def _no_gdal(case: Case) -> None:
     case.follow("install it", lambda: write_plan(made, case.tmp_path / "plan.gpkg"))
 
 
-@remedy(
-    "mission/export/litchi.py", "Litchi mission of one waypoint: takes two or more; plan a list or an area"
-)
+@remedy("mission/export/litchi.py", "Litchi mission of one waypoint: takes two or more; plan a list or an area")
 def _one_waypoint(case: Case) -> None:
     def write(area):
         return write_plan(plan(Mission(area, 120.0), GRID), case.tmp_path / "flight.litchi.csv")
@@ -337,8 +327,7 @@ def _one_waypoint(case: Case) -> None:
 
 @remedy(
     "mission/export/litchi.py",
-    "Litchi mission of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less "
-    "overlap",
+    "Litchi mission of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less overlap",
 )
 def _litchi(case: Case) -> None:
     case.monkeypatch.setattr(litchi, "MOST_PARTS", 1)
@@ -347,8 +336,7 @@ def _litchi(case: Case) -> None:
 
 @remedy(
     "mission/export/qgroundcontrol.py",
-    "QGroundControl plan of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or "
-    "less overlap",
+    "QGroundControl plan of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less overlap",
 )
 def _qgroundcontrol(case: Case) -> None:
     case.monkeypatch.setattr(qgroundcontrol, "MOST_ITEMS", 204)

@@ -20,9 +20,7 @@ from tests.support.remedies import Case, remedy
 from tests.support.sources import PatternSource
 
 PLACES = tuple(PairPlace(35.0 + 0.02 * at, -89.9, f"place {at}") for at in range(2))
-SETTINGS = PairSettings(
-    views=rings((100.0,), 1, (0.0,)), size_px=32, source="pattern", shares=(1.0, 1.0, 0.0)
-)
+SETTINGS = PairSettings(views=rings((100.0,), 1, (0.0,)), size_px=32, source="pattern", shares=(1.0, 1.0, 0.0))
 OTHER = replace(SETTINGS, size_px=48)
 BOX = Box(35.25, -90.0, 35.0, -89.67)
 
@@ -32,9 +30,7 @@ def paired(folder, settings=SETTINGS, **options):
     return capture_pairs(plan_pairs(PLACES, settings, source.grid), source, folder, **options)
 
 
-@remedy(
-    "pairs/capturing.py", "folder {}: holds {} but no {}, so it is not of these pairs; choose another folder"
-)
+@remedy("pairs/capturing.py", "folder {}: holds {} but no {}, so it is not of these pairs; choose another folder")
 def _foreign(case: Case) -> None:
     (case.tmp_path / "train").mkdir()
     case.refused(lambda: paired(case.tmp_path))
@@ -118,9 +114,7 @@ def _crowded(case: Case) -> None:
     case.follow("places farther apart", lambda: shared(far, shares, 500.0, gap_m=400.0))
     case.follow("give", lambda: True)
     case.follow("a smaller --gap", lambda: shared(near, shares, 500.0, gap_m=10.0))
-    case.follow(
-        "--allow-shared-ground", lambda: shared(near, shares, 500.0, gap_m=400.0, allow_shared_ground=True)
-    )
+    case.follow("--allow-shared-ground", lambda: shared(near, shares, 500.0, gap_m=400.0, allow_shared_ground=True))
 
     def from_above(agl, tilt):
         return plan_pairs(near, replace(SETTINGS, gap_m=400.0, views=rings((agl,), 1, (tilt,))), PixelGrid())
@@ -143,8 +137,7 @@ def spread(case: Case, count=40, spacing=None, box=BOX, agl=3000.0):
 
 @remedy(
     "pairs/places.py",
-    "{} places {} m apart: the box has room for {}; give a larger box, fewer places, {}or a smaller "
-    "--spacing",
+    "{} places {} m apart: the box has room for {}; give a larger box, fewer places, {}or a smaller --spacing",
 )
 def _no_room(case: Case) -> None:
     larger = Box(36.5, -91.0, 35.0, -89.0)

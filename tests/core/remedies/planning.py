@@ -217,15 +217,13 @@ planned(
 )
 planned(
     "layout/paper.py",
-    "paper layout over {} deg of longitude: its UTM grid holds to {} deg from the zone's meridian; use "
-    "--layout cover",
+    "paper layout over {} deg of longitude: its UTM grid holds to {} deg from the zone's meridian; use --layout cover",
     Mission(Box(10, -170, -10, 170), 1e5, layout="paper", accept_error=True),
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
     "layout/rows.py",
-    "images with under 0.001 px of map in them: the camera looks past the map or the Earth; tilt it "
-    "less or fly lower",
+    "images with under 0.001 px of map in them: the camera looks past the map or the Earth; tilt it less or fly lower",
     Mission(Box(84, 0, 83.5, 1), 8e5, tilt_deg=20.0),
     {"tilt it less": {"tilt_deg": 2.0}, "fly lower": {"agl_m": 8e4}},
 )
@@ -347,9 +345,7 @@ planned(
 def _aligned_on_paper(case: Case) -> None:
     mission = Mission(AREA, 120.0, layout="paper")
     case.refused(partial(align_rows, mission, GRID))
-    case.follow(
-        "use --layout cover", partial(align_rows, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE)
-    )
+    case.follow("use --layout cover", partial(align_rows, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE))
 
 
 planned(
@@ -389,8 +385,7 @@ def _past_the_horizon(case: Case) -> None:
 
 @remedy(
     "geodesy/mercator.py",
-    "image at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or "
-    "farther from the pole",
+    "image at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole",
 )
 def _holds_a_pole(case: Case) -> None:
     def frames(lat, agl):
@@ -462,9 +457,7 @@ planned(
     Mission(TWO.parts[0], 120.0, no_fly=(TWO.parts[0],), overlap_along=0.2),
     {
         "choose another area": {"area": TWO.parts[1]},
-        "smaller no-fly areas": {
-            "no_fly": (Polygon((((-89.0, 35.0), (-88.9999, 35.0), (-88.9999, 35.0001)),)),)
-        },
+        "smaller no-fly areas": {"no_fly": (Polygon((((-89.0, 35.0), (-88.9999, 35.0), (-88.9999, 35.0001)),)),)},
     },
 )
 

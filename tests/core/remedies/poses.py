@@ -85,9 +85,7 @@ def _no_table(case: Case) -> None:
     path = case.tmp_path / "way.gpx"
     path.write_text(GPX)
     case.refused(lambda: parse_coords(str(path)))
-    case.follow(
-        "make a table of poses from it (terrainav poses read)", lambda: read(case, "way.gpx", "--agl", "90")
-    )
+    case.follow("make a table of poses from it (terrainav poses read)", lambda: read(case, "way.gpx", "--agl", "90"))
     assert len(parse_coords(str(case.tmp_path / "poses.csv"))[0].poses) == 2
 
 
@@ -213,9 +211,7 @@ def _points_go_back(case: Case) -> None:
     text = f"<gpx>{point.format(30)}{point.format(10)}</gpx>"
     (case.tmp_path / "back.gpx").write_text(text)
     case.refused(lambda: read_gpx(text.encode()))
-    case.follow(
-        "leave the times out (--times)", lambda: read(case, "back.gpx", "--agl", "90", "--times", "none")
-    )
+    case.follow("leave the times out (--times)", lambda: read(case, "back.gpx", "--agl", "90", "--times", "none"))
 
 
 @remedy("poses/logs.py", "log {}: {}; leave the times out (--times)")

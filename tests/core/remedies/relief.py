@@ -225,6 +225,4 @@ def _beside_the_tower(case: Case) -> None:
 def _surface_over_nothing(case: Case) -> None:
     path = str(written(case, "heights.tif"))
     case.refused(lambda: above(170.0, 200.0, 200.0, surface=(path,)))
-    case.follow(
-        "name it as the elevation (--elevation)", lambda: above(170.0, 200.0, 200.0, elevation=(path,))
-    )
+    case.follow("name it as the elevation (--elevation)", lambda: above(170.0, 200.0, 200.0, elevation=(path,)))

@@ -32,9 +32,7 @@ def _no_takeoff(case: Case) -> None:
     "take-off at latitude {}, longitude {}: lies inside a no-fly area; move it outside",
 )
 def _takeoff_in_no_fly(case: Case) -> None:
-    mission = FIELD.with_(
-        no_fly=(Polygon((((-89.91, 35.15), (-89.901, 35.15), (-89.901, 35.16), (-89.91, 35.16)),)),)
-    )
+    mission = FIELD.with_(no_fly=(Polygon((((-89.91, 35.15), (-89.901, 35.15), (-89.901, 35.16), (-89.91, 35.16)),)),))
     case.refused(partial(flown, mission))
     case.follow("move it outside", partial(flown, mission, takeoff=(35.1565, -89.8995)))
 

@@ -149,9 +149,7 @@ def test_errors_are_within_their_bounds_and_times_are_times(report):
     assert chosen == {choice.method.stage: choice.method.name for choice in worked_out.accuracy.choices}
     for choice in worked_out.accuracy.choices:
         row = next(
-            row
-            for row in methods
-            if row["method"] == choice.method.name and row["stage"] == choice.method.stage
+            row for row in methods if row["method"] == choice.method.name and row["stage"] == choice.method.stage
         )
         assert float(row["bound_px"]) == pytest.approx(choice.method.bound_px)
     exact = [row for row in measured if row["method"] in ("exact", "rays")]

@@ -41,9 +41,7 @@ def by_name(effect):
 
 def rotation(yaw, tilt, roll):
     """Rotation from the camera's right, image top and back to east, north, up, each turn as a matrix of its own."""
-    (cy, sy), (ct, st), (cr, sr) = (
-        (math.cos(math.radians(a)), math.sin(math.radians(a))) for a in (yaw, tilt, roll)
-    )
+    (cy, sy), (ct, st), (cr, sr) = ((math.cos(math.radians(a)), math.sin(math.radians(a))) for a in (yaw, tilt, roll))
     # Clockwise from north about the vertical; the top of the image up; its right side down.
     turned = np.array([[cy, sy, 0.0], [-sy, cy, 0.0], [0.0, 0.0, 1.0]])
     tilted = np.array([[1.0, 0.0, 0.0], [0.0, ct, -st], [0.0, st, ct]])
@@ -87,8 +85,7 @@ def test_turns_are_those_between_rotations_and_shift_rays_by_their_pixels(tilt_d
     flown = plan(GUSTY.with_(tilt_deg=tilt_deg), WORLD.grid)
     found = by_name(wind_effect(flown))
     was, now = (
-        [rotation(*map(float, angles)) for angles in zip(*poses.attitude)]
-        for poses in (flown.nominal, flown.poses)
+        [rotation(*map(float, angles)) for angles in zip(*poses.attitude)] for poses in (flown.nominal, flown.poses)
     )
     turns = [before.T @ after for before, after in zip(was, now)]
     angles = [math.degrees(math.acos(min((np.trace(turn) - 1.0) / 2.0, 1.0))) for turn in turns]
@@ -155,9 +152,7 @@ def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
         }
         # In the words of `terrainav plan`, too.
         for label in ("flight time", "images"):
-            assert {row[0]: row[1 + at] for row in air_table(effect).rows}[label] == dict(summary.lines())[
-                label
-            ]
+            assert {row[0]: row[1 + at] for row in air_table(effect).rows}[label] == dict(summary.lines())[label]
     assert figures["least_front_overlap"][1] < figures["least_front_overlap"][0] - 0.05
     said = wind_effect_text(effect)[-1]
     for way in ("front", "side"):
@@ -194,9 +189,7 @@ def test_the_page_says_what_the_wind_does_in_figures(tmp_path):
         assert float(row["within_95_percent_px"]) == one.px.usual
         assert row["at_most"] == ("" if one.size is None else str(one.size.most))
     with (tmp_path / "steady" / "wind-coverage.csv").open(encoding="utf-8", newline="") as file:
-        figures = {
-            row["figure"]: (float(row["still_air"]), float(row["wind"])) for row in csv.DictReader(file)
-        }
+        figures = {row["figure"]: (float(row["still_air"]), float(row["wind"])) for row in csv.DictReader(file)}
     assert {name for name, (calm, wind) in figures.items() if calm != wind} == {"flight_s"}
     assert not (tmp_path / "steady" / "wind-displacement.csv").exists()
     assert not list((tmp_path / "calm").glob("wind*"))
@@ -220,9 +213,7 @@ def test_a_camera_that_looks_past_the_earth_is_displaced_by_what_it_does_see():
 
 
 def test_displacements_have_two_digits_and_no_powers_of_ten():
-    assert [
-        displaced_text(value, "px").replace("\u00a0", " ") for value in (0.0, 3.21, 174.4, math.inf, None)
-    ] == [
+    assert [displaced_text(value, "px").replace("\u00a0", " ") for value in (0.0, 3.21, 174.4, math.inf, None)] == [
         "0 px",
         "3.2 px",
         "174 px",

@@ -11,9 +11,7 @@ from terrainav.core.errors import OutputError
 from terrainav.core.storage import stores
 
 REGION = {"x-amz-bucket-region": "eu-west-1"}
-ERROR = (
-    "<?xml version='1.0'?><Error><Code>{code}</Code><Message>m</Message><Endpoint>{host}</Endpoint></Error>"
-)
+ERROR = "<?xml version='1.0'?><Error><Code>{code}</Code><Message>m</Message><Endpoint>{host}</Endpoint></Error>"
 
 
 class Server(ThreadingHTTPServer):

@@ -191,9 +191,9 @@ def test_a_store_that_says_next_to_nothing_is_given_up():
         printed = printed_by(begun(*((server, few + code) for server, code in tasks)))
     assert printed[1::2] == ["ended 3"] * len(tasks), printed
     for line in printed[::2]:
-        assert re.fullmatch(
-            r"terrainav: (s3://data|http://[\d.:]+)/run: only \d+ bytes have come within \d s", line
-        ), line
+        assert re.fullmatch(r"terrainav: (s3://data|http://[\d.:]+)/run: only \d+ bytes have come within \d s", line), (
+            line
+        )
 
 
 def test_what_has_no_end_is_refused_before_it_fills_the_memory():

@@ -174,9 +174,7 @@ def test_text_without_a_key_stays_as_it_is(text):
 def test_a_key_across_the_end_of_what_is_looked_at_does_not_show():
     key = "AIzaSyExample-0123456789"
     for before in range(16384 - len(key), 16384):
-        assert "AIza" not in first_words(
-            b" " * before + key.encode() + b" and more", "", Secrets([key]).masked
-        )
+        assert "AIza" not in first_words(b" " * before + key.encode() + b" and more", "", Secrets([key]).masked)
 
 
 # --- tables and terminals
@@ -215,13 +213,9 @@ def test_a_capture_s_table_has_no_formula_of_a_file(tmp_path, monkeypatch, capsy
         for column in range(x - 3, x + 4):
             for row in range(north - 3, north + 4):
                 body = to_bytes(positions("", zoom, column, row, 256), "png")
-                database.execute(
-                    "INSERT INTO tiles VALUES (?, ?, ?, ?)", (zoom, column, (1 << zoom) - 1 - row, body)
-                )
+                database.execute("INSERT INTO tiles VALUES (?, ?, ?, ?)", (zoom, column, (1 << zoom) - 1 - row, body))
         database.commit()
-    made = run(
-        "capture", "--coords", "35.16_-89.90_400", "--source", str(path), "--zoom", "15", "--data-dir", "out"
-    )
+    made = run("capture", "--coords", "35.16_-89.90_400", "--source", str(path), "--zoom", "15", "--data-dir", "out")
     assert made.returncode == 0, made.stderr
     with (tmp_path / "out" / "satellite" / "meta_data.csv").open(encoding="utf-8", newline="") as file:
         (row,) = csv.DictReader(file)

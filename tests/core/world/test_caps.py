@@ -131,9 +131,7 @@ def block(world, style, zoom, left, top, width, height):
     columns, rows = (
         range(start // 256, (start + size - 1) // 256 + 1) for start, size in ((left, width), (top, height))
     )
-    whole = np.concatenate(
-        [np.concatenate([world.tile(style, zoom, x, y) for x in columns], axis=1) for y in rows]
-    )
+    whole = np.concatenate([np.concatenate([world.tile(style, zoom, x, y) for x in columns], axis=1) for y in rows])
     return whole[top - rows[0] * 256 :, left - columns[0] * 256 :][:height, :width]
 
 
@@ -159,9 +157,7 @@ def test_map_frames_are_the_chart_s_own_pixels(crs, area, tmp_path):
         read = image(tmp_path / "satellite" / f"{name}.tif")
         left, top = int(windows.left_px[n]), int(windows.top_px[n])
         pixels = read.ReadAsArray().transpose(1, 2, 0)[..., :3]
-        wanted = block(
-            source.world, "satellite", worked_out.zoom, left, top, pixels.shape[1], pixels.shape[0]
-        )
+        wanted = block(source.world, "satellite", worked_out.zoom, left, top, pixels.shape[1], pixels.shape[0])
         np.testing.assert_array_equal(pixels, wanted)
         west, across, _, north, _, down = read.GetGeoTransform()
         side = source.grid.pixel_size(worked_out.zoom)[0]
@@ -183,9 +179,7 @@ def test_a_tilted_picture_over_the_pole_shows_the_ground_that_rays_meet(crs, tmp
     (path,) = (tmp_path / "satellite").glob("*.tif")
     shown = image(path).ReadAsArray().astype(float)
     height, width = shown.shape[1:]
-    rows, columns = (np.random.default_rng(4).uniform(0.02, 0.98, (2, 4000)) * [[height], [width]]).astype(
-        int
-    )
+    rows, columns = (np.random.default_rng(4).uniform(0.02, 0.98, (2, 4000)) * [[height], [width]]).astype(int)
     points = np.stack([(2 * columns + 1) / width - 1, 1 - (2 * rows + 1) / height], axis=-1)
     poses = worked_out.poses
     seen = trace(np.array(lat), np.array(3000.0), mission.camera.rays_enu(points, *poses.attitude)[0])

@@ -49,9 +49,7 @@ def test_ground_is_plausible_and_the_sea_is_level(place):
 @pytest.mark.parametrize("zoom", [9, 12, 15, 17, 19])
 def test_tiles_go_on_where_their_neighbours_end(zoom):
     _, x, y = tile_at(35.14, -89.86, zoom)
-    tile, east, south = (
-        WORLD.heights(zoom, *at, bare=True).astype(float) for at in ((x, y), (x + 1, y), (x, y + 1))
-    )
+    tile, east, south = (WORLD.heights(zoom, *at, bare=True).astype(float) for at in ((x, y), (x + 1, y), (x, y + 1)))
     # What the last steps of one tile lead to is the first of the next one, but for the bend of the ground.
     for last, before, first in (
         (tile[:, -1], tile[:, -2], east[:, 0]),
@@ -104,16 +102,11 @@ def test_shadows_end_where_the_suns_rays_over_the_eaves_meet_the_ground():
     tiles = [[(zoom, x + i, y + j) for i in range(4)] for j in range(4)]
     roofs = np.block(
         [
-            [
-                footprints(Scene(WORLD._landscape, Grid(*at)).parcels).cover().reshape(256, 256) > 0.5
-                for at in row
-            ]
+            [footprints(Scene(WORLD._landscape, Grid(*at)).parcels).cover().reshape(256, 256) > 0.5 for at in row]
             for row in tiles
         ]
     )
-    picture = np.block(
-        [[WORLD.tile("satellite", *at).astype(int).sum(axis=2) for at in row] for row in tiles]
-    )
+    picture = np.block([[WORLD.tile("satellite", *at).astype(int).sum(axis=2) for at in row] for row in tiles])
     # From the eaves in the south-east on, as far as no other roof is in the way.
     eaves = roofs.copy()
     eaves[:-1, :-1] &= ~roofs[1:, 1:]
@@ -146,9 +139,7 @@ def walls_of_town(zoom=19):
     walls, roofs = {}, {}
     step = (np.arange(256) + 0.5) / 256
     for i, j in np.ndindex(3, 3):
-        u, v = (
-            (at.ravel() + first) / (1 << zoom) for at, first in zip(np.meshgrid(step, step), (x + i, y + j))
-        )
+        u, v = ((at.ravel() + first) / (1 << zoom) for at, first in zip(np.meshgrid(step, step), (x + i, y + j)))
         scene = Scene(WORLD._landscape, Grid(zoom, x + i, y + j))
         prints = footprints(scene.parcels)
         if prints is None:
@@ -192,9 +183,7 @@ def test_walls_have_a_colour_of_their_buildings_own_darker_where_they_are_turned
 
 def test_walls_are_the_same_about_the_world_and_only_where_buildings_are():
     zoom, x, y = tile_at(35.14, -89.86, 18)
-    u, v = np.meshgrid(
-        (x + (np.arange(64) + 0.5) / 64) / (1 << zoom), (y + (np.arange(64) + 0.5) / 64) / (1 << zoom)
-    )
+    u, v = np.meshgrid((x + (np.arange(64) + 0.5) / 64) / (1 << zoom), (y + (np.arange(64) + 0.5) / 64) / (1 << zoom))
     u, v = u.ravel(), v.ravel()
     east, south = np.ones(u.size), np.zeros(u.size)
     walls = WORLD.walls(u, v, east, south)

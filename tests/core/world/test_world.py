@@ -61,9 +61,7 @@ def test_tiles_have_no_seams_also_across_the_antimeridian(style, zoom, y):
         pair = np.concatenate([WORLD.tile(style, zoom, left, y), WORLD.tile(style, zoom, right, y)], axis=1)
         inside = np.delete(steps(pair), 255)
         assert steps(pair)[255] <= inside.max() + 1e-9
-        down = np.concatenate(
-            [WORLD.tile(style, zoom, left, y), WORLD.tile(style, zoom, left, y + 1)], axis=0
-        )
+        down = np.concatenate([WORLD.tile(style, zoom, left, y), WORLD.tile(style, zoom, left, y + 1)], axis=0)
         across = steps(down.swapaxes(0, 1))
         assert across[255] <= np.delete(across, 255).max() + 1e-9
 
@@ -95,10 +93,7 @@ def test_a_zoom_is_the_next_one_averaged(style, step):
         for place in places[: 1 + (zoom % 6 == 0)]:
             x, y = tile_at(zoom, place)
             below = np.concatenate(
-                [
-                    np.concatenate([tile(zoom + 1, 2 * x + i, 2 * y + j) for i in (0, 1)], axis=1)
-                    for j in (0, 1)
-                ]
+                [np.concatenate([tile(zoom + 1, 2 * x + i, 2 * y + j) for i in (0, 1)], axis=1) for j in (0, 1)]
             )
             averaged = below.reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
             assert np.sqrt(np.mean((averaged - tile(zoom, x, y)) ** 2)) < PYRAMID_RMS[style]

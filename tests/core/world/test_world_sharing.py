@@ -102,9 +102,7 @@ def test_lines_are_counted_as_one_by_one(count):
     random = np.random.default_rng(count)
     c = random.uniform(-3, 150, (40, 50)).astype(np.float32)
     # Some right on a sample, some next to each other, some beyond all.
-    lines = np.unique(
-        np.concatenate([random.choice(c.ravel(), count), random.normal(70, 1e-4, count), [170.0]])
-    )
+    lines = np.unique(np.concatenate([random.choice(c.ravel(), count), random.normal(70, 1e-4, count), [170.0]]))
     lines = lines[lines >= c.min()].astype(np.float32)
     np.testing.assert_array_equal(parcels._beyond(c, lines), sum((c > line).astype(int) for line in lines))
 

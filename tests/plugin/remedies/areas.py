@@ -57,9 +57,7 @@ def area(*shapes, crs=UTM):
 
 
 def points(*shapes):
-    return read_points(
-        map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, PointFields(120.0)
-    )
+    return read_points(map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, PointFields(120.0))
 
 
 def lines(*shapes):
@@ -92,9 +90,7 @@ def _unsound(case: Case) -> None:
     spike = "Polygon ((0 0, 9 0, 9 9, 5 9, 5 15, 5 9, 0 9, 0 0))"
     case.refused(lambda: area(spike))
     # As the algorithm does: a part that is no area is left out.
-    repaired = [
-        part for part in QgsGeometry.fromWkt(spike).makeValid().asGeometryCollection() if part.area() > 0.0
-    ]
+    repaired = [part for part in QgsGeometry.fromWkt(spike).makeValid().asGeometryCollection() if part.area() > 0.0]
     case.follow("repair it first (Processing: Fix geometries)", lambda: area(*repaired))
 
 
@@ -111,9 +107,7 @@ def _hole_around_a_pole(case: Case) -> None:
 def _through_a_pole(case: Case) -> None:
     # A cone that is unrolled: beyond its tip the map ends on both sides.
     cone = QgsCoordinateReferenceSystem("PROJ:+proj=lcc +lat_1=40 +lat_2=60 +lat_0=50 +lon_0=10 +datum=WGS84")
-    across = (
-        "Polygon ((-1000000 6500000, 1000000 6500000, 1000000 7500000, -1000000 7500000, -1000000 6500000))"
-    )
+    across = "Polygon ((-1000000 6500000, 1000000 6500000, 1000000 7500000, -1000000 7500000, -1000000 6500000))"
     case.refused(lambda: read_polygons([feature(across)], cone, CONTEXT))
     half = "Polygon ((1000 6500000, 1000000 6500000, 1000000 7500000, 1000 7500000, 1000 6500000))"
     case.follow("cut it", lambda: read_polygons([feature(half)], cone, CONTEXT))
@@ -392,9 +386,7 @@ def _empty_map(case: Case) -> None:
     case.says(desk.dock.hint.text().replace("</a>", "").replace(">", ">\n").replace(", or add", "\n"))
     follow_hint(desk)
     desk.wait_for_tasks()
-    case.follow(
-        "show the selected imagery", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
-    )
+    case.follow("show the selected imagery", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers())))
     desk.wait(lambda: desk.canvas.mapTool() is desk.session.box_tool)
 
     def draw():

@@ -209,9 +209,7 @@ def _service_of_layers(case: Case) -> None:
         case.follow("then a layer", lambda: bool(user_sources()))
     # The dialog closes when the layer is kept.
     (kept,) = user_sources()
-    case.follow(
-        "The layer is saved with your own sources.", lambda: desk.session.state().source_name == kept.name
-    )
+    case.follow("The layer is saved with your own sources.", lambda: desk.session.state().source_name == kept.name)
 
 
 # --- backgrounds
@@ -244,9 +242,7 @@ def _keyed(case: Case) -> None:
     case.follow("show another source", lambda: shown(desk, "osm"))
 
 
-@remedy(
-    "sources.py", "{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel"
-)
+@remedy("sources.py", "{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel")
 def _other_zooms(case: Case) -> None:
     case.fixture("desk")
     with wmts_service(level="EPSG:3857:{}") as (running, layer):

@@ -273,10 +273,7 @@ def _stopped(case: Case) -> None:
 
         def again():
             result = run("capture", **asked, FOLDER=str(folder))
-            return (
-                result["SKIPPED"] == first["WRITTEN"]
-                and result["WRITTEN"] + result["SKIPPED"] == result["TOTAL"]
-            )
+            return result["SKIPPED"] == first["WRITTEN"] and result["WRITTEN"] + result["SKIPPED"] == result["TOTAL"]
 
         case.follow("run it again to go on.", again)
 

@@ -85,9 +85,7 @@ def _database_is_locked(case: Case) -> None:
             return getattr(manager, name)
 
         def setMasterPassword(self, _ask):
-            return manager.masterPasswordIsSet() or (
-                bool(entered) and manager.setMasterPassword(entered[0], True)
-            )
+            return manager.masterPasswordIsSet() or (bool(entered) and manager.setMasterPassword(entered[0], True))
 
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}"))
@@ -198,9 +196,7 @@ def _changed_meanwhile(case: Case) -> None:
     case.follow("press the button again.", lambda: captured(desk))
 
 
-@remedy(
-    "panel/alignment.py", "The entries changed while the rows were being aligned: press the button again."
-)
+@remedy("panel/alignment.py", "The entries changed while the rows were being aligned: press the button again.")
 def _changed_while_aligned(case: Case) -> None:
     desk = case.fixture("desk")
     desk.enter_small_mission()

@@ -195,9 +195,7 @@ def scheduler() -> Iterator[int]:
 
 
 def worker(program: str, port: int) -> AbstractContextManager[None]:
-    return process(
-        "-c", program, f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", "--no-dashboard"
-    )
+    return process("-c", program, f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", "--no-dashboard")
 
 
 @pytest.mark.thorough
@@ -206,9 +204,7 @@ def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
 
     def captured():
         asked = ("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", "--max-px", "200")
-        return run(
-            *asked, "--block", "8", "--cluster", f"dask://127.0.0.1:{port}", "--data-dir", "out", "--resume"
-        )
+        return run(*asked, "--block", "8", "--cluster", f"dask://127.0.0.1:{port}", "--data-dir", "out", "--resume")
 
     with scheduler() as port:
         with worker(WITHOUT, port), worker_there(port):
@@ -216,9 +212,7 @@ def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
         assert refused.returncode == 3
         last = refused.stderr.splitlines()[-1]
         assert last.startswith("terrainav: cluster: 1 of 1 workers cannot make blocks: tcp://127.0.0.1:")
-        assert last.endswith(
-            f" has no TerrAInav; install it there: pip install 'terrainav[cluster]=={version()}'"
-        )
+        assert last.endswith(f" has no TerrAInav; install it there: pip install 'terrainav[cluster]=={version()}'")
         assert not (tmp_path / "out").exists()
         with worker(WORKER, port):
             done = captured()
@@ -277,9 +271,7 @@ def test_each_worker_is_asked_once_also_one_that_comes_later():
         assert asked == []
         with worker(WITHOUT, port):
             wait_until(lambda: len(client.nthreads()) == 2)
-            with pytest.raises(
-                OutputError, match=r"cluster: 1 of 1 workers cannot make blocks: tcp://.* has no"
-            ):
+            with pytest.raises(OutputError, match=r"cluster: 1 of 1 workers cannot make blocks: tcp://.* has no"):
                 engine.slots()
         assert len(asked) == 1
 

@@ -18,9 +18,7 @@ class _Failing(Executor):
     """Workers whose images all fail, at once."""
 
     def submit(self, _make, block):
-        outcomes = {
-            name: journal.Outcome(block.map_type, name, reason="none here") for name in block.plan.names
-        }
+        outcomes = {name: journal.Outcome(block.map_type, name, reason="none here") for name in block.plan.names}
         future = Future()
         future.set_result(BlockResult(Record(outcomes), 0, 0))
         return future
@@ -29,9 +27,7 @@ class _Failing(Executor):
 def test_progress_looks_at_each_image_a_fixed_number_of_times(tmp_path, monkeypatch):
     looked = []
     monkeypatch.setattr(progress, "_REPORT_S", 0.0)
-    monkeypatch.setattr(
-        journal.Outcome, "status", property(lambda self: looked.append(self) or journal.FAILED)
-    )
+    monkeypatch.setattr(journal.Outcome, "status", property(lambda self: looked.append(self) or journal.FAILED))
     source = named_source("world")
     worked_out = plan(Mission(Box(35.16, -89.90, 35.15, -89.885), 120.0), source.grid)
     told = []

@@ -66,9 +66,7 @@ def test_blocks_share_fewer_tiles_than_pieces_of_the_flight_do(box, overlap):
     assert blocks / in_all < 1.35
 
 
-@pytest.mark.parametrize(
-    ("size", "images"), [("256", 256), ("1", 1), ("200MB", 400), ("0.2 mb", 1), ("1.5MB", 3)]
-)
+@pytest.mark.parametrize(("size", "images"), [("256", 256), ("1", 1), ("200MB", 400), ("0.2 mb", 1), ("1.5MB", 3)])
 def test_a_block_is_stated_in_images_or_megabytes(size, images):
     assert parse_block_size(size, lambda: 5e5) == images
 

@@ -195,9 +195,7 @@ def test_what_is_no_scheduler_is_told_in_one_line(data):
         end()
 
 
-@pytest.mark.parametrize(
-    "text", ["local:" + "9" * 5000, "dask://h:" + "9" * 5000, "dask://h:0", "dask://h:65536"]
-)
+@pytest.mark.parametrize("text", ["local:" + "9" * 5000, "dask://h:" + "9" * 5000, "dask://h:0", "dask://h:65536"])
 def test_numbers_without_end_name_no_cluster(text):
     with pytest.raises(InvalidInput, match="must be local:N"), open_engine(text):
         pass

@@ -99,9 +99,7 @@ def test_an_address_of_a_file_is_a_folder(tmp_path, monkeypatch):
 
 
 def test_memory_of_this_process_is_refused_where_others_make_blocks(address):
-    with pytest.raises(
-        InvalidInput, match=r"is of this process alone, .* must be a folder, or begin with s3://"
-    ):
+    with pytest.raises(InvalidInput, match=r"is of this process alone, .* must be a folder, or begin with s3://"):
         capture(PLAN, PATTERN, address, executor=Engine(Elsewhere("."), lambda: 1))
 
 

@@ -316,9 +316,7 @@ IN_SHARDS = [beyond_the_shard, over_each_other, before_the_shard]
 
 @pytest.mark.parametrize(
     ("layout", "change"),
-    sampled(
-        [("folders", one) for one in EVERYWHERE] + [("webdataset", one) for one in EVERYWHERE + IN_SHARDS], 4
-    ),
+    sampled([("folders", one) for one in EVERYWHERE] + [("webdataset", one) for one in EVERYWHERE + IN_SHARDS], 4),
 )
 def test_a_record_that_is_not_of_its_block_is_not_believed(whole, sharded, tmp_path, layout, change):
     """A block whose record says less, or other than it made, is made again: no row is lost."""
@@ -341,9 +339,7 @@ def test_a_record_that_is_not_of_its_block_is_not_believed(whole, sharded, tmp_p
 def test_a_division_that_cannot_be_read_is_one_line(tmp_path, text):
     captured(tmp_path / "out")
     (tmp_path / "out" / BLOCKS_FOLDER / "blocks.json").write_bytes(text.encode("latin-1"))
-    with pytest.raises(
-        OutputError, match=r"out: its .*blocks\.json cannot be read \(.*choose another folder$"
-    ):
+    with pytest.raises(OutputError, match=r"out: its .*blocks\.json cannot be read \(.*choose another folder$"):
         captured(tmp_path / "out", resume=True)
 
 
@@ -387,9 +383,7 @@ def test_two_runs_in_one_folder_are_refused(tmp_path):
         go_on.wait(30.0)
         return False
 
-    first = threading.Thread(
-        target=lambda: captured(tmp_path / "out", listener=Listener(cancelled=cancelled))
-    )
+    first = threading.Thread(target=lambda: captured(tmp_path / "out", listener=Listener(cancelled=cancelled)))
     first.start()
     try:
         assert begun.wait(30.0)
@@ -471,9 +465,7 @@ def test_two_runs_at_one_address_are_refused(address):
         go_on.wait(30.0)
         return False
 
-    first = threading.Thread(
-        target=lambda: capture(PLAN, PATTERN, address, listener=Listener(cancelled=cancelled))
-    )
+    first = threading.Thread(target=lambda: capture(PLAN, PATTERN, address, listener=Listener(cancelled=cancelled)))
     first.start()
     try:
         assert begun.wait(30.0)
@@ -541,9 +533,7 @@ def test_no_second_has_more_requests_than_the_provider_allows(rate, blocks, seed
     assert in_a_second.max(initial=0) <= rate
 
 
-@pytest.mark.parametrize(
-    ("limits", "most"), [({"requests_per_s": 2.5}, 2), ({"max_connections": 3}, 3), ({}, 5)]
-)
+@pytest.mark.parametrize(("limits", "most"), [({"requests_per_s": 2.5}, 2), ({"max_connections": 3}, 3), ({}, 5)])
 def test_no_more_blocks_are_under_way_than_there_are_shares(limits, most, tmp_path):
     at_once, counts = [], []
 
@@ -597,9 +587,7 @@ def test_a_run_that_waits_for_workers_can_be_cancelled(tmp_path):
     asked = itertools.count()
     with ThreadPoolExecutor(1) as threads:
         engine = Engine(threads, lambda: 0, in_process=True)
-        result = captured(
-            tmp_path / "out", executor=engine, listener=Listener(cancelled=lambda: next(asked) > 2)
-        )
+        result = captured(tmp_path / "out", executor=engine, listener=Listener(cancelled=lambda: next(asked) > 2))
     assert (result.cancelled, result.written) == (True, 0)
 
 

@@ -149,9 +149,7 @@ def test_what_is_drawn_follows_from_seed_epoch_and_name_alone():
     usual = Augmentation()
     one = usual.draw_change(NAMES[0], 2024, 0)
     assert one == usual.draw_change(NAMES[0], 2024, 0)
-    others = {
-        usual.draw_change(name, seed, epoch) for name in NAMES[:5] for seed in (1, 2024) for epoch in (0, 1)
-    }
+    others = {usual.draw_change(name, seed, epoch) for name in NAMES[:5] for seed in (1, 2024) for epoch in (0, 1)}
     assert one in others
     assert len(others) == 20
     # What is asked for besides leaves the rest as it is; nothing is asked for by default.

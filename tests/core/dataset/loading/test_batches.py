@@ -111,9 +111,7 @@ def test_labels_that_there_are_not_are_refused(folder, flown):
 
 def test_the_command_loads_labels_of_the_camera(run, flown):
     folder = str(flown[1])
-    said = run(
-        "load", folder, "--part", "all", "--img-size", "16", "12", "3", "--targets", "camera", "height"
-    ).stdout
+    said = run("load", folder, "--part", "all", "--img-size", "16", "12", "3", "--targets", "camera", "height").stdout
     assert "camera_easting, camera_northing, agl_m" in said
     assert "labels (8, 3)" in said
     shaded = ("--targets", "attitude", "--contrast", "0.2", "--json")
@@ -152,9 +150,7 @@ def test_training_is_shuffled_anew_for_each_epoch_and_nothing_else_is(folder):
     assert LabelledImages(folder).order(3).tolist() == orders[3]
     assert LabelledImages(folder, seed=1).order().tolist() != orders[0]
     for choice in ({"part": "test"}, {"shuffle": False}):
-        assert LabelledImages(folder, **choice).order(2).tolist() == list(
-            range(len(LabelledImages(folder, **choice)))
-        )
+        assert LabelledImages(folder, **choice).order(2).tolist() == list(range(len(LabelledImages(folder, **choice))))
     assert LabelledImages(folder, part="test", shuffle=True).shuffle
 
 
@@ -196,9 +192,7 @@ def test_a_place_is_changed_alike_in_all_map_types(tmp_path):
     folder = write_dataset(tmp_path / "OUT", map_types=("satellite", "roadmap"))
     for path in (folder / "satellite").glob("*.png"):
         (folder / "roadmap" / path.name).write_bytes(path.read_bytes())
-    ground, road = (
-        LabelledImages(folder, map_type=one).take(range(14), 1) for one in ("satellite", "roadmap")
-    )
+    ground, road = (LabelledImages(folder, map_type=one).take(range(14), 1) for one in ("satellite", "roadmap"))
     np.testing.assert_array_equal(ground[0], road[0])
     np.testing.assert_array_equal(ground[1], road[1])
 
@@ -273,9 +267,7 @@ def test_sizes_that_differ_are_named_and_made_equal_by_img_size(folder):
     samples = LabelledImages(folder, part="all")
     path = samples.path(4)
     Image.fromarray(pixels_of(4, 31, 40)).save(path)
-    with pytest.raises(
-        InvalidInput, match=rf"{path}: has 40 x 31 px .* first one has 40 x 30 .* 40 30 3 makes"
-    ):
+    with pytest.raises(InvalidInput, match=rf"{path}: has 40 x 31 px .* first one has 40 x 30 .* 40 30 3 makes"):
         samples.take(range(6))
     Image.fromarray(pixels_of(4)).convert("L").save(path)
     with pytest.raises(InvalidInput, match="1 channels, where the first one has 40 x 30 and 3"):
@@ -456,9 +448,7 @@ def table_edited(folder, old, new):
 
 def test_parts_that_there_are_not_are_named(folder):
     table_edited(folder, ",train\n", ",Train\n")
-    with pytest.raises(
-        InvalidInput, match=r"has split 'Train' \(0_0_.*\); must be one of train, .* or empty"
-    ):
+    with pytest.raises(InvalidInput, match=r"has split 'Train' \(0_0_.*\); must be one of train, .* or empty"):
         LabelledImages(folder)
     assert len(LabelledImages(folder, part="all")) == 22
 
@@ -466,9 +456,7 @@ def test_parts_that_there_are_not_are_named(folder):
 def test_labels_of_another_dataset_are_refused(folder, tmp_path):
     lat, lon = np.array([-33.8, -33.9]), np.array([18.4, 18.7])
     make_labels(lat, lon, "mercator", training=np.array([True, True])).save(folder / "labels.json")
-    with pytest.raises(
-        InvalidInput, match=r"labels\.json: is of another dataset or split, as 0_0_.* lies [\d,]+"
-    ):
+    with pytest.raises(InvalidInput, match=r"labels\.json: is of another dataset or split, as 0_0_.* lies [\d,]+"):
         LabelledImages(folder)
     (folder / "labels.json").unlink()
     own = LabelledImages(folder).labels
@@ -508,9 +496,7 @@ def test_sizes_beyond_memory_are_refused(folder, monkeypatch):
 
     samples = LabelledImages(folder, img_size=SIZE)
     monkeypatch.setattr(np, "empty", none_left)
-    with pytest.raises(
-        InvalidInput, match="batch of 2 images of 20 x 16 px and 3 channels: does not fit into memory"
-    ):
+    with pytest.raises(InvalidInput, match="batch of 2 images of 20 x 16 px and 3 channels: does not fit into memory"):
         samples.take([0, 1])
 
 

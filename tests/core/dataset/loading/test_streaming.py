@@ -158,9 +158,7 @@ def test_the_order_of_an_epoch_stays_what_it_was(shards):
     assert LabelledImages(shards, **CHOICE).order(1).tolist() == wanted
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("shards_at_once", 0), ("cache_mb", -1.0), ("cache_mb", float("nan"))]
-)
+@pytest.mark.parametrize(("name", "value"), [("shards_at_once", 0), ("cache_mb", -1.0), ("cache_mb", float("nan"))])
 def test_options_are_checked(shards, name, value):
     with pytest.raises(InvalidInput, match="must be"):
         LabelledImages(shards, **{**CHOICE, name: value})
@@ -185,9 +183,7 @@ def test_images_are_those_of_the_folder(folders, shards):
         np.testing.assert_array_equal(packed.image(index), plain.image(index))
 
 
-@pytest.mark.parametrize(
-    ("place", "workers"), sampled([("shards", 1), ("shards", 2), ("in_s3", 0), ("in_s3", 2)], 3)
-)
+@pytest.mark.parametrize(("place", "workers"), sampled([("shards", 1), ("shards", 2), ("in_s3", 0), ("in_s3", 2)], 3))
 def test_processes_make_the_same_batches(shards, request, place, workers):
     dataset = torch_dataset(request.getfixturevalue(place))
     loader = dataset.batches(4, workers, **quick_start(place, workers))
@@ -451,9 +447,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
         Batches(shards, 4, **{**CHOICE, "shards_at_once": 2}),
         Batches(folders, 4, **CHOICE),
     ):
-        with pytest.raises(
-            InvalidInput, match=r"^state: is of other images, another order or another batch size"
-        ):
+        with pytest.raises(InvalidInput, match=r"^state: is of other images, another order or another batch size"):
             other.load_state_dict(state)
     for name, odd in (
         *(("batch", value) for value in (-5, 10**9, 6, 1.0, "1", None, True, float("nan"))),
@@ -463,9 +457,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
             Batches(shards, 4, **CHOICE).load_state_dict({**state, name: odd})
         assert "\n" not in str(refused.value)
     torch_loader = torch_dataset(shards).batches(4)
-    with pytest.raises(
-        InvalidInput, match=r"^state: batch -5 must be a whole number from 0 to 5, the batches"
-    ):
+    with pytest.raises(InvalidInput, match=r"^state: batch -5 must be a whole number from 0 to 5, the batches"):
         torch_loader.load_state_dict({**state, "batch": -5})
     for odd in ({}, {"epoch": 1}, None):
         with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict has given"):

@@ -134,9 +134,7 @@ def test_bytes_changed_anywhere(tmp_path, seed):
         x: to_bytes(rng.integers(0, 256, (16, 16, 3), np.uint8).repeat(16, 0).repeat(16, 1), "jpg")
         for x in range(TILES)
     }
-    with CachingTileServer(
-        read=lambda _type, _zoom, x, _y, _ending: tiles[x], headers=HOUR, etag=True
-    ) as server:
+    with CachingTileServer(read=lambda _type, _zoom, x, _y, _ending: tiles[x], headers=HOUR, etag=True) as server:
         cache = TileCache(tmp_path)
 
         def run():

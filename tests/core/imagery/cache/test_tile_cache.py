@@ -84,9 +84,7 @@ def test_a_capture_without_network_is_the_capture_with_it(cache, tmp_path):
             result = capture(worked_out, source, tmp_path / name)
             source.close()
             assert (result.written, len(result.failed)) == (len(worked_out), 0)
-            folders.append(
-                {path.name: path.read_bytes() for path in (tmp_path / name / "satellite").iterdir()}
-            )
+            folders.append({path.name: path.read_bytes() for path in (tmp_path / name / "satellite").iterdir()})
             assert sum(server.requests.values()) == worked_out.requests
             server.fail("503")
     assert folders[0] == folders[1]

@@ -121,9 +121,7 @@ def test_retry_after_in_seconds_and_as_a_date(headers, seconds):
 
 def test_a_wait_that_is_too_long_stops_the_run():
     client, transport = client_of(answer(503, b"maintenance", retry_after="121"))
-    with pytest.raises(
-        SourceError, match="P: 503 Service Unavailable: maintenance; it asks to come back in 121 s"
-    ):
+    with pytest.raises(SourceError, match="P: 503 Service Unavailable: maintenance; it asks to come back in 121 s"):
         client.get("u", "w")
     assert len(transport.asked) == 1
 
@@ -163,9 +161,7 @@ def test_a_server_that_keeps_everybody_waiting_is_left_alone():
         with pytest.raises(OutOfReach, match=r"^w: no whole answer within 60 s \(tried 2 times\)$"):
             client.get("u", "w")
     for _ in range(100):
-        with pytest.raises(
-            OutOfReach, match=r"^w: not requested, as the last 5 requests had no answer in time"
-        ):
+        with pytest.raises(OutOfReach, match=r"^w: not requested, as the last 5 requests had no answer in time"):
             client.get("u", "w")
     assert len(transport.asked) == 2 * MAX_LATE_PARTS
     assert client.out_of_reach()
@@ -223,9 +219,7 @@ def redirect(target, status=302):
 
 @pytest.mark.parametrize("status", [301, 302, 303, 307, 308])
 def test_redirects_are_requests_with_a_turn_each(status):
-    client, transport = client_of(
-        redirect("/b", status), redirect("c", status), answer(), requests_per_s=20.0
-    )
+    client, transport = client_of(redirect("/b", status), redirect("c", status), answer(), requests_per_s=20.0)
     allowed = []
     began = time.monotonic()
     client.get("http://h/a", "w", allow=allowed.append)

@@ -67,9 +67,7 @@ def tls_server(certificate):
 
 
 def source_of(server, tries=2):
-    client = Client(
-        RequestsTransport(2, Timeouts(5.0, 20.0, 60.0)), "P", connections=2, tries=tries, first_wait_s=0.01
-    )
+    client = Client(RequestsTransport(2, Timeouts(5.0, 20.0, 60.0)), "P", connections=2, tries=tries, first_wait_s=0.01)
     return XYZSource(server.url_template.replace("http:", "https:"), client=client)
 
 
@@ -147,9 +145,7 @@ def test_a_transport_leaves_no_thread_and_no_filter():
     gc.collect()
     assert len(logger.filters) == filters
     deadline = time.monotonic() + 20.0
-    while (
-        left := {thread for thread in threading.enumerate() if thread.name.startswith("terrainav-")} - threads
-    ):
+    while left := {thread for thread in threading.enumerate() if thread.name.startswith("terrainav-")} - threads:
         assert time.monotonic() < deadline, left
         time.sleep(0.05)
 

@@ -74,9 +74,7 @@ def test_images_say_what_their_values_mean(data_type, tmp_path, library):
 
 def test_rasterio_reads_what_values_mean(tmp_path):
     rasterio = pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    _, paths = captured(
-        stated(tmp_path / "r.tif", noise("uint16")), tmp_path / "out", bands=("nir", "2", "red")
-    )
+    _, paths = captured(stated(tmp_path / "r.tif", noise("uint16")), tmp_path / "out", bands=("nir", "2", "red"))
     with rasterio.open(paths[0]) as opened:
         scales, offsets, units = zip(*(QUANTITIES[at] for at in (3, 1, 0)))
         assert (opened.scales, opened.offsets) == (scales, offsets)
@@ -168,9 +166,7 @@ def test_a_scale_that_is_no_number_is_not_taken(tmp_path, library):
     assert [(one.scale, one.offset, one.unit) for one in source.bands.metadata] == [(1.0, 0.0, "m")] * 3
 
 
-@pytest.mark.parametrize(
-    ("count", "image_format"), [(1, "tif"), (3, "tif"), (4, "tif"), (1, "png"), (3, "png")]
-)
+@pytest.mark.parametrize(("count", "image_format"), [(1, "tif"), (3, "tif"), (4, "tif"), (1, "png"), (3, "png")])
 def test_a_mosaic_says_what_its_values_mean(count, image_format, tmp_path):
     values = np.full((count, SIDE, SIDE), 90, "uint8")
     path = stated(tmp_path / "r.tif", values)
@@ -227,9 +223,7 @@ def test_a_palette_of_more_than_256_colours_is_looked_up(tmp_path, library):
     copied.GetRasterBand(1).WriteArray(values[0])
     del copied
     for as_stored, image_format in ((True, "tif"), (False, "png")):
-        _, paths = captured(
-            tmp_path / "p.tif", tmp_path / image_format, as_stored=as_stored, image_format=image_format
-        )
+        _, paths = captured(tmp_path / "p.tif", tmp_path / image_format, as_stored=as_stored, image_format=image_format)
         opened, shown = read(paths[0])
         assert np.array_equal(np.moveaxis(shown, 0, 2), table[window(opened, values)[0]])
 
@@ -256,11 +250,7 @@ def open_raster_of(path):
 def test_greys_that_count_from_white_show_what_the_file_shows(bits, image_format, tmp_path, library):
     wide = bits > 8
     most = (1 << bits) - 1
-    values = (
-        np.random.default_rng(4)
-        .integers(0, most + 1, (1, SIDE, SIDE))
-        .astype(np.uint16 if wide else np.uint8)
-    )
+    values = np.random.default_rng(4).integers(0, most + 1, (1, SIDE, SIDE)).astype(np.uint16 if wide else np.uint8)
     written(tmp_path / "plain.tif", values)
     options = ["PHOTOMETRIC=MINISWHITE", *([f"NBITS={bits}"] if bits not in (8, 16) else [])]
     gdal.Translate(str(tmp_path / "r.tif"), str(tmp_path / "plain.tif"), creationOptions=options)
@@ -282,9 +272,7 @@ def test_greys_that_count_from_white_show_what_the_file_shows(bits, image_format
 def test_quantities_of_greys_that_count_from_white_stay_the_same(tmp_path):
     values = np.random.default_rng(4).integers(1, 255, (1, SIDE, SIDE)).astype(np.uint8)
     stated(tmp_path / "plain.tif", values, quantities=((0.5, -3.0, "m"),))
-    gdal.Translate(
-        str(tmp_path / "r.tif"), str(tmp_path / "plain.tif"), creationOptions=["PHOTOMETRIC=MINISWHITE"]
-    )
+    gdal.Translate(str(tmp_path / "r.tif"), str(tmp_path / "plain.tif"), creationOptions=["PHOTOMETRIC=MINISWHITE"])
     _, paths = captured(tmp_path / "r.tif", tmp_path / "out")
     opened, shown = read(paths[0])
     ((scale, offset, unit),) = quantities(opened, 1)

@@ -49,9 +49,9 @@ def noise(data_type, bands=4, side=SIDE):
     rng = np.random.default_rng(7)
     if data_type == "float32":
         # From the smallest to the largest: nothing survives that is not copied.
-        return (
-            rng.normal(size=(bands, side, side)) * 10.0 ** rng.integers(-30, 30, (bands, side, side))
-        ).astype(np.float32)
+        return (rng.normal(size=(bands, side, side)) * 10.0 ** rng.integers(-30, 30, (bands, side, side))).astype(
+            np.float32
+        )
     limits = np.iinfo(data_type)
     return rng.integers(limits.min, limits.max, (bands, side, side), data_type, endpoint=True)
 
@@ -69,9 +69,7 @@ def written(path, values, names=(), **options):
 def place(column=SIDE / 2, row=SIDE / 2):
     import pyproj
 
-    lon, lat = pyproj.Transformer.from_crs(EPSG, 4326, always_xy=True).transform(
-        WEST + column * 0.5, NORTH - row * 0.5
-    )
+    lon, lat = pyproj.Transformer.from_crs(EPSG, 4326, always_xy=True).transform(WEST + column * 0.5, NORTH - row * 0.5)
     return float(lat), float(lon)
 
 
@@ -119,9 +117,7 @@ def read(path):
     ("data_type", "bands"),
     [
         # All types, all counts; each with each is thorough.
-        (data_type, bands)
-        if bands == (1, 2, 4, 7)[at]
-        else pytest.param(data_type, bands, marks=pytest.mark.thorough)
+        (data_type, bands) if bands == (1, 2, 4, 7)[at] else pytest.param(data_type, bands, marks=pytest.mark.thorough)
         for at, data_type in enumerate(GDAL_TYPES)
         for bands in (1, 2, 4, 7)
     ],
@@ -204,9 +200,7 @@ def test_three_bands_of_8_bits_are_the_same_file_as_ever(tmp_path):
 def test_percentiles_of_the_file_become_black_and_white(image_format, tmp_path):
     # Sixteen bits of which the values take a small part, and other ones in each band.
     rng = np.random.default_rng(1)
-    values = np.stack([rng.normal(1000 * (1 + b), 90 * (1 + b), (SIDE, SIDE)) for b in range(3)]).astype(
-        np.uint16
-    )
+    values = np.stack([rng.normal(1000 * (1 + b), 90 * (1 + b), (SIDE, SIDE)) for b in range(3)]).astype(np.uint16)
     path = written(tmp_path / "r.tif", values)
     options = {"image_format": image_format, "stretch": "percentile"}
     _, paths = captured(path, tmp_path / "out", as_stored=image_format == "tif", **options)
@@ -274,10 +268,7 @@ def test_camera_frames_take_their_values_between_pixels_as_float64_does(data_typ
             continue
         east, north = to_utm.transform(point.GCPX, point.GCPY)
         # Bilinear between the centres of four pixels, in float64.
-        at = [
-            np.array([[field[y + j, x + i] for i in (-1, 0, 1)] for j in (-1, 0, 1)])
-            for field in (column, row)
-        ]
+        at = [np.array([[field[y + j, x + i] for i in (-1, 0, 1)] for j in (-1, 0, 1)]) for field in (column, row)]
         dx, dy = point.GCPPixel - 0.5 - x, point.GCPLine - 0.5 - y
         found = [a[1, 1] + dx * (a[1, 2] - a[1, 0]) / 2 + dy * (a[2, 1] - a[0, 1]) / 2 for a in at]
         assert found[0] == pytest.approx((east - WEST) / 0.5, abs=0.15 + step)
@@ -298,9 +289,7 @@ def test_rays_are_bilinear_in_float64_between_white_noise(data_type, tmp_path):
         values = np.random.default_rng(9).normal(0.0, 1e5, values.shape).astype(np.float32)
     lat, lon = place()
     source = open_raster(written(tmp_path / "r.tif", values, NIR), as_stored=True)
-    mission = Mission(
-        Points(((lat, lon, 60.0),)), 60.0, tilt_deg=20.0, yaw_deg=40.0, mesh="rays", source="r.tif"
-    )
+    mission = Mission(Points(((lat, lon, 60.0),)), 60.0, tilt_deg=20.0, yaw_deg=40.0, mesh="rays", source="r.tif")
     worked_out = plan(mission, source.grid)
     view, lon_deg = worked_out.views.view(0), float(worked_out.lon_deg[0])
     parts = camera_parts(view, lon_deg)
@@ -319,9 +308,7 @@ def test_rays_are_bilinear_in_float64_between_white_noise(data_type, tmp_path):
             x, y = (u + traced.du) * world - 0.5, traced.v * world - 0.5
             column, row = np.floor(x).astype(int), np.floor(y).astype(int)
             across, below = x - column, y - row
-            corners = {
-                (i, j): values[:, row + j, column + i].astype(np.float64) for i in (0, 1) for j in (0, 1)
-            }
+            corners = {(i, j): values[:, row + j, column + i].astype(np.float64) for i in (0, 1) for j in (0, 1)}
             upper = corners[0, 0] * (1 - across) + corners[1, 0] * across
             lower = corners[0, 1] * (1 - across) + corners[1, 1] * across
             expected = (upper * (1 - below) + lower * below).mean(axis=-1)
@@ -378,9 +365,7 @@ def test_images_are_resized_in_their_own_type(data_type, channels, names, tmp_pa
     wide = whole[:3].astype(np.float64)
     if channels == 1:
         wide = np.tensordot([[0.299, 0.587, 0.114]], wide, 1)
-    expected = [
-        np.asarray(Image.fromarray(band.astype(np.float32)).resize((50, 40), Image.LANCZOS)) for band in wide
-    ]
+    expected = [np.asarray(Image.fromarray(band.astype(np.float32)).resize((50, 40), Image.LANCZOS)) for band in wide]
     assert np.abs(shown - np.array(expected)).max() <= 1.5
 
 
@@ -476,19 +461,13 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, library):
     path = written(tmp_path / "r.tif", noise("uint16", 4, 64), NIR)
     for as_stored in (True, False):
         stored = {"as_stored": as_stored, "stretch": "percentile"}
-        assert "band '5': r.tif has 1 red, 2 green, 3 blue, 4 nir" in refused(
-            path, "bands", bands=("5",), **stored
-        )
+        assert "band '5': r.tif has 1 red, 2 green, 3 blue, 4 nir" in refused(path, "bands", bands=("5",), **stored)
         assert "band 'swir'" in refused(path, "bands", bands=("swir",), **stored)
         assert "band 'nir': is named twice" in refused(path, "bands", bands=("4", "nir"), **stored)
         assert "lower one first" in refused(path, "stretch", stretch="5 2", as_stored=as_stored)
         assert "lower one first" in refused(path, "stretch", stretch="a lot", as_stored=as_stored)
-    assert "2 bands: JPEG and PNG have one or three" in refused(
-        path, "bands", bands=("1", "2"), stretch="percentile"
-    )
-    assert "uint16, but JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(
-        path, "stretch"
-    )
+    assert "2 bands: JPEG and PNG have one or three" in refused(path, "bands", bands=("1", "2"), stretch="percentile")
+    assert "uint16, but JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(path, "stretch")
     wide = rasters.write(tmp_path / "wide.tif", np.zeros((1, 8, 8)), UTM, EPSG, data_type=gdal.GDT_Float64)
     assert "values of band 1 are float64: must be one of uint8, uint16, int16, float32" in refused(
         wide, "", as_stored=True
@@ -591,6 +570,4 @@ def test_naip_gives_images_at_its_own_5_m_with_its_four_bands(bands, expected, t
         left, across, _, top, _, down = opened.GetGeoTransform()
         assert (across, down) == (5.0, -5.0)
         part = (round((left - west) / 5), round((north - top) / 5), opened.RasterXSize, opened.RasterYSize)
-        assert np.array_equal(
-            shown, np.stack([photograph.GetRasterBand(band).ReadAsArray(*part) for band in expected])
-        )
+        assert np.array_equal(shown, np.stack([photograph.GetRasterBand(band).ReadAsArray(*part) for band in expected]))

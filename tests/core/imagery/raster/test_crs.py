@@ -114,9 +114,7 @@ def test_a_folder_whose_mission_does_not_say_it_is_resumed_if_its_images_are_the
         captured(file, tmp_path / "said", "EPSG:3857", resume=True)
 
 
-@pytest.mark.parametrize(
-    "crs", ["A[]", 'PROJCS["nonsense"]', "PROJCS[" + 5000 * "x" + "]", 'X["' + 9000 * "y" + '"]']
-)
+@pytest.mark.parametrize("crs", ["A[]", 'PROJCS["nonsense"]', "PROJCS[" + 5000 * "x" + "]", 'X["' + 9000 * "y" + '"]'])
 def test_what_only_looks_like_wkt_is_one_short_line(file, crs):
     with pytest.raises(InvalidInput, match=r"ortho\.tif has EPSG:32616, EPSG:3857") as refused:
         named_source(file, SourceOptions(crs=crs)).grid  # noqa: B018

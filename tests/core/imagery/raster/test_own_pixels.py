@@ -239,9 +239,7 @@ def test_tables_say_where_images_lie(tmp_path):
         left, width, _, top, _, height = image.GetGeoTransform()
         stated = table.west[index], table.pixel_width[index], table.north[index], -table.pixel_height[index]
         assert stated == pytest.approx((left, width, top, height), abs=1e-9)
-    assert table.yaw_deg == pytest.approx(
-        -worked_out.grid.own.north_deg(table.pose_lat_deg, table.pose_lon_deg)
-    )
+    assert table.yaw_deg == pytest.approx(-worked_out.grid.own.north_deg(table.pose_lat_deg, table.pose_lon_deg))
 
 
 def test_a_layout_of_the_map_and_the_horizon_are_refused(tmp_path):
@@ -280,11 +278,7 @@ def test_a_report_measures_pictures_in_the_raster_s_crs(tmp_path):
     for tilt_deg in (0.0, 20.0):
         worked_out = plan(Mission(Polygon((ring,)), 120.0, tilt_deg=tilt_deg), source.grid)
         # Before their edges are rounded to pixels, which moves frames and not what they show.
-        error = (
-            positions.map_frame_error_px(worked_out)
-            if not tilt_deg
-            else positions.mesh_error_px(worked_out, 0.1)
-        )
+        error = positions.map_frame_error_px(worked_out) if not tilt_deg else positions.mesh_error_px(worked_out, 0.1)
         assert 0.0 < error <= worked_out.accuracy.bound_px
     source.close()
 
@@ -297,9 +291,7 @@ def test_points_keep_yaws_of_their_own_and_missions_count_theirs_from_grid_north
     north_deg = float(grid.own.north_deg(np.array(lat), np.array(lon)))
     assert abs(north_deg) > 40.0
     assert plan(Mission(Points(place, (30.0,)), 60.0), grid).poses.yaw_deg == pytest.approx([30.0])
-    assert plan(Mission(Points(place), 60.0, yaw_deg=30.0), grid).poses.yaw_deg == pytest.approx(
-        [30.0 - north_deg]
-    )
+    assert plan(Mission(Points(place), 60.0, yaw_deg=30.0), grid).poses.yaw_deg == pytest.approx([30.0 - north_deg])
 
 
 def test_a_crs_without_a_code_is_written_whole(tmp_path):
@@ -312,13 +304,9 @@ def test_a_crs_without_a_code_is_written_whole(tmp_path):
     for image_format in ("tif", "jpg"):
         worked_out = plan(Mission(area, 120.0, image_format=image_format), source.grid)
         assert capture(worked_out, source, tmp_path / image_format).written == len(worked_out)
-        image = gdal.Open(
-            str(tmp_path / image_format / "satellite" / f"{worked_out.names[0]}.{image_format}")
-        )
+        image = gdal.Open(str(tmp_path / image_format / "satellite" / f"{worked_out.names[0]}.{image_format}"))
         left, _, _, top, _, _ = image.GetGeoTransform()
-        lon, lat = pyproj.Transformer.from_crs(image.GetProjection(), 4326, always_xy=True).transform(
-            left, top
-        )
+        lon, lat = pyproj.Transformer.from_crs(image.GetProjection(), 4326, always_xy=True).transform(left, top)
         x, y = pyproj.Transformer.from_crs(4326, crs, always_xy=True).transform(lon, lat)
         assert (x, y) == pytest.approx((left, top), abs=1e-6)
         assert "Transverse_Mercator" in image.GetProjection()

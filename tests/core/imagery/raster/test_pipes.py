@@ -12,9 +12,7 @@ from terrainav.core.imagery.raster.trust import allowed_drivers
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes that have a name in a folder")
 
 
-@pytest.mark.parametrize(
-    "name", ["a.tif.ovr", "a.tif.msk", "a.tif.aux.xml", "a.tif.hdr", "a.prj", "a.AUX", "a.xml"]
-)
+@pytest.mark.parametrize("name", ["a.tif.ovr", "a.tif.msk", "a.tif.aux.xml", "a.tif.hdr", "a.prj", "a.AUX", "a.xml"])
 def test_a_pipe_beside_a_raster_is_refused(tmp_path, name):
     Image.new("L", (8, 8)).save(tmp_path / "a.tif")
     allowed_drivers(str(tmp_path / "a.tif"))

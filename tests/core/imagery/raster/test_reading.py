@@ -125,9 +125,7 @@ def test_no_data_is_where_every_band_says_so_and_never_mixes_with_colours(values
     path = rasters.write(tmp_path / "bright.tif", bright, ON_GRID, 3857, nodata=0)
     for zoom in (ZOOM - 1, ZOOM - 2, ZOOM + 1):
         factor = 2.0 ** (zoom - ZOOM)
-        window = Window(
-            zoom, TILE.left_px * factor, TILE.top_px * factor, int(SIZE * factor), int(SIZE * factor)
-        )
+        window = Window(zoom, TILE.left_px * factor, TILE.top_px * factor, int(SIZE * factor), int(SIZE * factor))
         pixels = fetched(path, window)
         there = pixels[..., 3] == 255
         assert (pixels[there][:, :3] == 222).all()
@@ -245,12 +243,8 @@ def test_rasters_without_a_place_on_the_map_are_refused_in_one_line(values, tmp_
     local = 'LOCAL_CS["site",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]]'
     assert "site, is not one of maps" in refused(path("local", ON_GRID, local))
     assert "is not one of maps" in refused(path("geocentric", ON_GRID, 4978))
-    assert "does not lie on the Web-Mercator map" in refused(
-        path("pole", (0.0, 1e-3, 0.0, 90.0, 0.0, -1e-3), 4326)
-    )
-    one_pixel = rasters.write(
-        tmp_path / "world.tif", values[:3, :1, :1], (-180.0, 360.0, 0.0, 10.0, 0.0, -20.0), 4326
-    )
+    assert "does not lie on the Web-Mercator map" in refused(path("pole", (0.0, 1e-3, 0.0, 90.0, 0.0, -1e-3), 4326))
+    one_pixel = rasters.write(tmp_path / "world.tif", values[:3, :1, :1], (-180.0, 360.0, 0.0, 10.0, 0.0, -20.0), 4326)
     assert "its pixels are as wide as the whole map" in refused(one_pixel)
     assert "its centre lies beyond what WGS 84 / Pseudo-Mercator reaches" in refused(
         path("huge", (0.0, 1e300, 0.0, 0.0, 0.0, -1e300), 3857)
@@ -301,9 +295,7 @@ def test_files_of_several_dates_are_one_path(values, tmp_path, library):
         assert (source.fetch("", TILE) == shade).all()
         source.close()
     there = "2009-08-18, 2014-07-20, 2020-08-31"
-    assert refused(pattern, date="2015-01-01").endswith(
-        f"there is none of 2015-01-01; dates there are: {there}"
-    )
+    assert refused(pattern, date="2015-01-01").endswith(f"there is none of 2015-01-01; dates there are: {there}")
     assert refused(pattern).endswith(f"say which date; dates there are: {there}")
     for wrong in ("2014-13-01", "someday", "20", "2014-7-2"):
         with pytest.raises(InvalidInput, match="must be YYYY-MM-DD"):
@@ -333,9 +325,7 @@ def test_a_broken_file_fails_the_parts_that_are_broken_and_no_other(tmp_path, li
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) * 3 // 5])
     source = open_raster(path)
-    windows = [
-        Window(ZOOM, TILE.left_px + 256 * i, TILE.top_px + 256 * j, 256, 256) for j in (0, 1) for i in (0, 1)
-    ]
+    windows = [Window(ZOOM, TILE.left_px + 256 * i, TILE.top_px + 256 * j, 256, 256) for j in (0, 1) for i in (0, 1)]
     assert np.array_equal(source.fetch("", windows[0]), np.moveaxis(values[:, :256, :256], 0, 2))
     with pytest.raises(PartError, match=r"r\.tif: cannot be read here: ") as caught:
         source.fetch("", windows[3])
@@ -483,9 +473,7 @@ def test_rasterio_is_for_where_neither_qgis_nor_gdal_s_bindings_are_loaded(befor
     pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
     path = rasters.write(tmp_path / "r.tif", values[:3], ON_GRID, 3857)
     code = HEADLESS.format(before=before, path=str(path), zoom=ZOOM, left=TILE.left_px, top=TILE.top_px)
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert (result.stdout.strip(), result.stderr) == (f"(8, 8, 3) {used}", "")
 
 
@@ -497,9 +485,7 @@ def test_without_either_library_the_way_to_one_is_named(values, tmp_path):
         "from terrainav.core.imagery.raster.source import open_raster\n"
         f"try: open_raster({str(path)!r})\nexcept ValueError as wrong: print(wrong)"
     )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert result.stdout.strip() == "raster files need rasterio: pip install terrainav[raster]"
 
 

@@ -84,9 +84,7 @@ def beside(picture, system):
 def test_each_is_refused_in_a_vrt_and_beside_a_plain_tiff(picture, kind):
     system = HOSTILE[kind].replace(FILE, "/tmp/up.gtx")
     for path in (vrt(picture, system), vrt(picture, system, "GCPList"), beside(picture, system)):
-        with pytest.raises(
-            InvalidInput, match=r"(x\.vrt|a\.tif\.aux\.xml): .*(names the file|more in it than bands)"
-        ):
+        with pytest.raises(InvalidInput, match=r"(x\.vrt|a\.tif\.aux\.xml): .*(names the file|more in it than bands)"):
             open_raster(path)
 
 
@@ -277,9 +275,7 @@ def test_formats_that_would_be_read_whole_are_refused_in_archives(picture, tmp_p
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as packed:
         packed.write(tmp_path / "a.img", "a.img")
         packed.write(picture, "a.tif")
-    with pytest.raises(
-        InvalidInput, match=r"a\.img: is of a format that is read from folders of this machine"
-    ):
+    with pytest.raises(InvalidInput, match=r"a\.img: is of a format that is read from folders of this machine"):
         open_raster(f"/vsizip/{tmp_path}/a.zip/a.img")
     opened = open_raster(f"/vsizip/{tmp_path}/a.zip/a.tif")
     assert opened.facts.sizes[0] == (16, 16)

@@ -112,9 +112,7 @@ def test_a_busy_server_is_asked_again(server, url, values):
 
 @pytest.mark.parametrize("keeps_conditions", [True, False])
 @pytest.mark.parametrize("names_versions", [True, False])
-def test_a_file_that_changes_is_no_more_read(
-    server, url, values, body, keeps_conditions, names_versions, monkeypatch
-):
+def test_a_file_that_changes_is_no_more_read(server, url, values, body, keeps_conditions, names_versions, monkeypatch):
     # Servers that heed no condition are asked for the version now and then: here, each time.
     monkeypatch.setattr(remote_module, "_SAME_FOR_S", 60.0 if keeps_conditions and names_versions else 0.0)
     server.keeps_conditions, server.names_versions = keeps_conditions, names_versions
@@ -170,9 +168,7 @@ def test_what_is_no_raster_is_named_as_the_user_did(server):
     assert "#" not in str(raised.value)
 
 
-@pytest.mark.parametrize(
-    "form", ["/vsizip//vsicurl/{0}/in/ortho.tif", "/vsizip/{{/vsicurl/{0}}}/in/ortho.tif"]
-)
+@pytest.mark.parametrize("form", ["/vsizip//vsicurl/{0}/in/ortho.tif", "/vsizip/{{/vsicurl/{0}}}/in/ortho.tif"])
 def test_a_raster_in_an_archive_over_http(server, body, values, form):
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:

@@ -101,26 +101,17 @@ def test_facts_of_bands_take_time_in_proportion_to_their_number(tmp_path, librar
     ids=["strip", "tile", "all bands of a tile", "complex"],
 )
 @pytest.mark.parametrize("through", ["", "VRT", "mask", "overviews"])
-def test_blocks_that_fill_memory_are_refused(
-    tmp_path, library, one, width, height, bands, data_type, options, through
-):
+def test_blocks_that_fill_memory_are_refused(tmp_path, library, one, width, height, bands, data_type, options, through):
     name = {"mask": "one.tif.msk", "overviews": "one.tif.ovr"}.get(through, "big.tif")
-    big = sparse(
-        tmp_path / name, width, height, bands, data_type, [*options, "INTERLEAVE=PIXEL", "BIGTIFF=YES"]
-    )
+    big = sparse(tmp_path / name, width, height, bands, data_type, [*options, "INTERLEAVE=PIXEL", "BIGTIFF=YES"])
     path = {"": big, "VRT": vrt(tmp_path / "big.vrt", BAND.format(SOURCE.format(name)))}.get(through, one)
     text = refusal(path, heights=True)
-    assert (
-        f"must be at most {MAX_RASTER_BLOCK_BYTES >> 20} MB; make a copy in tiles, with gdal_translate"
-        in text
-    )
+    assert f"must be at most {MAX_RASTER_BLOCK_BYTES >> 20} MB; make a copy in tiles, with gdal_translate" in text
     assert f"{name} is decoded in blocks of " in text
 
 
 def test_gdal_is_asked_for_blocks_of_formats_that_are_not_looked_through(tmp_path, library, monkeypatch):
-    header = "\n".join(
-        ["ENVI", "samples = 300000000", "lines = 2", "bands = 1", "data type = 1", "interleave = bsq"]
-    )
+    header = "\n".join(["ENVI", "samples = 300000000", "lines = 2", "bands = 1", "data type = 1", "interleave = bsq"])
     (tmp_path / "e.hdr").write_text(header + "\n")
     path = tmp_path / "e.dat"
     with path.open("wb") as file:
@@ -189,9 +180,7 @@ def test_sources_of_a_vrt_are_counted(tmp_path, library, one, monkeypatch):
     assert f"many.vrt reads files more than {MAX_VRT_SOURCES:,} times; make one raster of it" in text
 
 
-def test_sources_of_vrts_within_others_are_counted_as_often_as_they_are_read(
-    tmp_path, library, one, monkeypatch
-):
+def test_sources_of_vrts_within_others_are_counted_as_often_as_they_are_read(tmp_path, library, one, monkeypatch):
     named = "one.tif"
     for level in range(MAX_VRT_DEPTH - 1):
         path = vrt(tmp_path / f"{level}.vrt", BAND.format(SOURCE.format(named) * 20))

@@ -167,9 +167,7 @@ def test_pixels_on_the_map_s_own_grid_are_copied_and_their_overviews_averaged(zo
     assert np.array_equal(picture_of(source, Window(zoom, left, top, 512, 512)), np.moveaxis(values, 0, 2))
     for down in (1, 2):
         block = 1 << down
-        pixels = picture_of(
-            source, Window(zoom - down, left // block, top // block, 512 // block, 512 // block)
-        )
+        pixels = picture_of(source, Window(zoom - down, left // block, top // block, 512 // block, 512 // block))
         means = values.reshape(3, 512 // block, block, 512 // block, block).mean((2, 4))
         assert np.abs(pixels - np.moveaxis(means, 0, 2)).max() <= 0.5
     source.close()
@@ -240,9 +238,7 @@ def test_native_zoom_is_the_highest_that_does_not_enlarge(epsg, geotransform, tm
     def raster_px_per_px(zoom):
         """Steps of columns and rows over one pixel of the map at the raster's centre."""
         size = source.grid.pixel_size(zoom)[0]
-        x, y = off_map(
-            epsg, map_x + np.array([-0.5, 0.5, 0, 0]) * size, map_y + np.array([0, 0, -0.5, 0.5]) * size
-        )
+        x, y = off_map(epsg, map_x + np.array([-0.5, 0.5, 0, 0]) * size, map_y + np.array([0, 0, -0.5, 0.5]) * size)
         return [math.hypot(v[1] - v[0], v[3] - v[2]) / abs(step) for v, step in ((x, xc), (y, yr))]
 
     assert min(raster_px_per_px(source.grid.native_zoom)) >= 1.0 - 1e-3

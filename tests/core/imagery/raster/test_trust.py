@@ -90,9 +90,7 @@ def refusal(path):
     return text
 
 
-def test_files_of_other_folders_are_not_read_unless_the_user_names_them(
-    folder, outside, library, monkeypatch
-):
+def test_files_of_other_folders_are_not_read_unless_the_user_names_them(folder, outside, library, monkeypatch):
     path = vrt_of(folder / "map.vrt", outside)
     text = refusal(path)
     assert "is not beside it; set TERRAINAV_RASTER_FOLDERS=" in text
@@ -158,9 +156,7 @@ OVERVIEWS = '<Metadata domain="OVERVIEWS"><MDI key="{}">{}</MDI></Metadata>'
         lambda text, out: text.replace(
             END, f"<Metadata domain='GEOLOCATION'><MDI><key>X_DATASET</key>{out}</MDI></Metadata>{END}"
         ),
-        lambda text, out: text.replace(
-            END, OVERVIEWS.format("Overview&#95;File", ":::BASE:::../" + out) + END
-        ),
+        lambda text, out: text.replace(END, OVERVIEWS.format("Overview&#95;File", ":::BASE:::../" + out) + END),
         lambda text, out: text.replace(
             "</SourceFilename>", OPTION.format("PRELUDE_STATEMENTS", f"ATTACH '{out}' AS other")
         ),
@@ -447,9 +443,7 @@ def test_overviews_are_looked_through_in_any_case_of_letters(tmp_path, server, n
     assert server.asked == []
 
 
-@pytest.mark.parametrize(
-    "name", ["map.tif.ovr", "map.tif.msk", "map.tif.aux.xml", "map.tif.aux", "map.tfw", "MAP.wld"]
-)
+@pytest.mark.parametrize("name", ["map.tif.ovr", "map.tif.msk", "map.tif.aux.xml", "map.tif.aux", "map.tfw", "MAP.wld"])
 def test_a_pipe_in_the_place_of_a_file_beside_a_raster_is_refused(tmp_path, name):
     """GDAL would wait for it for good."""
     path = rasters.write(tmp_path / "map.tif", np.full((3, SIZE, SIZE), 77, np.uint8), ON_GRID, 3857)

@@ -35,9 +35,7 @@ with warnings.catch_warnings():
 
 HOST = "maps.example"
 QUAD = matrix_set("quad", [matrix(str(zoom), zoom) for zoom in range(5)])
-LAYER_130 = (
-    "<Layer><Title>All</Title><CRS>EPSG:3857</CRS><Layer><Name>ortho</Name><Title>{}</Title></Layer></Layer>"
-)
+LAYER_130 = "<Layer><Title>All</Title><CRS>EPSG:3857</CRS><Layer><Name>ortho</Name><Title>{}</Title></Layer></Layer>"
 LAYER_111 = "<Layer><Title>All</Title><SRS>EPSG:900913</SRS><Layer><Name>ortho</Name><Title>{}</Title></Layer></Layer>"
 WMS_TYPE = (
     '<!DOCTYPE WMT_MS_Capabilities SYSTEM "http://schemas.opengis.net/wms/1.1.1/WMS_MS_Capabilities.dtd"'
@@ -262,11 +260,7 @@ def test_a_key_is_never_filled_into_what_a_document_names(monkeypatch, mark, key
         wmts(resources=[("image/png", tiles)], styles=(("", True),)),
         wmts_document([wmts_layer("ortho", {"quad": []})], [QUAD], get_tile=f"{evil}{mark}?"),
         wmts_document(
-            [
-                wmts_layer(
-                    mark, {"quad": []}, dimensions=dimension("band", mark, mark), styles=((mark, True),)
-                )
-            ],
+            [wmts_layer(mark, {"quad": []}, dimensions=dimension("band", mark, mark), styles=((mark, True),))],
             [QUAD],
             get_tile=evil,
         ),

@@ -45,9 +45,7 @@ def serve(server, documents, tiles=None):
     def answer(path, query):
         found = re.fullmatch(tiles, path) if tiles else None
         if found:
-            return png(
-                patterns.positions("satellite", int(found["z"]), int(found["x"]), int(found["y"]), 256)
-            )
+            return png(patterns.positions("satellite", int(found["z"]), int(found["x"]), int(found["y"]), 256))
         document = documents.get(path)
         if callable(document):
             return document(query)
@@ -79,12 +77,8 @@ def test_cached_map_service_is_asked_for_its_tiles(server):
     assert (tile == patterns.positions("satellite", ZOOM, COLUMN, ROW, 256)).all()
     assert server.asked == [f"{base}?f=json", f"{base}/tile/{ZOOM}/{ROW}/{COLUMN}"]
     # The ground that it states, by PROJ.
-    west, south = Transformer.from_crs(3857, 4326, always_xy=True).transform(
-        EXTENT_M["xmin"], EXTENT_M["ymin"]
-    )
-    assert service_entry(f"arcgis:{server.url}{base}").bounds_deg[:2] == pytest.approx(
-        (west, south), abs=1e-9
-    )
+    west, south = Transformer.from_crs(3857, 4326, always_xy=True).transform(EXTENT_M["xmin"], EXTENT_M["ymin"])
+    assert service_entry(f"arcgis:{server.url}{base}").bounds_deg[:2] == pytest.approx((west, south), abs=1e-9)
     source.close()
 
 
@@ -112,8 +106,7 @@ def test_tiles_of_a_national_system_keep_its_grid(server):
             "origin": {"x": 2_420_000.0, "y": 1_350_000.0},
             "spatialReference": swiss,
             "lods": [
-                {"level": at + 20, "resolution": size, "scale": size * 96 / 0.0254}
-                for at, size in enumerate(sizes)
+                {"level": at + 20, "resolution": size, "scale": size * 96 / 0.0254} for at, size in enumerate(sizes)
             ],
         },
     )
@@ -251,9 +244,7 @@ def test_token_goes_with_each_request_and_into_no_file(server):
             "neither",
         ),
         (
-            map_service(
-                cached=False, fullExtent={"xmin": "NaN", "spatialReference": {"wkid": -4}}, maxScale=-1
-            ),
+            map_service(cached=False, fullExtent={"xmin": "NaN", "spatialReference": {"wkid": -4}}, maxScale=-1),
             None,
         ),
         (map_service(cached=False, copyrightText=["not", "text"], documentInfo=7, layers="none"), None),
@@ -305,13 +296,9 @@ def tiles_api(server, *, quad=True, own=True, **more):
     ]
     sets = []
     if quad:
-        sets.append(
-            tileset(server.url, base, "WebMercatorQuad", MERCATOR_URI, limits=limits[2:] if more else limits)
-        )
+        sets.append(tileset(server.url, base, "WebMercatorQuad", MERCATOR_URI, limits=limits[2:] if more else limits))
     if own:
-        sets.append(
-            tileset(server.url, base, "UTM32", "http://www.opengis.net/def/crs/EPSG/0/25832", limits=[])
-        )
+        sets.append(tileset(server.url, base, "UTM32", "http://www.opengis.net/def/crs/EPSG/0/25832", limits=[]))
     documents = {
         "/": landing(server.url),
         "/collections": {
@@ -410,13 +397,7 @@ def test_collections_are_listed_where_one_is_to_be_chosen(server):
             "none of images",
         ),
         (
-            {
-                "/": {
-                    "links": [
-                        {"rel": "item", "type": "application/vnd.mapbox-vector-tile", "href": "/{tileMatrix}"}
-                    ]
-                }
-            },
+            {"/": {"links": [{"rel": "item", "type": "application/vnd.mapbox-vector-tile", "href": "/{tileMatrix}"}]}},
             "none of image/png",
         ),
         (
@@ -495,11 +476,7 @@ def test_kind_is_told_by_the_address_or_by_the_answer(server):
             return 200, "text/xml", wmts
         if path == "/geoserver/ows":
             # Its answer to a bare address is a page.
-            return (
-                (200, "text/xml", wms)
-                if query.get("SERVICE") == "WMS"
-                else (200, "text/html", b"<h1>Hello</h1>")
-            )
+            return (200, "text/xml", wms) if query.get("SERVICE") == "WMS" else (200, "text/html", b"<h1>Hello</h1>")
         return 200, "text/html", b"<title>Welcome</title>"
 
     server.answer = answer
@@ -569,9 +546,7 @@ def with_other(document, place, value):
     return made
 
 
-@pytest.mark.parametrize(
-    "value", thinned(named([None, 10**40, "{key}\n", {"wkid": 4326}]), ("None", "{key}\n"))
-)
+@pytest.mark.parametrize("value", thinned(named([None, 10**40, "{key}\n", {"wkid": 4326}]), ("None", "{key}\n")))
 def test_any_value_in_any_place_gives_an_entry_or_one_line(value):
     base, api = "/rest/services/A", "https://h.example"
     quad = tileset(api, "/t", "WebMercatorQuad", MERCATOR_URI, limits=[("3", 0, 7, 0, 7)])
@@ -582,9 +557,7 @@ def test_any_value_in_any_place_gives_an_entry_or_one_line(value):
         ("ogcapi", "/c", {"collections": [collection(api, "a")]}),
     ):
         # Levels and links are many, and alike.
-        some = [
-            place for place in places(document) if all(key in (0, 1, 2) or key == str(key) for key in place)
-        ]
+        some = [place for place in places(document) if all(key in (0, 1, 2) or key == str(key) for key in place)]
         for place in some:
             transport = Documents({path: with_other(document, place, value)})
             try:

@@ -75,9 +75,7 @@ def one_line(raised):
 def test_tiles_as_resources_with_levels_called_otherwise_and_limited(server):
     sets = [matrix_set("webmercator", [matrix(f"L{zoom:02d}", zoom) for zoom in range(20)])]
     rest = f"{server.url}/tiles/{{Style}}/{{TileMatrixSet}}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.png"
-    layer = wmts_layer(
-        "ortho", {"webmercator": [f"L{z:02d}" for z in range(3, 18)]}, resources=[("image/png", rest)]
-    )
+    layer = wmts_layer("ortho", {"webmercator": [f"L{z:02d}" for z in range(3, 18)]}, resources=[("image/png", rest)])
     serve_tiles(
         server,
         wmts_document([layer], sets),
@@ -101,9 +99,7 @@ def test_tiles_by_query_of_the_set_that_fits_among_several(server):
         xml(wmts_document([layer], [DUTCH, big], get_tile=f"{server.url}/kvp?map=x"))
         if query.get("REQUEST") == "GetCapabilities"
         else png(
-            patterns.positions(
-                "satellite", int(query["TILEMATRIX"]), int(query["TILECOL"]), int(query["TILEROW"]), 512
-            )
+            patterns.positions("satellite", int(query["TILEMATRIX"]), int(query["TILECOL"]), int(query["TILEROW"]), 512)
         )
     )
     source = open_source(f"wmts:{server.url}/service?map=x#layer=a b")
@@ -210,9 +206,7 @@ def test_formats_go_by_other_names_too_and_are_asked_for_as_written(server, offe
 
 def test_a_format_may_be_spelled_otherwise_at_its_resource(server):
     rest = f"{server.url}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.jpg"
-    layer = wmts_layer(
-        "ortho", {"GoogleMapsCompatible": []}, formats=["image/jpeg"], resources=[("image/jpg", rest)]
-    )
+    layer = wmts_layer("ortho", {"GoogleMapsCompatible": []}, formats=["image/jpeg"], resources=[("image/jpg", rest)])
     server.answer = lambda *_: xml(wmts_document([layer], [QUAD]))
     assert service_entry(f"wmts:{server.url}/c.xml").templates("")[""].url(3, 1, 2).endswith("/3/2/1.jpg")
 
@@ -292,9 +286,7 @@ def test_a_set_asked_for_that_does_not_fit_names_those_that_do(server):
 
 def test_choices_are_named_where_they_are_needed_or_wrong(server):
     two = [
-        wmts_layer(
-            name, {"GoogleMapsCompatible": []}, title=name.upper(), styles=(("grey", False), ("colour", True))
-        )
+        wmts_layer(name, {"GoogleMapsCompatible": []}, title=name.upper(), styles=(("grey", False), ("colour", True)))
         for name in ("ortho", "topo")
     ]
     server.answer = lambda *_: xml(wmts_document(two, [QUAD], get_tile=server.url))
@@ -321,9 +313,7 @@ def test_the_time_of_a_wmts_is_the_date(server):
     dims = dimension("Time", "2022", "2018", "2020", "2022") + dimension("band", "rgb", "rgb", "cir")
     rest = f"{server.url}/{{band}}/{{Time}}/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
     layer = wmts_layer("o", {"GoogleMapsCompatible": []}, resources=[("image/png", rest)], dimensions=dims)
-    serve_tiles(
-        server, wmts_document([layer], [QUAD]), r"/rgb/20\d\d/(?P<z>\d+)/(?P<x>\d+)/(?P<y>\d+)\.png\?"
-    )
+    serve_tiles(server, wmts_document([layer], [QUAD]), r"/rgb/20\d\d/(?P<z>\d+)/(?P<x>\d+)/(?P<y>\d+)\.png\?")
     name = f"wmts:{server.url}/c.xml"
     for asked, got in ((None, "2022"), ("2018", "2018")):
         source = open_source(name, date=asked)
@@ -331,9 +321,7 @@ def test_the_time_of_a_wmts_is_the_date(server):
         source.fetch("", Window(1, 256, 0, 256, 256))
         assert server.asked[-1] == f"/rgb/{got}/1/1/0.png"
         source.close()
-    with pytest.raises(
-        InvalidInput, match="date '2019': must be one of those there are, such as 2018, 2020, 2022"
-    ):
+    with pytest.raises(InvalidInput, match="date '2019': must be one of those there are, such as 2018, 2020, 2022"):
         open_source(name, date="2019")
 
 
@@ -417,9 +405,7 @@ def test_a_document_beyond_measure_is_given_up(server, monkeypatch):
         open_source(f"wmts:{server.url}/c.xml")
 
 
-@pytest.mark.parametrize(
-    "piece", [b"<WMS_Capabilities", b"<WMS_Capabilities version ", b"<a:", b"<Capabilities <"]
-)
+@pytest.mark.parametrize("piece", [b"<WMS_Capabilities", b"<WMS_Capabilities version ", b"<a:", b"<Capabilities <"])
 def test_a_megabyte_of_beginnings_is_soon_refused(server, piece):
     def read(size):
         server.answer = lambda *_: xml(piece * (size // len(piece)))
@@ -431,9 +417,7 @@ def test_a_megabyte_of_beginnings_is_soon_refused(server, piece):
 
 
 def test_titles_are_one_line_of_what_can_be_printed(server):
-    layer = wmts_layer(
-        "a", {"quad": []}, title="Or&#10;tho&#x202e; &#x9b;31m", resources=[("image/png", "/{TileRow}")]
-    )
+    layer = wmts_layer("a", {"quad": []}, title="Or&#10;tho&#x202e; &#x9b;31m", resources=[("image/png", "/{TileRow}")])
     server.answer = lambda *_: xml(wmts_document([layer], []))
     assert [one.title for one in layers(f"wmts:{server.url}/c.xml")] == ["Or tho 31m"]
 
@@ -493,9 +477,7 @@ LAYERS_111 = """<Layer><Title>All</Title><SRS>EPSG:4326 EPSG:900913</SRS>
 
 def wms(server, version, body, paint=painted):
     document = wms_document(version, f"{server.url}/ows?map=a.map", body)
-    server.answer = lambda path, query: (
-        xml(document) if query["REQUEST"] == "GetCapabilities" else png(paint(query))
-    )
+    server.answer = lambda path, query: xml(document) if query["REQUEST"] == "GetCapabilities" else png(paint(query))
 
 
 @pytest.mark.parametrize(
@@ -644,9 +626,7 @@ def test_a_service_says_where_its_imagery_ends(server):
     crs = "<CRS>EPSG:3857</CRS>"
 
     def layer(name, west, east):
-        box = (
-            f"<westBoundLongitude>{west}</westBoundLongitude><eastBoundLongitude>{east}</eastBoundLongitude>"
-        )
+        box = f"<westBoundLongitude>{west}</westBoundLongitude><eastBoundLongitude>{east}</eastBoundLongitude>"
         box += "<southBoundLatitude>45.8</southBoundLatitude><northBoundLatitude>47.9</northBoundLatitude>"
         box = f"<EX_GeographicBoundingBox>{box}</EX_GeographicBoundingBox>"
         return f"<Layer><Name>{name}</Name><Title>{name}</Title>{crs}{box}</Layer>"

@@ -98,9 +98,7 @@ def about(epsg, lat, lon, half_m):
     to_crs = pyproj.Transformer.from_crs(4326, epsg, always_xy=True)
     x, y = to_crs.transform(lon, lat)
     corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-    return tuple(
-        to_crs.transform(x + right * half_m, y + up * half_m, direction="INVERSE") for right, up in corners
-    )
+    return tuple(to_crs.transform(x + right * half_m, y + up * half_m, direction="INVERSE") for right, up in corners)
 
 
 def opened(path):
@@ -147,9 +145,7 @@ def test_images_of_a_wmts_are_its_own_pixels(place, server, tmp_path):
         x, y = to_crs.transform(worked_out.lon_deg[at], worked_out.lat_deg[at])
         middle = left + width * shown.shape[2] / 2, top + height * shown.shape[1] / 2
         assert np.hypot(middle[0] - x, middle[1] - y) < 2.0 * finest
-    assert f"/t/{tiles.name.replace(':', '%3A')}/{levels[round(finest, 9)]}/" in server.asked[-1].replace(
-        ":", "%3A"
-    )
+    assert f"/t/{tiles.name.replace(':', '%3A')}/{levels[round(finest, 9)]}/" in server.asked[-1].replace(":", "%3A")
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -255,9 +251,7 @@ def test_of_systems_of_a_whole_world_the_one_that_suits_the_mission_is_taken(ser
     """Where none suits it, the layer decides."""
     name = serve(server, DUTCH, ARCTIC, ANTARCTIC, EUROPEAN, bounds=(3.2, 50.7, 7.3, 53.6))
     assert crs_of(name, area_deg=area.bounds.edges_deg) == best
-    serve_wms(
-        server, wms_layer(server, "EPSG:28992", "EPSG:3413", "EPSG:3031", "EPSG:3035", box=(3, 50, 7, 53))
-    )
+    serve_wms(server, wms_layer(server, "EPSG:28992", "EPSG:3413", "EPSG:3031", "EPSG:3035", box=(3, 50, 7, 53)))
     assert crs_of(f"wms:{server.url}/ows#layers=ortho", area_deg=area.bounds.edges_deg) == best
 
 
@@ -268,9 +262,7 @@ def test_of_two_sets_of_a_system_the_finer_is_taken(server):
     assert "EPSG:28992/" in source.entry.urls[""]
 
 
-@pytest.mark.parametrize(
-    "crs", ["EPSG:{}", "http://www.opengis.net/def/crs/EPSG/0/{}", "urn:ogc:def:crs:EPSG:9.9:{}"]
-)
+@pytest.mark.parametrize("crs", ["EPSG:{}", "http://www.opengis.net/def/crs/EPSG/0/{}", "urn:ogc:def:crs:EPSG:9.9:{}"])
 @pytest.mark.parametrize("written", ["by easting", "by northing"])
 def test_corners_in_another_order_than_the_system_s_are_known_by_the_layer_s_ground(server, crs, written):
     text = EUROPEAN.text(northing_first=written == "by northing", crs=crs)
@@ -338,9 +330,7 @@ def test_beyond_the_limits_there_is_no_imagery_and_no_request(server):
         DUTCH.west + 5.9 * side, DUTCH.north - 4.5 * side
     )
     ring = about(28992, lat, lon, 20_000.0)
-    worked_out = plan(
-        Mission(Polygon((ring,)), 5_000.0, source="x", frame="map", accept_error=True), source.grid
-    )
+    worked_out = plan(Mission(Polygon((ring,)), 5_000.0, source="x", frame="map", accept_error=True), source.grid)
     assert 0.0 < worked_out.imagery.share < 1.0
     assert worked_out.imagery.outside > 0
 
@@ -379,9 +369,7 @@ def test_tiles_of_two_systems_are_kept_apart(server, tmp_path):
         "Orthophotos (EPSG:21781)",
     ]
     # Of one address, whose document has moved the corner since, as well.
-    one, moved = (
-        replace(DUTCH, north=north) for north in (DUTCH.north, DUTCH.north + 512.0 * DUTCH.resolutions["16"])
-    )
+    one, moved = (replace(DUTCH, north=north) for north in (DUTCH.north, DUTCH.north + 512.0 * DUTCH.resolutions["16"]))
     shown = []
     for tiles in (one, moved):
         source = open_source(serve(server, tiles), cache=cache)
@@ -441,9 +429,7 @@ def test_templates_are_of_the_map_or_state_their_plane(tmp_path):
         add("other", {**data, "urls": {"": "https://h.example/?{bbox-epsg-3857}"}, "plane": plane}, tmp_path)
     for name in ("https://h.example/{z}/{x}/{y}.png", "osm"):
         assert crs_of(name, crs="EPSG:3857") == "EPSG:3857"
-        with pytest.raises(
-            InvalidInput, match=r"coordinate reference system EPSG:25832: .* has EPSG:3857"
-        ) as refused:
+        with pytest.raises(InvalidInput, match=r"coordinate reference system EPSG:25832: .* has EPSG:3857") as refused:
             crs_of(name, crs="EPSG:25832")
         assert refused.value.field == "crs"
 
@@ -518,19 +504,13 @@ def test_images_of_a_wms_are_pixels_that_it_is_asked_for(
     # So fine that the next finer pixels, of a quarter, are not drawn.
     scale = f"<MinScaleDenominator>{0.4 * unit / 0.00028}</MinScaleDenominator>" if version == "1.3.0" else ""
     pixel, corner = 0.5, (1000.0, -3000.0)
-    document = wms_layer(
-        server, f"EPSG:{epsg}", version=version, scale=scale, box=(lon - 1, lat - 1, lon + 1, lat + 1)
-    )
+    document = wms_layer(server, f"EPSG:{epsg}", version=version, scale=scale, box=(lon - 1, lat - 1, lon + 1, lat + 1))
     serve_wms(server, document, pixel, corner, northing_first=by_northing)
     name = f"wms:{server.url}/ows#layers=ortho&version={version}"
     source = open_source(name, tile_px=tile_px)
     assert (source.grid.plane.crs, source.grid.tile_px) == (f"EPSG:{epsg}", tile_px)
     (zoom,) = (zoom for zoom in range(31) if source.grid.pixel_size(zoom)[0] == pixel)
-    assert (
-        source.grid.native_zoom == zoom
-        if scale
-        else source.grid.pixel_size(source.grid.native_zoom)[0] == 2**-5
-    )
+    assert source.grid.native_zoom == zoom if scale else source.grid.pixel_size(source.grid.native_zoom)[0] == 2**-5
     agl_m = 120.0 * unit
     ring = about(epsg, lat, lon, agl_m / unit)
     worked_out = plan(Mission(Polygon((ring,)), agl_m, source=name, zoom=zoom), source.grid)
@@ -579,10 +559,7 @@ def test_the_system_of_a_wms(server):
 def test_neighbouring_boxes_share_their_edges_to_the_last_digit(server):
     serve_wms(server, wms_layer(server, "EPSG:2056"))
     template = named_source(f"wms:{server.url}/ows#layers=ortho").entry.templates("")[""]
-    boxes = {
-        at: re.search("BBOX=([^&]*)", template.url(19, *at))[1].split(",")
-        for at in ((9, 9), (10, 9), (9, 10))
-    }
+    boxes = {at: re.search("BBOX=([^&]*)", template.url(19, *at))[1].split(",") for at in ((9, 9), (10, 9), (9, 10))}
     assert boxes[9, 9][2] == boxes[10, 9][0]
     assert boxes[9, 9][1] == boxes[9, 10][3]
     assert all(float(edge) % 256 == 0 for edge in boxes[9, 9])
@@ -676,9 +653,7 @@ def test_a_tilted_picture_of_tiles_is_that_of_a_raster_of_the_same_pixels(server
             return documents(path, query)
         coarser, row, column = int(level) - int(found[1]), int(found[2]), int(found[3])
         fine = colours(column << coarser, row << coarser, 256 << coarser).astype(float)
-        return png(
-            fine.reshape(256, 1 << coarser, 256, 1 << coarser, 3).mean(axis=(1, 3)).round().astype(np.uint8)
-        )
+        return png(fine.reshape(256, 1 << coarser, 256, 1 << coarser, 3).mean(axis=(1, 3)).round().astype(np.uint8))
 
     server.answer = answer
     first = [at - 8 for at in middle]
@@ -692,9 +667,7 @@ def test_a_tilted_picture_of_tiles_is_that_of_a_raster_of_the_same_pixels(server
     shown = []
     for source_name in (f"{name}&tilematrix={level}", str(path)):
         source = open_source(source_name)
-        mission = Mission(
-            Points(((lat, lon, 120.0),)), 120.0, tilt_deg=35.0, yaw_deg=20.0, source=source_name
-        )
+        mission = Mission(Points(((lat, lon, 120.0),)), 120.0, tilt_deg=35.0, yaw_deg=20.0, source=source_name)
         worked_out = plan(mission, source.grid)
         assert worked_out.accuracy.picture.method.name == "camera"
         assert source.grid.pixel_size(worked_out.zoom)[0] == pytest.approx(pixel)
