@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Numbers
-from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER
+from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER, TABLE_FILE
+from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Placeholder
 from ..mission.plan import Plan
@@ -135,6 +136,8 @@ class ImageJournal(CaptureJournal):
                 remedy="choose another folder",
             )
         folder = self.root / map_type
+        # A table that cannot be kept is refused before the work, not after it.
+        other_columns(folder / TABLE_FILE)
         there = find_complete(folder, self._endings, noted)
         known = {name: one for name, one in noted.items() if one.status == FAILED or name in there}
         for name, outcome in known.items():

@@ -450,6 +450,19 @@ def test_resuming_makes_what_is_missing_and_nothing_else(tmp_path, damage):
     assert contents(tmp_path) == before
 
 
+def test_a_table_that_cannot_be_kept_is_refused_before_anything_is_fetched(tmp_path):
+    worked_out = planned(Mission(AREA, 120.0, image_format="jpg"))
+    capture(worked_out, PatternSource(), tmp_path)
+    remove_picture(tmp_path, worked_out.names[4])
+    table = tmp_path / "satellite" / "meta_data.csv"
+    table.write_bytes(b"img_names,mine\n\xff\n")
+    before, source = contents(tmp_path), PatternSource()
+    with pytest.raises(OutputError, match="repair the table"):
+        capture(worked_out, source, tmp_path, resume=True)
+    assert not source.fetched
+    assert contents(tmp_path) == before
+
+
 def test_resuming_a_whole_dataset_asks_for_nothing(in_one_go):
     worked_out, folder, _, _ = in_one_go
     before, source = contents(folder), PatternSource()
