@@ -171,9 +171,9 @@ def _no_crs(case: Case) -> None:
     for layer, _, use in uses:
         layer.setCrs(QgsCoordinateReferenceSystem())
         case.refused(use)
-    for layer, crs, use in uses:
+    for layer, crs, _ in uses:
         layer.setCrs(QgsCoordinateReferenceSystem(crs))
-        case.follow("set it in the layer's properties", use)
+    case.follow("set it in the layer's properties", lambda: [use() for _, _, use in uses])
 
 
 @remedy("form/area.py", "give every point a yaw, or none")
