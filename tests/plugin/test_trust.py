@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import time
 
 import pytest
 from qgis.core import QgsProject
@@ -21,6 +20,7 @@ from terrainav.terrainav_plugin.settings import Settings, recent
 
 from tests.plugin.test_addresses import open_address, serve
 from tests.plugin.test_project import choose_in_menu
+from tests.support.growth import PROPORTIONAL, growth
 from tests.support.ranges import RangeServer
 from tests.support.shards import write_folders
 
@@ -282,13 +282,7 @@ def test_the_record_is_bounded():
 
 @pytest.mark.parametrize("piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/", "ab:/b&@", "ab:\\b&"])
 def test_the_work_of_a_long_text_grows_with_its_length(piece):
-    def seconds(count):
-        began = time.process_time()
-        strangers([piece * count])
-        return time.process_time() - began
-
-    seconds(1000)
-    assert seconds(160_000) < 30.0 * seconds(40_000) + 0.5
+    assert growth(lambda count: strangers([piece * count]), 20_000) < PROPORTIONAL
 
 
 # --- values of other types
@@ -374,15 +368,13 @@ def test_the_layer_that_shows_footprints_need_be_no_file(desk, tmp_path):
     assert desk.session.state().folder == str(tmp_path / "theirs")
 
 
-def test_a_message_of_a_million_letters_is_shown_at_once(desk):
-    began = time.process_time()
+def test_a_message_of_a_million_letters_is_cut(desk):
     for text in ("x" * 1_000_000, "x " * 500_000, "<" * 1_000_000, "\n" * 1_000_000):
         desk.session.messages.warning(text)
         desk.session.messages.refused(text, "Nothing yet.")
         QTest.qWait(20)
     longest = max(len(text) for text in desk.messages())
     assert longest < 20_000
-    assert time.process_time() - began < 60.0
 
 
 def test_a_message_is_laid_out_from_a_text_that_is_cut(desk):

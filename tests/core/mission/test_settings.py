@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 
 import pytest
 from terrainav.core.errors import InvalidInput
@@ -14,6 +13,8 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.settings import mission_from, resolve
+
+from tests.support.growth import PROPORTIONAL, growth
 
 
 @pytest.fixture
@@ -347,11 +348,8 @@ def test_every_option_explains_itself():
 
 
 def test_a_long_crs_is_refused_in_time_that_grows_with_its_length():
-    def seconds(characters):
-        began = time.process_time()
+    def refuse(characters):
         with pytest.raises(InvalidInput, match="must be a code such as EPSG:2056"):
             Mission(Points(((35.13, -89.87, 120.0),)), 120.0, crs="A" * characters)
-        return time.process_time() - began
 
-    # Quadratic work takes 16 times as long; what is too short to measure is enough.
-    assert seconds(20_000) < 8.0 * seconds(5_000) + 0.1
+    assert growth(refuse, 5_000) < PROPORTIONAL

@@ -9,7 +9,6 @@ import html
 import importlib
 import json
 import sqlite3
-import time
 import warnings
 from contextlib import closing
 from urllib.parse import quote, quote_plus
@@ -57,19 +56,16 @@ ATTACKS = {
     }.items()
 }
 ATTACKS["a number"] = "&#" + "9" * MEGABYTE
-SLOW_S = 5.0
 
 
 @pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
-def test_a_megabyte_takes_no_time(attack):
-    began = time.monotonic()
+def test_a_hostile_megabyte_is_cut(attack):
     assert len(one_line(attack)) <= MAX_LINE_CHARACTERS
     without_markup(attack)
     for kind in ("text/html", "application/json"):
         assert len(first_words(attack.encode(), kind, Secrets(["a/b c+d<e>"]).masked)) <= 200
     Secrets(["a/b c+d<e>"]).masked(attack)
     whole_number(attack)
-    assert time.monotonic() - began < SLOW_S
 
 
 @pytest.mark.parametrize(
