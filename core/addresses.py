@@ -30,16 +30,12 @@ _WITH_NAMES = ("az", "abfs", "abfss", "adl", "wasb", "wasbs", "ftp", "sftp", "ss
 #: A host and its port, which no password is; and where either ends.
 _PORT = re.compile(r"[^:]*:\d*|\[[^\]]*\](:\d*)?")
 _HOST_END = re.compile(r"[/?#@]")
-#: What may stand behind an address in a sentence.
-_PUNCTUATION = ",.;:!)]}…"
 #: Where a parameter begins, wherever it may have been meant to stand, its name and its value.
 _PARAMETER = re.compile(r"([?&;#])([\w.%-]{1,100})=([^&;#\s'\"<>]*)")
 #: What stands between words in a text.
 _BETWEEN = re.compile(r"([\s'\"<>]+)")
 #: What ends a user's name and password.
 _SIGN_IN_END = re.compile(r"@|%(?:25)*40", re.IGNORECASE)
-#: Times that an address may have been percent-encoded.
-_ENCODINGS = 3
 
 
 def keys_in(address: str) -> list[str]:
@@ -95,7 +91,8 @@ def _without_password(word: str) -> str:
 
 def _decoded(text: str) -> Iterator[str]:
     """Yield a text, and what it stands for if it is percent-encoded, once or more often."""
-    for _ in range(_ENCODINGS):
+    # An address may have been percent-encoded up to three times.
+    for _ in range(3):
         yield text
         text = unquote(text)
 
@@ -116,7 +113,8 @@ def _holds_credentials(text: str) -> bool:
 
 def _is_cut_short(rest: str, is_bucket: bool) -> bool:
     """Whether what follows the scheme looks like a name and the beginning of a password, as lists are split."""
-    host = _HOST_END.split(rest, 1)[0].rstrip(_PUNCTUATION)
+    # Punctuation may follow an address in a sentence.
+    host = _HOST_END.split(rest, 1)[0].rstrip(",.;:!)]}…")
     has_port = _PORT.fullmatch(host) is not None and not is_bucket
     return ":" in host and not has_port and not host.lower().startswith("arn:")
 

@@ -15,16 +15,8 @@ import numpy as np
 Result = TypeVar("Result")
 Clock = Callable[[], float]
 
-#: Steps of the clock that a run takes at least: work of less is repeated within it, so that one step is 1 % of a run.
-_TICKS = 100
-#: A first run, with nothing in the processor's cache, may take so many times as long as the next.
-_COLD = 10.0
-#: Steps of the clock that are looked at.
-_TICKS_SEEN = 5
 #: How likely equal works may be to agree in so many rounds, as if by the toss of a coin.
 _CHANCE = 0.05
-#: Rounds from which on quartiles say something.
-_LEAST_ROUNDS = 5
 
 
 class Effort(NamedTuple):
@@ -73,7 +65,8 @@ class Seconds:
     @property
     def spread_known(self) -> bool:
         """Whether there are rounds enough for quartiles to say something."""
-        return len(self.rounds) >= _LEAST_ROUNDS
+        # Quartiles of fewer rounds mean nothing.
+        return len(self.rounds) >= 5
 
     def __add__(self, other: Seconds) -> Seconds:
         """Round by round."""
@@ -120,12 +113,14 @@ def timed_together(
         Of seconds, however coarse. The default counts what the calling thread computes, and neither its waiting nor
         other threads and processes: work that is shared with those needs another.
     """
-    least_s = _TICKS * clock_step_s(clock)
+    # Short work is repeated, so that a step of the clock is at most 1 % of a run.
+    least_s = 100 * clock_step_s(clock)
     results, counts = [], []
     for work in works:
         start = clock()
         results.append(work())
-        taken, count = (clock() - start) / _COLD, 1
+        # A first run with a cold cache may take ten times as long as the next.
+        taken, count = (clock() - start) / 10.0, 1
         while taken < least_s:
             taken = _run(work, count, clock)
             count *= 1 if taken >= least_s else 2
@@ -152,7 +147,7 @@ def _run(work: Callable[[], object], count: int, clock: Clock) -> float:
 def clock_step_s(clock: Clock = time.thread_time) -> float:
     """Seconds between the values that a clock takes: what it says of itself is too fine on some systems."""
     steps = []
-    for _ in range(_TICKS_SEEN):
+    for _ in range(5):
         start = now = clock()
         while now == start:
             now = clock()

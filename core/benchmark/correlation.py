@@ -23,18 +23,8 @@ from ..geodesy.footprint import exact
 from .answers import Answer, Locate, Query
 from .folder import Benchmark, ReferenceMosaic
 
-#: Pixels of the reference that are searched as a whole; a larger one is made smaller first.
-_SEARCHED_PX = 1_000_000
-#: Best places of the smaller reference that are looked at in its own pixels.
-_LOOKED_AT = 3
-#: Pixels around each of them, in those of the smaller reference.
-_AROUND_PX = 2
 #: Share of a variance below which there is nothing to compare: a picture of one colour.
 _FLAT = 1e-9
-#: Pixels along the shorter side of a query below which it is not looked for.
-_LEAST_PX = 4
-#: Tiles that are ranked.
-_RANKED = 100
 
 
 class _Patch(NamedTuple):
@@ -76,7 +66,8 @@ class _Correlation:
     def __init__(self, benchmark: Benchmark, gallery: Numbers) -> None:
         self._mosaic = benchmark.mosaic
         whole = benchmark.grey(benchmark.mosaic.file)
-        step = max(math.ceil(math.sqrt(whole.size / _SEARCHED_PX)), 1)
+        # A larger reference is reduced before it is searched as a whole.
+        step = max(math.ceil(math.sqrt(whole.size / 1_000_000)), 1)
         self._whole = _PyramidLevel(whole.astype(np.float64), 1)
         self._searched = _PyramidLevel(np.asarray(Image.fromarray(whole).reduce(step), np.float64), step)
         self._transforms = _transforms(self._searched.grey)
@@ -113,7 +104,8 @@ class _Correlation:
             patch = _seen_from_above(query, lat, lon, self._mosaic, 1)
             if patch is None:
                 continue
-            reach = (_AROUND_PX + 1) * step
+            # Two pixels of the reduced reference around each candidate, and one for rounding.
+            reach = (2 + 1) * step
             high, wide = patch.grey.shape
             y, x = max(patch.top - reach, 0), max(patch.left - reach, 0)
             window = self._whole.grey[y : patch.top + high + reach, x : patch.left + wide + reach]
@@ -144,7 +136,7 @@ class _Correlation:
                 for le, r, t, b in zip(left.tolist(), right.tolist(), top.tolist(), bottom.tolist())
             ]
         )
-        return [self._ids[at] for at in np.argsort(-score, kind="stable")[:_RANKED].tolist()]
+        return [self._ids[at] for at in np.argsort(-score, kind="stable")[:100].tolist()]
 
 
 def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
@@ -163,7 +155,8 @@ def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: Refer
     columns, rows = (px[0] / step for px in mosaic.px(seen.lat_deg, seen.lon_deg))
     left, top = math.floor(columns[:4].min()), math.floor(rows[:4].min())
     wide, high = math.ceil(columns[:4].max()) - left, math.ceil(rows[:4].max()) - top
-    if min(wide, high) < _LEAST_PX or wide > mosaic.width_px / step or high > mosaic.height_px / step:
+    # Smaller queries match anywhere.
+    if min(wide, high) < 4 or wide > mosaic.width_px / step or high > mosaic.height_px / step:
         return None
     across, down = np.meshgrid(left + 0.5 + np.arange(wide), top + 0.5 + np.arange(high))
     lat, lon = mosaic.ground(across * float(step), down * float(step))
@@ -229,7 +222,8 @@ def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[
 def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
     """Rows and columns of the best places, none near a better one."""
     left, found = agreement.copy(), []
-    for _ in range(_LOOKED_AT):
+    # The three best places are refined in the reference's pixels.
+    for _ in range(3):
         at = int(left.argmax())
         row, column = divmod(at, left.shape[1])
         if left[row, column] == -np.inf:

@@ -28,7 +28,6 @@ _OF_QUERY, _OF_BLOCK = 2_000, 20_000
 #: What a point may be off its match, px, and the fewest matches that a pose is believed from.
 _OFF_PX, _FEWEST = 4.0, 8
 _TRIES, _SURE = 5_000, 0.999
-_RANKED = 100
 
 
 class _Detector(NamedTuple):
@@ -136,7 +135,7 @@ class _Features:
         left, right, top, bottom = (side[:, np.newaxis] for side in self._tiles)
         x, y = ground[:, 0], ground[:, 1]
         count = ((x >= left) & (x < right) & (y >= top) & (y < bottom)).sum(axis=1)
-        order = np.argsort(-count, kind="stable")[:_RANKED]
+        order = np.argsort(-count, kind="stable")[:100]
         return [self._ids[at] for at in order.tolist() if count[at]]
 
 

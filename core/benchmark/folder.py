@@ -44,14 +44,11 @@ _RIM = 9
 
 #: Edges of a mosaic are nearer than this to the origin of its CRS, in its unit: the Earth is 4e7 m, or 1.3e8 ft, round.
 _FARTHEST = 2e8
-#: Columns of whole numbers, written as such.
-_COUNTS = ("width_px", "height_px")
 #: Least and greatest numbers that columns may have: those above 0, those of places and angles, and all others.
 _SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
 _LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
 _ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-720.0, 720.0))
 _RANGES: Mapping[str, tuple[float, float]] = {**_SIZES, **_LATITUDES, **_ANGLES}
-_OTHERS = -1e9, 1e9
 
 _Rows = TypeVar("_Rows", bound="Columns")
 
@@ -371,7 +368,7 @@ class Benchmark:
             for column in fields(rows):
                 if column.type == "Floats":
                     values = getattr(rows, column.name)
-                    low, high = _RANGES.get(column.name, _OTHERS)
+                    low, high = _RANGES.get(column.name, (-1e9, 1e9))
                     for at in np.flatnonzero(~((values >= low) & (values <= high)))[:1].tolist():
                         raise InvalidInput(
                             "{0}: {1} of {2!r} is {3:g}; must be from {4:g} to {5:g}",
@@ -478,7 +475,7 @@ def _is_elsewhere(file: str) -> bool:
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:
     """Write columns as CSV, whole or not at all; NaN is an empty cell, and sizes of images have no decimals."""
-    cells = [_cells(column, is_count=name in _COUNTS) for name, column in columns.items()]
+    cells = [_cells(column, is_count=name in ("width_px", "height_px")) for name, column in columns.items()]
     write_whole(path, csv_bytes(chain([tuple(columns)], zip(*cells))))
 
 

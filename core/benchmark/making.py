@@ -44,8 +44,6 @@ from .planning import BenchmarkPlan, tiles_folder
 from .truth import Captured, captured, find_positives, locate_mosaic, make_queries, make_references
 
 Shares = tuple[float, float, float]
-#: Where a larger share of the queries is in the gap, there is a hint.
-_FEW_IN_GAP = 0.1
 #: Held while a run is at work in a folder.
 _LOCK_FILE = "run.lock"
 
@@ -234,7 +232,8 @@ def _hint(
     settings = worked_out.settings
     is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
     lost, count = int(np.count_nonzero(is_query & (np.array(part) == GAP))), int(np.count_nonzero(is_query))
-    if lost <= _FEW_IN_GAP * count:
+    # A hint is worth its line where more than a tenth of the queries is lost.
+    if lost <= 0.1 * count:
         return None
     gap_m, (train, validation, test) = float(settings.gap_m), shares
     ways = []

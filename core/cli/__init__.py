@@ -15,14 +15,9 @@ if TYPE_CHECKING:
 
 #: Set, the trace of a fault of the program is printed.
 DEBUG_ENV = "TERRAINAV_DEBUG"
-_SAID_CHARACTERS = 200
 #: Characters shown before and after one that cannot be written.
 _AROUND = 60
 _ISSUES = "https://github.com/terrainav/terrainav/issues"
-#: Commands that print nothing before their result.
-_QUIET = ("plan", "poses")
-#: Options that name sources.
-_SOURCES = ("source", "url", "imagery", "elevation", "surface", "cluster")
 #: The module of each command and its function there; only the one that is run is imported.
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
@@ -124,7 +119,8 @@ def _run(argv: Sequence[str]) -> int:
     _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
     run = getattr(importlib.import_module(f".{module}", __name__), function)
-    if arguments.command not in _QUIET:
+    # These commands print nothing before their result.
+    if arguments.command not in ("plan", "poses"):
         return int(run(arguments))
     from .printing import at_work
 
@@ -139,7 +135,8 @@ def _check_addresses(values: Mapping[str, object]) -> None:
 
     for name, value in values.items():
         for text in value if isinstance(value, list) else [value]:
-            if isinstance(text, str) and name not in _SOURCES:
+            # These options name sources.
+            if isinstance(text, str) and name not in ("source", "url", "imagery", "elevation", "surface", "cluster"):
                 check_no_credentials(
                     text,
                     "address",
@@ -174,7 +171,7 @@ def _fault(error: Exception) -> int:
         trace = traceback.format_exception(type(error), error, error.__traceback__)
         print(without_credentials("".join(trace)), end="", file=sys.stderr)
     *_, last = traceback.extract_tb(error.__traceback__)
-    said = str(error)[:_SAID_CHARACTERS]
+    said = str(error)[:200]
     return _fail(
         f"a fault of the program, not yours: {type(error).__name__}: {said} ({Path(last.filename).name}, line "
         f"{last.lineno}); please report it with the command at {_ISSUES}; {DEBUG_ENV}=1 shows the trace",

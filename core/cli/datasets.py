@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from ..dataset.loading.augment import Augmentation
     from ..dataset.split import Split
 
-#: Options that are also read from the environment and ``config.json``.
-_LOAD_SETTINGS = ("img_size", "batch_size", "seed", "dataset")
 
 #: What is said of the entropies that a table holds.
 _MEASURES = {
@@ -164,7 +162,11 @@ def run_load(arguments: argparse.Namespace) -> int:
     """Take all batches of one epoch, and print their shapes and the images per second."""
     from ..mission.settings import resolve
 
-    values = resolve({name: getattr(arguments, name) for name in _LOAD_SETTINGS}, config=arguments.config)
+    # These options may also come from the environment and ``config.json``.
+    values = resolve(
+        {name: getattr(arguments, name) for name in ("img_size", "batch_size", "seed", "dataset")},
+        config=arguments.config,
+    )
     samples, batches = _loader(arguments, values)
     shapes: Counter[tuple[tuple[int, ...], tuple[int, ...]]] = Counter()
     begun = time.perf_counter()

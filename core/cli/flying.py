@@ -45,8 +45,6 @@ _BAR_WIDTH = 30
 NAMED = "named_by_user"
 #: Ending of a mission's file, which a plan's is not.
 _MISSION = ".json"
-#: Requests that a report may make for the few pictures it measures on.
-_REPORT_REQUESTS = 200
 
 
 def names_source(arguments: argparse.Namespace) -> bool:
@@ -515,7 +513,8 @@ def run_report(arguments: argparse.Namespace) -> int:
     # What is measured are errors as people see them.
     with _opened(mission, values, as_stored=False) as source:
         worked_out = _planned(mission, values, source)
-        _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
+        # A report measures on a few images, and needs at most 200 requests.
+        _check_terms(worked_out, source, 200, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)
     print(printable(f"report in {page}"))
     return DONE

@@ -23,9 +23,6 @@ _STATED = (
     *("title", "attribution", "licence", "terms_url", "min_zoom", "max_zoom", "native_zoom"),
     *("max_connections", "requests_per_s", "key_env"),
 )
-_MB = 1_000_000
-#: Characters of a line of what is longer than one.
-_WIDTH = 110
 
 
 def run_sources(arguments: argparse.Namespace) -> int:
@@ -93,7 +90,7 @@ def _show_source(arguments: argparse.Namespace) -> int:
         margin = " " * _COLUMN
         listed = ", ".join(sorted(entry.dates.values))
         wrapped = textwrap.fill(
-            printable(listed), _WIDTH, initial_indent=margin, subsequent_indent=margin, break_on_hyphens=False
+            printable(listed), 110, initial_indent=margin, subsequent_indent=margin, break_on_hyphens=False
         )
         print(f"{'each of the dates':{_COLUMN}s}{wrapped.strip()}")
     return DONE
@@ -232,7 +229,7 @@ def opened_cache(values: dict[str, Any]) -> TileCache | None:
     _check_folder(values["cache_dir"])
     from ..imagery.cache.tile_cache import LIMIT_BYTES, TileCache
 
-    return TileCache(values["cache_dir"], LIMIT_BYTES if limit_mb is None else limit_mb * _MB)
+    return TileCache(values["cache_dir"], LIMIT_BYTES if limit_mb is None else limit_mb * 1_000_000)
 
 
 def _check_folder(folder: str | None) -> None:

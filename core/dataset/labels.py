@@ -47,9 +47,6 @@ _UPS_NORTH, _UPS_SOUTH = "EPSG:5041", "EPSG:5042"
 #: Most that a position may be off after the way to a frame and back, metres: projections in their domain keep
 #: nanometres, shifts between datums, and an oblique plane beside a pole, some tenths of a millimetre.
 _ROUND_TRIP_M = 1e-3
-#: Most that a frame may enlarge the distance from the middle; Web Mercator enlarges 11.6 times where its map ends.
-#: A frame whose seam parts the images enlarges far more.
-_MOST_ENLARGED = 16.0
 #: Labels that spread less than this, in their unit, are all the same: for metres, a thousandth of a millimetre is noise
 #: of the projection, and to enlarge it to a standard deviation of 1 would teach noise.
 CONSTANT = 1e-6
@@ -378,7 +375,9 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         ground = geodesics(middle_lat, middle_lon, lat, lon)[2]
         held &= geodesics(lat, lon, back_lat, back_lon)[2] <= _ROUND_TRIP_M
         # NaN where the middle has no place in the frame.
-        held &= ~(away > _MOST_ENLARGED * ground + _ROUND_TRIP_M)
+        # Web Mercator enlarges distances from the middle by up to 11.6, where its map ends; a frame cut by a seam
+        # enlarges them far more.
+        held &= ~(away > 16.0 * ground + _ROUND_TRIP_M)
     if not held.all():
         worst = int(np.flatnonzero(~held)[0])
         place = f"{lat[worst]:.6f} {lon[worst]:.6f}"

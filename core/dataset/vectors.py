@@ -18,7 +18,6 @@ from ..storage.files import open_foreign
 
 #: Beginning in which GDAL's drivers look for what a file is; the most that one of them looks at is some 20 kB.
 HEAD_BYTES = 1 << 16
-_BLOCK_BYTES = 1 << 20
 _COLLECTION = re.compile(rb'(?:\xef\xbb\xbf)?\s*\{\s*"type"\s*:\s*"FeatureCollection"\s*[,}]')
 #: A name of the specification of 2008, however its letters are written, and with any quotes that GDAL takes.
 _CRS = re.compile(rb"""["'](?:c|\\u00[46]3)(?:r|\\u00[57]2)(?:s|\\u00[57]3)["']""", re.IGNORECASE)
@@ -41,7 +40,7 @@ def check_geojson(path: str | os.PathLike[str]) -> None:
     """
     try:
         with open_foreign(path) as file:
-            for _ in checked_geojson(iter(partial(file.read, _BLOCK_BYTES), b""), path):
+            for _ in checked_geojson(iter(partial(file.read, 1 << 20), b""), path):
                 pass
     except OSError as wrong:
         raise InvalidInput("footprints {0}: cannot be read ({1})", path, wrong.strerror) from wrong

@@ -38,8 +38,6 @@ BENCHMARKS = {
 KINDS = {**VIEWS, **DATASETS, **BENCHMARKS}
 #: Those that go into the dataset's own folder unless another is named.
 BESIDE_TABLES = ("parquet", "croissant", "stac")
-#: Those that pyarrow writes.
-_OF_PYARROW = ("parquet", "stac")
 
 
 class Exported(NamedTuple):
@@ -130,7 +128,8 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
         except TerrAInavError as wrong:
             reason = wrong
         found.update(dict.fromkeys(kinds, reason))
-    for kind in _OF_PYARROW:
+    # pyarrow writes these.
+    for kind in ("parquet", "stac"):
         if found[kind] is None and find_spec("pyarrow") is None:
             found[kind] = InvalidInput("format {0}: needs the Python package pyarrow, which is not installed", kind)
     return found

@@ -54,7 +54,6 @@ _KEYPOINTS, _MESH = 16, 33
 #: AnyVisLoc's names have room for so many scenes and samples of one.
 _SCENES, _SAMPLES = 99, 9999
 
-_CREDIT = "The imagery: {0}."
 _STREET = (
     "`street` and `google` hold no photographs from the ground, but stand-ins, so that programs which open them start: "
     "of each place, the most oblique query. No figure that is worked out with them says anything about street views."
@@ -126,7 +125,7 @@ class _Export:
             *self.notes,
         ]
         if named:
-            lines.append(_CREDIT.format("; ".join(named)))
+            lines.append(f"The imagery: {'; '.join(named)}.")
         self.write(README_FILE, ("\n\n".join(lines) + "\n").encode("utf-8"))
 
 

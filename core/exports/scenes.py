@@ -22,13 +22,6 @@ from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .views import camera_rotations
 
-#: Steps in which the surface is found above or below places of a frame. Each divides what is missing by some thousands:
-#: the frame's up differs from that of the place by a milliradian in 6 km.
-_STEPS = 4
-#: What points over relief may be off by along their rays, in pixels.
-_TOLERANCE_PX = 0.01
-#: What the relief may be lower than its cells say, which are larger than its own where there are many.
-_BELOW_M = 100.0
 #: Rows of a reference that are sampled in one go.
 _ROWS = 256
 
@@ -119,7 +112,8 @@ class SceneGround:
         """Height of the level ground, or one that no relief in the benchmark is below."""
         if self.relief is None:
             return float(self.benchmark.queries.ground_m.min())
-        return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - _BELOW_M
+        # Cells may be coarser than the relief's, and so hide ground up to this much lower.
+        return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - 100.0
 
     def camera(self, index: int, frame: LocalFrame) -> QueryCamera:
         """Camera of a query."""
@@ -145,7 +139,8 @@ class SceneGround:
             seen = ImageRays.of(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
             return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
-        found = Tracing(scene, up_m, self.relief, self.lowest_m, _TOLERANCE_PX).sighting
+        # To a hundredth of a pixel.
+        found = Tracing(scene, up_m, self.relief, self.lowest_m, 0.01).sighting
         return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
 
     def ortho(self, frame: LocalFrame, grid: OrthoGrid) -> Ortho:
@@ -184,7 +179,9 @@ class SceneGround:
         """Up of the surface at places (h, w, 2) of a frame, NaN where there is none; its latitude and longitude."""
         up = np.zeros(xy_m.shape[:2])
         surface: Surface | None = None
-        for _ in range(_STEPS):
+        # Fixed-point iteration: each step reduces the error some thousandfold, as the frame's up differs from the local
+        # one by a milliradian in 6 km.
+        for _ in range(4):
             lat, lon, height = frame.geodetic(np.dstack([xy_m, up]))
             if self.relief is None:
                 wanted = np.full(lat.shape, self.lowest_m)

@@ -33,8 +33,6 @@ PARQUET_FILE = TABLE_FILE.replace(".csv", ".parquet")
 GEOMETRY, GEOPARQUET = "geometry", "1.1.0"
 #: Of well-known binary: the byte order of most machines, and kinds of geometries.
 _LITTLE, _POLYGON, _MULTIPOLYGON = 1, 3, 6
-#: How the lines of features in a capture's GeoJSON begin.
-_FEATURE = b'{"type": "Feature",'
 #: Rows of a row group: readers skip groups by the bounds of their columns, and writers hold one in memory.
 _ROWS_A_GROUP = 1 << 16
 
@@ -314,7 +312,8 @@ def _features(path: Path) -> Iterator[Any]:
     """Features of a capture's GeoJSON, which has each in a line."""
     with open_foreign(path, MAX_TABLE_BYTES, 1 << 20) as file:
         while line := read_line(file):
-            if line.startswith(_FEATURE):
+            # Lines of features begin so in the GeoJSON of a capture.
+            if line.startswith(b'{"type": "Feature",'):
                 yield parse_json(line.rstrip().rstrip(b","))
 
 

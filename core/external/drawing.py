@@ -27,8 +27,6 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
 #: Sizes of text, in points.
 FONT = {"label": 11, "title": 13, "note": 9}
 _DPI = 130
-#: Characters of a foreign name in a diagram.
-_LABEL_CHARACTERS = 60
 #: Powers of ten written out, and what an exponent's rounding may be.
 _PLAIN, _ROUNDING = 3, 1e-9
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -71,7 +69,7 @@ def png(figure: Any) -> bytes:
 
 def label_of(name: str) -> str:
     """Foreign name as a diagram shows it: one short line."""
-    return shortened(" ".join(printable(name[:MAX_TEXT_CHARACTERS]).split()), _LABEL_CHARACTERS)
+    return shortened(" ".join(printable(name[:MAX_TEXT_CHARACTERS]).split()), 60)
 
 
 def _take_literally(figure: Any) -> None:

@@ -7,9 +7,6 @@ from typing import Any
 
 from ..errors import OutputError
 
-#: Characters shown of what a library says, which may be pages.
-_SAID_CHARACTERS = 120
-
 
 def imported(name: str) -> Any:
     """Import a library that may be missing.
@@ -31,9 +28,10 @@ def imported(name: str) -> Any:
         # Only where something is wrong: the command imports this for its help.
         from ..text.plain import one_line, words_of
 
+        # A library's text may be pages long.
         raise OutputError(
             "{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong",
             name,
             type(wrong).__name__,
-            one_line(words_of(wrong), _SAID_CHARACTERS),
+            one_line(words_of(wrong), 120),
         ) from wrong

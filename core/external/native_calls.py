@@ -20,8 +20,6 @@ from typing import Generic, TypeVar
 from ..errors import Cancelled
 
 Result = TypeVar("Result")
-#: Seconds between two looks at whether a result is still wanted.
-_LOOK_S = 0.05
 #: Seconds that calls have to end after the program was asked to, so that images in progress can be finished; and that
 #: each one has which begins later.
 GRACE_S, _LEAST_S = 1.0, 0.1
@@ -87,7 +85,8 @@ class NativeCall(Generic[Result]):
         # Before the thread: a signal may be met while that is started.
         self._has_begun = True
         self._thread.start()
-        while not self._ended.wait(_LOOK_S):
+        # Look every 50 ms whether the result is still wanted.
+        while not self._ended.wait(0.05):
             if not is_wanted() or self._ending.is_over(began_s):
                 raise Cancelled("stopped while a raster was read")
         if self._wrong is not None:

@@ -20,7 +20,6 @@ from .planes import ProjectedPlane
 _CENTRE_STEP_PX = 2.0**-20
 
 
-_QUARTER_DEG = 90.0
 #: How much larger a quadratic surface may be than at nine points of a square, and poses looked at in one go.
 _BETWEEN_NINE, _BATCH = 1.25**2, 1 << 16
 
@@ -107,7 +106,7 @@ def quarter_turns(poses: Poses, plane: Plane = MERCATOR) -> Numbers:
 
 
 def _turns(yaw_deg: Floats) -> Numbers:
-    turns: Numbers = np.mod(np.rint(yaw_deg / _QUARTER_DEG), 4.0).astype(np.int64)
+    turns: Numbers = np.mod(np.rint(yaw_deg / 90.0), 4.0).astype(np.int64)
     return turns
 
 

@@ -26,8 +26,6 @@ Whole = TypeVar("Whole", int, NDArray[np.int64])
 HALF_WORLD_M = math.pi * WGS84.a_m
 #: Latitude where the square Web-Mercator world ends, degrees.
 MAX_LAT_DEG = math.degrees(math.atan(math.sinh(math.pi)))
-#: From here up the logarithm of the half co-latitude keeps more digits than asinh(tan φ), degrees.
-_NEAR_POLE_DEG = 85.0
 #: Highest zoom a window's integers stay exact at in float64 for any tile size in use.
 HIGHEST_ZOOM = 30
 
@@ -51,7 +49,8 @@ def lat_to_v(lat_deg: Floats) -> Floats:
     size = np.abs(lat)
     with np.errstate(divide="ignore"):
         near_pole = -np.log(np.tan(np.radians(90.0 - size) / 2.0))
-    psi = np.where(size < _NEAR_POLE_DEG, np.arcsinh(np.tan(np.radians(size))), near_pole)
+    # From 85 degrees on, the logarithm of the half co-latitude keeps more digits than asinh(tan φ).
+    psi = np.where(size < 85.0, np.arcsinh(np.tan(np.radians(size))), near_pole)
     v: Floats = 0.5 - np.copysign(psi, lat) / (2.0 * math.pi)
     return v
 
@@ -156,10 +155,6 @@ class WebMercator:
 Plane = Union[WebMercator, ProjectedPlane]
 #: The Web-Mercator map.
 MERCATOR = WebMercator()
-
-
-#: What sides of an outline may leave their chords by, as a share of their length.
-_BEND_SHARE = 0.01
 
 
 @dataclass(frozen=True)
@@ -289,7 +284,8 @@ def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ..
         u = u[0] + (u - u[0]) - np.rint(u - u[0]) * (np.abs(u - u[0]) > 0.5)
         bend = np.hypot(*(side[4:] - (side[:4] + np.roll(side[:4], -1)) / 2.0 for side in (u, v)))
         length = np.hypot(*(np.roll(side[:4], -1) - side[:4] for side in (u, v)))
-        straight = bend <= _BEND_SHARE * length
+        # A side is straight if it leaves its chord by at most 1 % of its length.
+        straight = bend <= 0.01 * length
     return tuple(zip(u[:4].tolist(), v[:4].tolist())) if straight.all() else None
 
 

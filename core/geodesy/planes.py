@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 #: Whole numbers or positions, one or many.
 At = TypeVar("At", int, NDArray[Any])
 
-#: A bend that no cell keeps within a pixel of.
-_NO_BOUND = 1e12
 #: Height from which, and tangents at which, ground is looked at to find what a projection does to it: first derivatives
 #: over 20 m of ground, whose noise (2e-9 m) turns north by 1e-10 rad, and second ones over 2 km.
 _ABOVE_M, _NEAR, _FAR = 1e3, 1e-2, 1.0
@@ -31,8 +29,6 @@ _ABOVE_M, _NEAR, _FAR = 1e3, 1e-2, 1.0
 _DIRECTIONS, _BETWEEN_DIRECTIONS = 16, 1.02
 #: Positions of a mission at which bends are looked at, and what they may be greater by between those.
 _LOOKED_AT, _BETWEEN_POSITIONS = 1000, 1.1
-#: Characters of a code such as EPSG:32616; WKT has more.
-_LONGEST_CODE = 32
 
 
 @dataclass(frozen=True)
@@ -107,7 +103,8 @@ class ProjectedPlane:
         """`bend` at positions by v, or by their latitudes and longitudes, (any shape); too much where it is unknown."""
         shown = self.shows(v)
         bend = self.bend(*(np.where(shown, angle, 0.0) for angle in places()))
-        return np.where(shown & np.isfinite(bend), bend, _NO_BOUND)
+        # No cell is within a pixel of such a bend.
+        return np.where(shown & np.isfinite(bend), bend, 1e12)
 
     def lacks_frames(self, u: Floats, _dlon_deg: Floats, /) -> Flags:
         """Which frames (n,) no rectangle holds, by the midpoints of their edges (n, 4): u, and degrees east."""
@@ -195,7 +192,8 @@ class ProjectedPlane:
     @cached_property
     def name(self) -> str:
         """Code of the CRS, or the name that its WKT has."""
-        return self.crs if len(self.crs) < _LONGEST_CODE else str(_system(self.crs).name)
+        # Codes such as EPSG:32616 are shorter than 32 characters, WKT longer.
+        return self.crs if len(self.crs) < 32 else str(_system(self.crs).name)
 
     @cached_property
     def _is_geographic(self) -> bool:

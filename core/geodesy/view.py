@@ -25,28 +25,10 @@ _MOST_POWER = 3
 _MOST_SAMPLES = 1 << _MOST_POWER
 #: Pixels around a sample that kernels of any kind reach to either side (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
-#: Error of the mesh that says which tiles and which zoom serve a part of the image, where rays give the positions.
-_EXTENT_TOLERANCE_PX = 0.1
-#: Extents that tiles are counted under in one go, for any number of cameras.
-_EXTENTS_COUNTED = 1 << 19
-#: Tiles of extents that are numbered at a time, to bound memory: some 60 MB.
-_KEYS_AT_ONCE = 1 << 20
-#: Numbers up to which it is counted how often each occurs; more are sorted.
-_MOST_COUNTED = 1 << 22
 #: Rays traced in one go.
 _BATCH = 1 << 17
 #: Sides of the first cells, and of those below which every pixel is traced, px.
 _LARGEST_PX, _SMALLEST_PX = 160, 8
-#: Cells along each side of an image at which it is looked whether a mesh has any.
-_CELLS_TRIED = 24
-#: How much farther one corner of a cell may be than another: beyond, one zoom would not suit all of it.
-_MOST_UNEVEN = 1.5
-#: Factor on the bound for what second derivatives leave out; validated by Monte Carlo.
-_BEYOND_SECOND_ORDER = 1.3
-#: Rays this much longer than the view's axis, 70° off it, are beyond what the bound was validated for.
-_LONGEST_RAY = 3.0
-#: Tiles by which positions may lie beyond a plane of a source's own: at 0.1 m a pixel, 1,700 km.
-_BEYOND_TILES = 1 << 26
 #: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
 _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
@@ -167,7 +149,8 @@ class View:
         found = [np.empty(0, np.int64)]
         u = self.grid.meridian_u(lon_deg) + moved_u
         for zoom, *extent in self.extents():
-            step = max(_EXTENTS_COUNTED // len(extent[0]), 1)
+            # Bound the extents whose tiles are counted at a time.
+            step = max((1 << 19) // len(extent[0]), 1)
             for start in range(0, len(u), step):
                 part = slice(start, start + step)
                 found.append(self._keys(zoom, u[part, np.newaxis], moved_v[part, np.newaxis], *extent))
@@ -185,11 +168,13 @@ class View:
         if int(counts.max(initial=0)) > most:
             raise self._too_many_tiles()
         # Tiles beyond a plane of a source's own count from below 0.
-        beyond = 0 if self.grid.plane.wraps else _BEYOND_TILES
+        # Positions may lie beyond the plane of a source's CRS by up to 1,700 km at 0.1 m a pixel.
+        beyond = 0 if self.grid.plane.wraps else 1 << 26
         ends, keys = np.cumsum(counts), np.empty(0, np.int64)
         start = begun = 0
         while start < len(counts):
-            stop = max(int(np.searchsorted(ends, begun + _KEYS_AT_ONCE, "right")), start + 1)
+            # A million tiles at a time bound the memory to some 60 MB.
+            stop = max(int(np.searchsorted(ends, begun + (1 << 20), "right")), start + 1)
             some = np.arange(start, stop)
             one = np.repeat(some, counts[some])
             at = np.arange(len(one)) - np.repeat(ends[some] - counts[some] - begun, counts[some])
@@ -248,7 +233,8 @@ class View:
 def _distinct(parts: tuple[Numbers, ...], sizes: list[int]) -> Numbers:
     """Numbers, each once, of tuples of whole numbers (n,) below sizes, as `numpy.ravel_multi_index` gives them."""
     numbers = np.ravel_multi_index(parts, sizes)
-    if math.prod(sizes) > _MOST_COUNTED:
+    # Counting suits small ranges, sorting large ones.
+    if math.prod(sizes) > (1 << 22):
         return np.unique(numbers)
     return np.flatnonzero(np.bincount(numbers))
 
@@ -278,7 +264,8 @@ def view(
     """
     rays = ImageRays.of(scene, grid.plane)
     by_rays = by_rays or tolerance_px == 0.0
-    cells = mesh(rays, _EXTENT_TOLERANCE_PX if by_rays else tolerance_px)
+    # Where rays give the positions, the mesh selects tiles and zooms only, for which 0.1 px will do.
+    cells = mesh(rays, 0.1 if by_rays else tolerance_px)
     width, height = scene.one_size_px
     samples, sky, unmapped = _loose(rays, cells, grid, zooms)
     return View(
@@ -528,18 +515,19 @@ def _fitting(
     size = box[:, 2:] - box[:, :2]
     # The perspective of a thin cell hangs on its short side, and enlarges that side's noise along the long one.
     thinness = size.max(axis=1) / size.min(axis=1)
-    bound = _BEYOND_SECOND_ORDER * (along_x + along_y) + float(mesh_noise_px(rays.scene)[0]) * thinness
+    # 30 % more for what second derivatives leave out, as validated by Monte Carlo.
+    bound = 1.3 * (along_x + along_y) + float(mesh_noise_px(rays.scene)[0]) * thinness
     whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
     whole &= spread <= rays.plane.widest_cell
-    even = np.maximum(uneven_x, uneven_y) <= _MOST_UNEVEN
+    # One zoom suits a cell whose corners are about equally far.
+    even = np.maximum(uneven_x, uneven_y) <= 1.5
     return bound, whole & even & (bound <= tolerance_px)
 
 
 def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
     """Whether a mesh has cells in an image, as far as the smallest ones that are spread over it tell."""
     x, y = (
-        np.unique(np.linspace(0, max(side - _SMALLEST_PX, 0), _CELLS_TRIED).astype(np.int64))
-        for side in rays.scene.one_size_px
+        np.unique(np.linspace(0, max(side - _SMALLEST_PX, 0), 24).astype(np.int64)) for side in rays.scene.one_size_px
     )
     left, top = (at.ravel() for at in np.meshgrid(x, y))
     right, bottom = (np.minimum(at + _SMALLEST_PX, side) for at, side in zip((left, top), rays.scene.one_size_px))
@@ -595,7 +583,8 @@ def _errors_px(
     length = np.sqrt(np.sum(vectors * vectors, axis=-1))
     share = float(scene.height_share[0])
     lifted, grazed2 = grazing(-vectors[..., 2] / length, np.asarray(share))
-    good = whole & (grazed2 > 0.0).all(axis=1) & (lifted > 0.0).all(axis=1) & (length <= _LONGEST_RAY).all(axis=1)
+    # The bound was validated up to 70° off the axis, where rays are three times as long.
+    good = whole & (grazed2 > 0.0).all(axis=1) & (lifted > 0.0).all(axis=1) & (length <= 3.0).all(axis=1)
     lifted, grazed2, v = (np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5)))
     bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
     receding, steepening = _receding(lifted, np.sqrt(grazed2), share)

@@ -15,9 +15,6 @@ from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_
 from .methods import ChosenMethods
 from .plan import Plan
 
-#: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
-_UPSAMPLING_SLACK = 0.02
-
 
 @dataclass(frozen=True)
 class Costs:
@@ -435,7 +432,8 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     zoom = min(grid.native_zoom, plan.frames.finest_zoom(plan))
     own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
     factor = own_m / written_m
-    if factor <= 1.0 + _UPSAMPLING_SLACK:
+    # Sizes that differ by a pixel in some hundred are not upsampled.
+    if factor <= 1.0 + 0.02:
         return ()
     text = Message(
         "requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more "

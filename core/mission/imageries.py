@@ -17,7 +17,6 @@ _MAP_TYPE = re.compile(rf"(.+):({'|'.join(MAP_TYPES)})", re.DOTALL)
 _DATE = re.compile(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", re.DOTALL)
 #: What names have no room for, and the ending of a file.
 _NO_NAME, _ENDING = re.compile(r"[^A-Za-z0-9_.-]+"), re.compile(r"(?<=.)\.[A-Za-z]\w{1,7}$")
-_LONGEST_NAME = 64
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,7 @@ class NamedImagery:
 
 def name_of(text: str) -> str:
     """Name of a folder made from a text, which may hold anything; empty where nothing is left."""
-    return _NO_NAME.sub("-", text).strip("-_.")[:_LONGEST_NAME].rstrip(".")
+    return _NO_NAME.sub("-", text).strip("-_.")[:64].rstrip(".")
 
 
 def _short(source: str) -> str:

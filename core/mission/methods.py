@@ -37,11 +37,7 @@ from .relief.ground import Relief
 COARSEST_MESH_PX = 1.0
 #: Share of the budget that is left for the rounding of the bounds' sum.
 _ROUNDING = 1e-12
-#: A mesh has to be so many times coarser than the noise of its cells' corners: below, most pixels need a ray anyway.
-_ABOVE_NOISE = 2.0
 
-#: On a source's own grid images of rows at such azimuths may be map frames.
-_QUARTER_DEG = 90.0
 
 #: Stages of a plan.
 _FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("image"), Message("pixels")
@@ -235,7 +231,8 @@ def camera_frame(scene: ImageGeometry, outside: str = "") -> Method:
 
 def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed by a mesh as coarse as a tolerance allows, or else as fine as a mesh can be."""
-    finest = _ABOVE_NOISE * float(np.max(accuracy.mesh_noise_px(scene)))
+    # A mesh finer than twice the rounding of its corners leaves most pixels to rays anyway.
+    finest = 2.0 * float(np.max(accuracy.mesh_noise_px(scene)))
     bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
     return Method(_PIXELS, "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
@@ -336,7 +333,8 @@ def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
 
     North-up cameras, which turn with their rows, made camera frames of all turned rows on the map before others did.
     """
-    if mission.flight.row_azimuth_deg % _QUARTER_DEG:
+    # On the grid of a source's CRS, images of rows at quarter turns may be map frames.
+    if mission.flight.row_azimuth_deg % 90.0:
         return False
     return not grid.plane.wraps or mission.flight.facing != NORTH
 

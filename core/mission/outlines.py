@@ -20,11 +20,6 @@ from .plan import Plan
 #: Horizontal and vertical coordinates of corners, (k,) each.
 Ring = tuple[Floats, Floats]
 
-#: Degrees of a great circle up to which a footprint's edges are drawn straight, in longitude and latitude or on the
-#: map: there they are within 3 m, a thousandth of their length, of the true ones.
-_STRAIGHT_DEG = 0.1
-#: Degrees of longitude up to which they are so near a pole: straight ones leave the true ones by 1/8 of their turn.
-_LEAST_TURN_DEG = 0.5
 #: A centimetre from the poles, which are infinitely far away on the map.
 _FARTHEST_DEG = 90.0 - 1e-7
 _WORLD_M = 2.0 * HALF_WORLD_M
@@ -172,10 +167,13 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
     """Which footprints are drawn by their four corners alone."""
     lat, lon, hit = (values[part] for values in plan.corners)
     wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
-    small = np.maximum(np.ptp(lat, axis=1), wide_deg) < _STRAIGHT_DEG
+    # Edges up to 0.1 degrees of a great circle are straight, in longitude and latitude or on the map, to within 3 m, a
+    # thousandth of their length.
+    small = np.maximum(np.ptp(lat, axis=1), wide_deg) < 0.1
     if not plan.grid.plane.wraps:
         # The map ends before meridians come so near to each other.
-        small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
+        # Near a pole straight edges leave the true ones by an eighth of their turn.
+        small &= np.ptp(lon, axis=1) < 0.5
     # Over relief every edge is bent.
     return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & plan.relief.is_level)
 

@@ -56,7 +56,6 @@ _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 _CRS = r"(EPSG:[0-9]{1,7}|[A-Z][A-Z0-9_]*\[.*\])?"
 _LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
-_WHOLE_TURN_DEG = 360.0
 _NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
 #: How values become 8 bits: by one of two words, or between two values.
 _STRETCH = f"none|percentile|{_NUMBER} {_NUMBER}"
@@ -88,7 +87,7 @@ def _check_start(text: str) -> None:
 def _check_facing(text: str) -> None:
     if text in (NORTH, TRACK):
         return
-    if re.fullmatch(_NUMBER, text) and abs(float(text)) <= _WHOLE_TURN_DEG:
+    if re.fullmatch(_NUMBER, text) and abs(float(text)) <= 360.0:
         return
     raise InvalidInput(
         "camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360",

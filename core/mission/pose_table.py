@@ -43,7 +43,6 @@ _HEADERS = {
     "roll": ("roll", "roll_deg", "gimbal_roll", "gimbal_roll_deg"),
     "time": ("time", "time_utc", "timestamp", "datetime", "date_time", "utc", "t"),
 }
-_PITCHES = ("pitch", "pitch_deg")
 #: First line by which spreadsheets know what separates cells.
 _SEPARATOR = re.compile(r'\ufeff?"?sep=(.)"?\s*', re.IGNORECASE)
 #: The table of a dataset, where Lat, Lon and Alt are those of the image, and its zoom.
@@ -250,7 +249,7 @@ def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, in
     tilts = [name for name in ("tilt", "gimbal_pitch") if name in at]
     if len(tilts) > 1:
         raise InvalidInput("{0}: columns {1} say the same", where, " ".join(tilts))
-    if set(_PITCHES) & set(headers) and not tilts:
+    if {"pitch", "pitch_deg"} & set(headers) and not tilts:
         raise InvalidInput(
             "{0}: its column pitch may count from the horizon or from straight down",
             where,

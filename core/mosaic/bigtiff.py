@@ -21,7 +21,6 @@ from ..storage.files import partial_file
 TILE_PX = 256
 #: Offsets of a classic TIFF have 32 bits; room for what tags may take.
 _MOST_BYTES = (1 << 32) - (1 << 24)
-_BIG_HEADER_BYTES = 16
 
 
 def packed_tile(pixels: Bytes) -> bytes:
@@ -64,7 +63,7 @@ def write_tiles(
     try:
         with partial_file(target) as partial, partial.open("xb") as file:
             # Where the directory stands is known at the end.
-            file.write(big_header(0) if is_big else header().ljust(_BIG_HEADER_BYTES, b"\0"))
+            file.write(big_header(0) if is_big else header().ljust(16, b"\0"))
             for column, row, data in tiles:
                 offsets[row, column], lengths[row, column] = file.tell(), len(data)
                 file.write(data)

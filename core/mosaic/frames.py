@@ -50,8 +50,6 @@ _RAYS, _MARGIN = 9, 1.0 / 32.0
 _EACH_PX, _NODES, _ON_EDGE = 2, 5, 1.0 + 1e-9
 #: Images whose boxes are worked out at a time, to bound memory: some 30 MB.
 _BOXED = 2048
-#: Cells of the relief that one block of a mosaic is looked at through, at most.
-_MOST_CELLS = 1 << 20
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 
 
@@ -343,7 +341,8 @@ class CameraImages:
             raise InvalidInput("relief: the ground is level")
         high = float(np.ptp(lat_deg)) * math.radians(1.0) * WGS84.a_m
         wide = float(np.ptp(lon_deg)) * math.radians(1.0) * WGS84.a_m * math.cos(math.radians(lat_deg[0]))
-        least_m = math.sqrt(high * wide / _MOST_CELLS)
+        # At most a million cells of relief for one block.
+        least_m = math.sqrt(high * wide / (1 << 20))
         finest_m = relief.cell_m(float(lat_deg[0]), float(lon_deg[0]))
         return relief.surface(lat_deg, lon_deg, least_m if least_m > finest_m else 0.0)
 

@@ -12,11 +12,6 @@ from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
 from ..mission.relief.ground import Heights
 
-#: Name of the embedded landscape.
-_LANDSCAPE = "world"
-#: Fields of a terrain that errors of its sources may be about.
-_HEIGHT_FIELDS = ("vertical_datum", "height_unit", "height_offset_m", "holes")
-
 
 def heights_of(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
     """Open the heights of a mission; None where its ground is level.
@@ -38,7 +33,7 @@ def heights_of(mission: Mission, options: SourceOptions | None = None) -> Height
 
 def landscape_crs(source: str, crs: str) -> str:
     """CRS of the embedded landscape's heights: that of the imagery where this is the landscape, too, else its own."""
-    return crs if source.lower() == _LANDSCAPE else ""
+    return crs if source.lower() == "world" else ""
 
 
 def with_whole_paths(terrain: Terrain) -> Terrain:
@@ -67,6 +62,7 @@ def _opened(
     try:
         return open_relief(sources, wanted, interpolates=interpolates)
     except TerrAInavError as wrong:
-        if wrong.field not in _HEIGHT_FIELDS:
+        # Errors of sources may be about these fields.
+        if wrong.field not in ("vertical_datum", "height_unit", "height_offset_m", "holes"):
             wrong.field = field
         raise

@@ -16,8 +16,6 @@ Weights = NDArray[Any]
 
 #: Samples worked on in one go, to bound memory.
 _BATCH = 1 << 16
-#: Keys' cubic with the slope that Pillow has, too.
-_CUBIC_SLOPE = -0.5
 _LANCZOS_LOBES = 3
 
 
@@ -30,7 +28,8 @@ def _triangle(distance: Floats) -> Floats:
 
 
 def _cubic(distance: Floats) -> Floats:
-    x, a = np.abs(distance), _CUBIC_SLOPE
+    # Keys' cubic with Pillow's slope.
+    x, a = np.abs(distance), -0.5
     near = ((a + 2.0) * x - (a + 3.0)) * x * x + 1.0
     far = (((x - 5.0) * x + 8.0) * x - 4.0) * a
     return np.where(x < 1.0, near, np.where(x < 2.0, far, 0.0))

@@ -30,12 +30,8 @@ from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 #: Metres that geodesics between places along a line may be off the line, and within which two corners are one.
 TOLERANCE_M = 0.1
-#: Geodesics in place of one side.
-_MOST_PIECES = 10_000
 #: Greatest |sin a| (1 + cos² a) of any direction a.
 _MOST_BENDING = 4.0 / 3.0 * math.sqrt(2.0 / 3.0)
-#: Turns tighter than this are refused, unless the speed makes all of them so: they would be corners again.
-_LEAST_RADIUS_M = 1.0
 #: Time over which the bank is the mean of what the turns ask for: it sets in and ends over this time.
 _ROLLING_S = 1.0
 
@@ -155,7 +151,8 @@ class _RoundedLine:
         cut = np.minimum(np.append(first, 0.0), np.append(0.0, second))
         share = np.divide(cut, wanted, out=np.ones(len(cut)), where=wanted > 0.0)
         radius = widest * share
-        sharp = np.flatnonzero(radius[1:-1] < min(widest, _LEAST_RADIUS_M)) + 1
+        # Turns tighter than 1 m would be corners again.
+        sharp = np.flatnonzero(radius[1:-1] < min(widest, 1.0)) + 1
         if len(sharp):
             at = int(sharp[0])
             raise InvalidInput(
@@ -273,7 +270,8 @@ def _pieces(start: Floats, end: Floats) -> int:
     low = 0.0 if lat0 * lat1 < 0.0 else min(abs(lat0), abs(lat1))
     length = WGS84.a_m * math.hypot(lat1 - lat0, (lon1 - lon0) * math.cos(low))
     bending = _MOST_BENDING * math.tan(max(abs(lat0), abs(lat1))) / WGS84.b_m
-    return min(math.ceil(length * math.sqrt(bending / (8.0 * TOLERANCE_M))) or 1, _MOST_PIECES)
+    # At most 10,000 geodesics replace a side.
+    return min(math.ceil(length * math.sqrt(bending / (8.0 * TOLERANCE_M))) or 1, 10_000)
 
 
 def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:

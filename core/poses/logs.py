@@ -38,8 +38,6 @@ from .trajectories import BODIES, ROUNDING, WORLDS
 
 _Columns = Mapping[str, Floats]
 _log = logging.getLogger(__name__)
-#: As many lines in a row may be late, as where several tasks write into a log; where more are, its clock has restarted.
-_LATE = 3
 #: Topics of PX4; of the receivers the first that has a time counts.
 _PLACE, _ATTITUDE, _HOME, _RECEIVERS = (
     "vehicle_global_position",
@@ -74,7 +72,6 @@ _OLD_COLUMNS = {
 }
 #: Those that have places, best first: of its filter, of the second filter, of the receiver.
 _PLACES = ("POS", "AHR2", "GPS")
-_GPS_FIX_3D = 3
 _S_PER_US = 1e-6
 #: GPS time: its beginning, its weeks, and by how much it is ahead of UTC from a time on (IERS, Bulletin C).
 _GPS_EPOCH_S, _WEEK_S = 315_964_800.0, 604_800.0
@@ -476,7 +473,8 @@ def _flights(clock_s: Floats) -> list[NDArray[np.intp]]:
     clocks = clock_s.tolist() if (np.diff(clock_s) < 0.0).any() else []
     for at, clock in enumerate(clocks):
         late = late + 1 if clock < highest else 0
-        if late > _LATE:
+        # Up to three lines may be late where several tasks write a log; more mean that its clock has restarted.
+        if late > 3:
             starts.append(at + 1 - late)
             late, highest = 0, max(clocks[starts[-1] : at + 1])
         highest = max(highest, clock)
@@ -559,7 +557,7 @@ def _fixed_rows(place: _Columns) -> dict[str, Floats]:
     """Rows of a DataFlash log that have a place: before the first fix places are zeros."""
     there = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
     if "Status" in place:
-        there &= place["Status"] >= _GPS_FIX_3D
+        there &= place["Status"] >= 3
     if "I" in place and there.any():
         # Of several receivers the first that has a fix.
         there &= place["I"] == place["I"][there].min()

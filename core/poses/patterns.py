@@ -27,12 +27,8 @@ from .track import ANGLE_DIGITS, PLACE_DIGITS
 _REACH_M = 200_000.0
 #: Nodes of a path for each step from image to image, and degrees of a turn from node to node at most.
 _NODES, _TURN_DEG = 16, 2.0
-#: Rows meet inside each other by this share of their width at least, which turning images need at corners.
-_MEETING = 0.02
 #: Nodes and sides of a line that are looked at together, to bound memory: 32 MB.
 _CHUNK = 1_000_000
-#: What nodes may be nearer to a line by than they are meant to be: rounding, metres.
-_NOISE_M = 1e-6
 
 
 class _Path(NamedTuple):
@@ -90,7 +86,8 @@ def corridor(
     check_agl(agl_m)
     along, across = map(_checked_overlap, overlaps)
     width_m, height_m = camera.ground_size_m(agl_m)
-    step_m, widest_m = height_m * (1.0 - along), width_m * min(1.0 - across, 1.0 - _MEETING)
+    # Rows overlap by at least 2 % of their width, for images that turn at corners.
+    step_m, widest_m = height_m * (1.0 - along), width_m * min(1.0 - across, 1.0 - 0.02)
     rows = max(math.ceil((wanted.width_m - width_m) / widest_m), 0) + 1
     spacing_m = (wanted.width_m - width_m) / (rows - 1) if rows > 1 else 0.0
     columns: list[tuple[Floats, ...]] = []
@@ -295,7 +292,8 @@ def _beside(
     path = _Path(at_x + right_m * np.cos(angle), at_y - right_m * np.sin(angle), heading_deg)
     if least_m <= 0.0:
         return path
-    kept = _distances(path, x[: sides + 1], y[: sides + 1]) >= least_m - _NOISE_M
+    # A micrometre of rounding.
+    kept = _distances(path, x[: sides + 1], y[: sides + 1]) >= least_m - 1e-6
     return _Path(*(values[kept] for values in path)) if kept.any() else None
 
 

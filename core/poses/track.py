@@ -18,8 +18,6 @@ from ..mission.parts import Flight
 
 #: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.
 PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
-#: A step shorter than this has no direction: a vehicle that stands, or a position that is logged twice.
-_STANDING_M = 0.01
 #: Told how much of a file is read, 0 to 1; an answer of False ends the reading.
 Progress = Callable[[float], bool]
 #: Lines, or parts of a document, between two reports of how much is read.
@@ -199,7 +197,8 @@ class Track:
 def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
     """Directions of the way (n,); where it stands still, the last one, at the beginning the first."""
     way = legs(lat_deg, lon_deg)
-    moving = np.append(way.distance_m >= _STANDING_M, False)
+    # A step below 1 cm has no direction: the vehicle stands, or a position is logged twice.
+    moving = np.append(way.distance_m >= 0.01, False)
     if not moving.any():
         return np.zeros(len(lat_deg))
     last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), np.argmax(moving)))

@@ -41,16 +41,10 @@ from .wind import WindEffect, wind_effect
 #: Called with what is being measured, in words.
 Progress = Callable[[str], None]
 
-#: Captures whose footprints are timed: neighbours, as rows share their rays.
-_FOOTPRINTS_TIMED = 20_000
 #: Tolerances of the meshes that the plan's own is compared with, px.
 _TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 #: The same of rays over relief.
 _RELIEF_TOLERANCES_PX = (0.1, 0.001)
-#: Kernel that meshes are timed with where the mission's own needs a ray for every pixel.
-_OF_MESHES = "bilinear"
-#: Captures whose flight is timed.
-_FLOWN = 20_000
 #: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
 _USUAL = Wind(5.0, 0.0, 0.15)
 _BY_CENTRE = Message("the source gives images by their centre, not tiles that others can be made from")
@@ -222,7 +216,8 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
 
 
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
-    few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
+    # Neighbours are timed, as rows share their rays.
+    few = plan.poses.take(np.arange(min(len(plan), 20_000)))
     camera, ground = plan.mission.camera, plan.ground
     methods = footprint_methods(positions.bounds_scene(plan))
     usable = [method.name for method in methods if not method.outside]
@@ -257,7 +252,8 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
     )
     ladder = pixel_methods(plan, scene) if by_tiles else []
     usable = [one for one in ladder if not one.method.outside]
-    kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES
+    # The mission's kernel may need a ray for every pixel.
+    kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else "bilinear"
     usual = next((one.tolerance_px for one in ladder if one.own), None)
     meshes = [Rendering(one.tolerance_px, kernel, one.level) for one in usable]
     kernels = [] if usual is None else [Rendering(usual, name) for name in KERNELS]
@@ -369,7 +365,7 @@ def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
     wind, airspeed = plan.mission.wind, plan.mission.flight.airspeed_m_per_s
     if wind is None or wind.sigma_m_per_s == 0.0:
         wind, airspeed = _USUAL, Flight.airspeed_m_per_s
-    gusty, count = wind, min(len(plan), _FLOWN)
+    gusty, count = wind, min(len(plan), 20_000)
     agl = plan.agl_m[:count]
     way = legs(plan.lat_deg[:count], plan.lon_deg[:count])
     interval_s = intervals_s(way, agl, airspeed, gusty)

@@ -35,12 +35,8 @@ from .positions import level_below, scene_of, spread
 BY_RAYS = "lanczos"
 #: Larger pictures are timed on so many pixels of theirs, and the time is scaled: a report must end.
 _MOST_PX = 2_000_000
-#: Captures that are tried for a picture where parts of the source are missing.
-_TRIES = 3
 #: Side of the patch that kernels are measured on, px, and what it is taken with around it for their reach.
 _PATCH_PX, _MARGIN_PX = 112, 8
-#: Where between four pixels the samples lie: halfway is worst for every kernel, the others are what pictures hold, too.
-_OFFSETS = ((0.5, 0.5), (0.25, 0.5), (0.25, 0.75))
 #: Edges of the bands of spatial frequency, cycles a px; the last is that of the finest pattern that pixels hold.
 BANDS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.71)
 #: JPEG qualities that are compared; that of the project's own files is among them.
@@ -91,7 +87,8 @@ class Bench:
         PartError, SourceError
             Where none can be had.
         """
-        tries = [len(plan) // 2, *spread(len(plan), _TRIES).tolist()]
+        # Parts of the source may be missing, so try several captures.
+        tries = [len(plan) // 2, *spread(len(plan), 3).tolist()]
         for index in tries[:-1]:
             found = cls(plan, tiles, effort, index)
             try:
@@ -301,7 +298,8 @@ def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
     errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
     signals = []
     row, column = np.mgrid[0:_PATCH_PX, 0:_PATCH_PX] + _MARGIN_PX
-    for across, down in _OFFSETS:
+    # Halfway between four pixels is the worst case for every kernel; images have the others, too.
+    for across, down in ((0.5, 0.5), (0.25, 0.5), (0.25, 0.75)):
         x, y = column.ravel() + 0.5 + across, row.ravel() + 0.5 + down
         if known is None:
             truth = np.asarray(sample(image, x, y, _FINEST), np.float64)

@@ -26,16 +26,8 @@ from .measure import Measured
 from .pictures import BANDS, Resampling
 
 _GREY = "#777777"
-#: Letters in a line of a title.
-_TITLE = 85
-#: Width of an upright whisker's ends: less than any marker's, which hides them where the quartiles are close.
-_ENDS = 5
 #: Decades of error below which points are drawn at the edge: they are exact for every use.
 _LEAST_PX = 1e-11
-#: Points of one stage this close, as a share of both axes, share one label.
-_SAME_PLACE = 0.03
-#: Times as far above another one a point is in the way of its label.
-_CROWDED = 4.0
 
 
 class Look(NamedTuple):
@@ -66,7 +58,7 @@ def work_precision(stages: dict[str, tuple[Measured, ...]], budget_px: float, fl
     """
     figure = new_figure(10.0, 6.6)
     axes = figure.add_subplot()
-    dress(axes, textwrap.fill(title, _TITLE), "error in the image, px", "processor seconds a capture")
+    dress(axes, textwrap.fill(title, 85), "error in the image, px", "processor seconds a capture")
     logarithmic(axes, "xy")
     least = _left_edge(stages, floor_px)
     drawn: list[tuple[float, float]] = []
@@ -124,7 +116,8 @@ def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
     """Upright line from the lower to the upper quartile of a time."""
     if seconds is not None and seconds.spread_known:
         ends = seconds.quartiles
-        axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=_ENDS, linewidth=1.1, zorder=2)
+        # Ends of whiskers are smaller than markers, which hide them where quartiles are close.
+        axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=5, linewidth=1.1, zorder=2)
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
@@ -136,7 +129,8 @@ def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> floa
 def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool) -> None:
     """Write each method's name beside its marker; those in one place share a label."""
     groups: list[tuple[float, float, list[str]]] = []
-    wide, high = (_SAME_PLACE * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
+    # Points within 3 % of both axes share a label.
+    wide, high = (0.03 * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
     for x, y, one in points:
         name = one.method.name.removeprefix("mesh, ").removeprefix("relief, ")
         for at_x, at_y, names in groups:
@@ -147,9 +141,8 @@ def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, M
             groups.append((x, y, [name]))
     for x, y, names in groups:
         # Beside the marker where another one stands in the way of a label above it.
-        level = any(
-            abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < _CROWDED * high for at, up, _ in groups
-        )
+        # A point up to four times as far above is in the way of the label.
+        level = any(abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < 4.0 * high for at, up, _ in groups)
         axes.annotate(
             _joined(names),
             (x, y),

@@ -21,10 +21,6 @@ from ..mission.plan import Plan
 
 #: An error in px; None where nothing could be compared.
 Error = Optional[float]
-#: Captures whose errors are measured, spread over the rows.
-_CAPTURES = 400
-#: Captures whose outlines are measured where the corners look past the Earth.
-_OUTLINES = 4
 #: Points along each axis of a map frame that are compared, and of each cell of a mesh.
 _FRAME_POINTS, _CELL_POINTS = 9, 5
 #: Cells of a mesh that are compared: those of the greatest bounds, and as many spread over the image.
@@ -35,8 +31,6 @@ _IMAGES = 3
 _RAYS = 48
 #: Long double arrays: numpy's name for their type depends on the platform.
 Long = NDArray[Any]
-#: Roundings of a coordinate in Earth's frame that may add up in a difference of two.
-_ROUNDINGS = 8.0
 
 
 def spread(count: int, most: int) -> NDArray[np.intp]:
@@ -60,7 +54,8 @@ def bounds_scene(plan: Plan) -> ImageGeometry:
 
 def captures(plan: Plan) -> NDArray[np.intp]:
     """Captures that errors are measured on, spread over the rows."""
-    return spread(len(plan), _CAPTURES)
+    # Measure on 400 captures spread over the rows.
+    return spread(len(plan), 400)
 
 
 def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
@@ -76,7 +71,8 @@ def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
     worst = float(errors.max()) if errors.size else None
     if found.hit.all():
         return worst
-    for index in spread(len(plan), _OUTLINES).tolist():
+    # Outlines are slow to measure where corners look past the Earth.
+    for index in spread(len(plan), 4).tolist():
         one = scene_of(plan, np.array([index], np.intp))
         ring = outline(
             one.camera,
@@ -235,7 +231,8 @@ def map_frame_problem(plan: Plan) -> str:
 
 def floor_px(scene: ImageGeometry) -> float:
     """Error of the reference itself in px: smaller ones cannot be told from none."""
-    rounding_m = _ROUNDINGS * float(np.finfo(np.longdouble).eps) * scene.ground.a_m
+    # At most eight roundings of a geocentric coordinate add up in a difference.
+    rounding_m = 8.0 * float(np.finfo(np.longdouble).eps) * scene.ground.a_m
     # An image coordinate also ends at float64, in which the method's own is given.
     of_image = float(np.finfo(np.float64).eps) * float(np.max(scene.half_diagonal_px))
     return rounding_m / float(np.min(scene.nadir_px_m)) + of_image

@@ -209,7 +209,10 @@ def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) 
     for name, took in seconds.items():
         one = found.get(name)
         errors = (
-            [f"{one.rms:.2f}", *(f"{_rms_between(one.by_band, *ends):.2f}" for ends in _THIRDS)]
+            [
+                f"{one.rms:.2f}",
+                *(f"{_rms_between(one.by_band, *ends):.2f}" for ends in ((0.0, 0.15), (0.15, 0.35), (0.35, 1.0))),
+            ]
             if one
             else ["0 (the reference)", NOTHING, NOTHING, NOTHING]
         )
@@ -227,9 +230,6 @@ def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) 
         rows,
         chosen,
     )
-
-
-_THIRDS = ((0.0, 0.15), (0.15, 0.35), (0.35, 1.0))
 
 
 def _rms_between(by_band: Sequence[float], low: float, high: float) -> float:

@@ -14,9 +14,6 @@ from typing import Any
 
 from ..errors import OutputError
 
-#: Codes of answers that lead elsewhere, and the header by which S3 says in which of its regions a bucket is.
-_REDIRECTS = (301, 302, 303, 307, 308)
-_REGION = "x-amz-bucket-region"
 _ELSEWHERE = "redirect to another host"
 #: Words of a redirect that is not followed: ours, S3's, and those of its codes where an answer has none, as to HEAD.
 _REDIRECT = re.compile(rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect")
@@ -112,7 +109,8 @@ class _Unredirected:
 
     async def request(self, *arguments: Any, **options: Any) -> Any:
         answer = await self._session.request(*arguments, **{**options, "allow_redirects": False})
-        if answer.status in _REDIRECTS and _REGION not in answer.headers:
+        # S3 names the region of a bucket in this header.
+        if answer.status in (301, 302, 303, 307, 308) and "x-amz-bucket-region" not in answer.headers:
             # botocore would ask for the region of the bucket, and be led elsewhere again, without end.
             answer.close()
             raise Redirected(errno.EREMOTE, _ELSEWHERE)

@@ -26,10 +26,6 @@ from ..waiting import wait_for
 from .redirects import same_server
 
 _PIECE_BYTES = 1 << 18
-#: How often an object is asked for whose body breaks off.
-_TRIES = 3
-#: Objects that are asked for at once.
-_AT_ONCE = 16
 #: Bytes that a name counts as: about what it takes in an answer of S3.
 _NAME_BYTES = 300
 
@@ -122,7 +118,8 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
             return True
 
     async def all_copied(moved: Moved) -> list[bool]:
-        turn = asyncio.Semaphore(_AT_ONCE)
+        # 16 requests at a time.
+        turn = asyncio.Semaphore(16)
         return await asyncio.gather(*(copied_if_there(key, file, moved, turn) for key, file in zip(keys, files)))
 
     found: list[bool] = _ended(store, all_copied)
@@ -228,7 +225,8 @@ async def _copied_range(store: Any, key: str, start: int, length: int, file: IO[
 
 async def _tried(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
     """Copy a body, and begin again where it breaks off."""
-    for tries_left in reversed(range(_TRIES)):
+    # A body that breaks off is requested three times.
+    for tries_left in reversed(range(3)):
         try:
             return await copy()
         except InvalidInput:  # noqa: PERF203 (a try is a request)

@@ -59,9 +59,6 @@ _NOT_THERE = re.compile(
     r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404|invalid ?(resource|bucket) ?name",
     re.IGNORECASE,
 )
-#: Loggers of the stores' libraries, which print pages where one line tells.
-_TALKATIVE = ("azure", "gcsfs")
-_SAID_CHARACTERS = 120
 
 
 def is_address(place: Address) -> bool:
@@ -132,7 +129,8 @@ def store_path(place: Address) -> Path:
         )
     if kind in _PACKAGES:
         _imported(*_PACKAGES[kind])
-        for log in map(logging.getLogger, _TALKATIVE):
+        # These libraries print pages where one line will do.
+        for log in map(logging.getLogger, ("azure", "gcsfs")):
             if log.level == logging.NOTSET:
                 log.setLevel(logging.CRITICAL)
     options = {"get_client": http_client} if kind in ("http", "https") else unredirected(kind)
@@ -390,7 +388,7 @@ def _problem(path: Path, wrong: Exception) -> OutputError:
     if isinstance(wrong, FileNotFoundError) or _NOT_THERE.search(said):
         return OutputError("{0}: is not there, or {1} is not", what, root, remedy="make the bucket first")
     known = isinstance(wrong, OSError) and wrong.strerror
-    return OutputError("{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:_SAID_CHARACTERS])
+    return OutputError("{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:120])
 
 
 def _root(path: Path) -> str:

@@ -16,18 +16,11 @@ class Markup(str):
 Content = Union[str, Markup]
 
 
-#: Elements without an end.
-_VOID = ("img", "meta", "link", "br")
-
-
-#: Cells of so many characters are not broken into lines.
-_SHORT = 18
-
-
 def element(name: str, *content: Content, **attributes: str) -> Markup:
     """Return an element; a trailing underscore of an attribute's name, as in ``class_``, is dropped."""
     marks = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
-    if name in _VOID:
+    # Void elements.
+    if name in ("img", "meta", "link", "br"):
         return Markup(f"<{name}{marks}>")
     inside = "".join(part if isinstance(part, Markup) else escape(part) for part in content)
     return Markup(f"<{name}{marks}>{inside}</{name}>")
@@ -38,7 +31,8 @@ def table(header: Sequence[str], rows: Iterable[Sequence[str]], chosen: Containe
     head = element("tr", *(element("th", text, scope="col") for text in header))
     made = []
     for index, row in enumerate(rows):
-        cells = (element("td", text, class_="short") if len(text) <= _SHORT else element("td", text) for text in row)
+        # Short cells are not wrapped.
+        cells = (element("td", text, class_="short") if len(text) <= 18 else element("td", text) for text in row)
         made.append(element("tr", *cells, class_="chosen") if index in chosen else element("tr", *cells))
     return element("div", element("table", element("thead", head), element("tbody", *made)), class_="scroll")
 

@@ -20,13 +20,8 @@ from .safe_json import parse_json
 CUT = "…"
 #: Largest number read: more than anything that is counted.
 _LARGEST_DIGITS = 18
-_WORDS_CHARACTERS = 200
 #: Characters of a text that is no number, or no time, which are shown.
 _NUMBER_CHARACTERS = 80
-#: What begins a formula in the programs that tables are opened with.
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-#: Characters beyond those looked at in which a key that begins before them ends.
-_KEY_CHARACTERS = 4096
 #: A day, a time of it, decimals of a second, and a zone.
 _TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?")
 #: Halves of characters, which Python also has for bytes of names that are no UTF-8.
@@ -119,7 +114,8 @@ def writable(name: str) -> str:
 def table_cell(text: str) -> str:
     """Text for a table, which no program takes for a formula: an apostrophe stands before one."""
     plain = printable(text)
-    return f"'{plain}" if text.startswith(_FORMULA) else plain
+    # Spreadsheets take such a text as a formula.
+    return f"'{plain}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else plain
 
 
 def shortened(text: str, most: int) -> str:
@@ -166,7 +162,8 @@ def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str
     hide : callable
         Masks what must not be shown, before anything is cut.
     """
-    told = body[: MAX_TEXT_CHARACTERS + _KEY_CHARACTERS].decode("utf-8", "replace")
+    # A key that begins before the limit ends within 4,096 more characters.
+    told = body[: MAX_TEXT_CHARACTERS + 4096].decode("utf-8", "replace")
     text = hide(told)[:MAX_TEXT_CHARACTERS].lstrip("\ufeff").strip()
     if text.count("\ufffd") > len(text) // 20 or "\0" in text:
         return ""
@@ -175,7 +172,7 @@ def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str
     elif "html" in content_type or "xml" in content_type or text[:1] == "<":
         text = _unescaped(_title(text) or without_markup(text, "\n"))
     line = next((line.strip() for line in text.splitlines() if line.strip()), "")
-    return shortened(hide(printable(line)), _WORDS_CHARACTERS)
+    return shortened(hide(printable(line)), 200)
 
 
 def _title(text: str) -> str:

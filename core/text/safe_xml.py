@@ -25,8 +25,6 @@ from ..limits import (
 )
 from .plain import one_line
 
-#: Encodings that documents may have, by Python's names of them.
-_ENCODINGS = ("utf-8", "ascii", "utf-16", "iso8859-1")
 _ENCODINGS_TOLD = "UTF-8, UTF-16 or Latin-1"
 #: Marks of the encoding at the beginning of a file, and the beginning of XML in UTF-16 without one.
 _MARKS = (
@@ -38,7 +36,6 @@ _MARKS = (
 )
 #: Characters within which a document states its encoding, and its type.
 _HEAD_CHARACTERS = 1024
-_TYPE_CHARACTERS = 1 << 16
 _STATED = re.compile(rb"<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']", re.ASCII)
 _DECLARATION = re.compile(r"\s*<\?xml\s[^>]*\?>")
 _BEFORE_TYPE = re.compile(r"\s*(?:<!--.*?-->|<\?.*?\?>)", re.DOTALL)
@@ -83,7 +80,8 @@ def text_of(body: bytes) -> str:
             encoding = codecs.lookup(stated).name
         except LookupError:
             encoding = ""
-        if encoding not in _ENCODINGS:
+        # Python's names of the encodings that are read.
+        if encoding not in ("utf-8", "ascii", "utf-16", "iso8859-1"):
             raise UnreadableXMLError(Message("encoding {0}: must be {1}", stated, _ENCODINGS_TOLD))
     try:
         text = body.decode(encoding)
@@ -167,7 +165,7 @@ def written(root: Any) -> bytes:
 def _without_wms_type(text: str) -> str:
     """Leave out the type that every WMS 1.1.1 states: what it declares is of no use here."""
     at = 0
-    head = text[:_TYPE_CHARACTERS]
+    head = text[: 1 << 16]
     while found := _BEFORE_TYPE.match(head, at):
         at = found.end()
     stated = _WMS_TYPE.match(head, at)

@@ -20,7 +20,6 @@ _SPELLED = re.compile(
 )
 #: Beginning of such a spelling, cut short.
 _PARTLY_SPELLED = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
-_PARTLY_SPELLED_BYTES = 20
 
 
 class Secrets:
@@ -103,7 +102,7 @@ def _cut_short(plain: bytes, form: bytes) -> list[tuple[int, int]]:
     """Where the beginning of a key stands before the last mark of what was cut short; that mark is its end."""
     found = []
     cut = plain.rfind(CUT.encode())
-    partly = _PARTLY_SPELLED.search(plain, max(cut - _PARTLY_SPELLED_BYTES, 0), cut) if cut >= 0 else None
+    partly = _PARTLY_SPELLED.search(plain, max(cut - 20, 0), cut) if cut >= 0 else None
     for end in {cut, partly.start() if partly else cut} - {-1}:
         before = plain[max(end - len(form), 0) : end]
         length = next((n for n in range(len(before), 0, -1) if before.endswith(form[:n])), 0)

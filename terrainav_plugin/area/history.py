@@ -13,8 +13,6 @@ from ..form.state import BOX_FIELDS, FormState
 from ..i18n import tr
 
 _AREA = (*BOX_FIELDS, "shape")
-#: What steps may change beside the area: the height, with pasted coordinates, and what is drawn on the map around it.
-_BESIDE = (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
 
 
 def same_area(one: FormState, other: FormState) -> bool:
@@ -24,8 +22,12 @@ def same_area(one: FormState, other: FormState) -> bool:
 
 def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
     """Entries beside the area in which two states differ, with those that go with them."""
+    # The height comes with pasted coordinates; no-fly areas and take-off are drawn on the map.
     return tuple(
-        name for names in _BESIDE if any(getattr(one, each) != getattr(other, each) for each in names) for name in names
+        name
+        for names in (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
+        if any(getattr(one, each) != getattr(other, each) for each in names)
+        for name in names
     )
 
 

@@ -56,7 +56,6 @@ EDGE_TOLERANCE_M = 0.1
 #: one way where the places are this near.
 _LOOKED_AT_SHARE = 0.5
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
-_GIMBAL_PITCHES_DEG = (-180.0, 90.0)
 _HALF_TURN_DEG = 180.0
 
 
@@ -588,7 +587,7 @@ def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str
         what = tr("{feature}: {what} in “{field}”").format(feature=name, what=point_words()[angle], field=field)
         degrees = _number(feature, field, what)
         declared = None if angle == "gimbal_pitch" else field_named(Attitude, f"{angle}_deg")
-        least, most = _GIMBAL_PITCHES_DEG if declared is None else (declared.least, declared.most)
+        least, most = (-180.0, 90.0) if declared is None else (declared.least, declared.most)
         if not least <= degrees <= most:
             raise InvalidInput(
                 tr("{what} is {value}°: must be from {least} to {most}").format(

@@ -18,26 +18,18 @@ from .paths import Paths, evaluate, fit_paths, interpolate_rays
 _BUNDLES_PX = (64, 16, 4)
 #: Points along each side of an image through which paths are fitted, and how much farther than rays are followed.
 _FITTED, _MARGIN = 6, 1.05
-#: Points along each side whose rays tell how far any of an image goes.
-_REACHED = 81
 #: Rows of an image that are worked on in one go: what they need fits a processor's cache.
 _ROWS = 32
 #: Levels of blocks in which rays may fall to the ground, and turns of Newton's method that find where.
 _STEEP_LEVELS, _TURNS = 8, 3
-#: Share of what points may be off by that Newton's method leaves.
-_SETTLED = 0.05
 #: Steps along a ray at most: rays that graze a surface without end are given up, which is said.
 _MOST_STEPS = 1 << 14
 #: Cells gone through one by one before blocks are tried again.
 _STEPS_AT_ONCE = 8
-#: Level of blocks that single rays begin with: they are near the ground already.
-_FIRST_LEVEL = 2
 #: What rounding leaves rays below a surface where they come to it: deeper ones come from beneath, beyond its edge.
 _TOUCHING_M = 1e-6
 #: Single rays that are followed together, and metres beyond which their ways are no longer told by so few powers.
 _RAYS_AT_ONCE, _FARTHEST_POINT_M = 1 << 16, 50_000.0
-#: Factor on what is found at the corners of a bundle for what lies between them.
-_ROUNDING = 1.001
 #: Factor on the speed of rays for what it grows by within a step, and the least that is divided by, pixels.
 _SPEEDING, _SLOWEST = 1.01, 1e-12
 
@@ -281,7 +273,7 @@ class Surface:
 
         farthest = ends(directions)
         # The longest ways lie where rays reach the lowest ground and the edge at once, often between those points.
-        all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, _REACHED) for side in (rays.width, rays.height)))
+        all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
         reach = float(ends(rays.at(all_x.ravel(), all_y.ravel())).max())
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
@@ -343,7 +335,8 @@ class Surface:
                 ],
                 axis=0,
             )  # fmt: skip
-            spread = _ROUNDING * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
+            # A thousandth more for rays between the corners of a bundle.
+            spread = 1.001 * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
             begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
             ends = np.full(begin.size, farthest)
@@ -407,7 +400,8 @@ class Surface:
             coefficients = _on_grid(forms, x_px, y_px)
             shape = coefficients.shape[2:]
             coefficients = coefficients.reshape(len(forms), 3, -1)
-            within = _SETTLED * close * falls[part]
+            # Newton's method takes 5 % of the error allowed.
+            within = 0.05 * close * falls[part]
             guess = self._guessed(start, forms, (x_px, y_px), (t[part], within))
             first, within, until = (_finer(one, shape, side).ravel() for one in (t[part], within, reach[part]))
             first = np.maximum(first, after[top:bottom].ravel())
@@ -524,7 +518,8 @@ class Surface:
         t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
         start = _of_rays(start, index)
         s = None if spread is None else spread.take(index, axis=2)
-        level = np.full(len(index), tops.levels - 1 if s is not None else min(_FIRST_LEVEL, tops.levels - 1))
+        # Single rays begin near the ground, and so at a low level.
+        level = np.full(len(index), tops.levels - 1 if s is not None else min(2, tops.levels - 1))
         for _ in range(_MOST_STEPS):
             if not len(index):
                 break

@@ -32,20 +32,12 @@ _BULGE = 1.03
 _MARGIN, _LEAST = 1.01, 1e-12
 #: Share of the Earth's curvature that there is everywhere, and metres for what is left out.
 _CURVED, _CURVED_M = 0.98, 1.0
-#: Points along each edge of an image whose rays tell what ground it sees.
-_ALONG_EDGE = 9
 #: Faces steeper than this, metres of height per metre, are not seen from above: no map has their colours.
 STEEP = 2.0
-#: Cells that a face reaches at most to either side of a point of it.
-_MOST_OF_FACE = 6
 #: Highest degree of the polynomials from one plane to another, and how close they must come, pixels of the finest zoom.
 _DEGREES, _PLANES_PX = (1, 2, 3, 5), 0.02
 #: Nodes along each side to which those are fitted.
 _NODES = 9
-#: Pixels of an image to either side of one that samples for it are taken from, at the coarsest zoom that serves it.
-_SAMPLED = 2.0
-#: Share of the tangent of a pixel's footprint that grazing rays are not followed beyond.
-_GRAZING = 0.02
 
 
 class ElevationModel(Protocol):
@@ -255,7 +247,7 @@ class Tracing:
         The first has the finest cells; where those would be too many, farther ones are twice as large, and so on.
         """
         lat, lon = self.place
-        x, y = np.meshgrid(*(np.linspace(0.0, side, _ALONG_EDGE) for side in (self.rays.width, self.rays.height)))
+        x, y = np.meshgrid(*(np.linspace(0.0, side, 9) for side in (self.rays.width, self.rays.height)))
         directions = self.rays.at(x.ravel(), y.ravel())
         level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
         ground = WGS84.raised(self.lowest_m)
@@ -373,9 +365,8 @@ class Tracing:
         faces = int(np.count_nonzero(steep))
         ray_east, ray_north, ray_up = rays = self.rays.at(column + 0.5, row + 0.5).T
         # Where the plane of the ground, n·p = const, meets the neighbours' rays.
-        facing = np.minimum(
-            ray_up - slope_east * ray_east - slope_north * ray_north, -_GRAZING * np.abs(ray_up) - _LEAST
-        )
+        # Rays that graze the tangent plane this flatly are not followed.
+        facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
         steps: list[tuple[Floats, Floats]] = []
         for per in (self.rays.per_x, self.rays.per_y):
             ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
@@ -428,7 +419,8 @@ class _Seen(NamedTuple):
     def is_ground_about(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
         """Whether there is ground all around points (n,), as far as pixels of these steps, in metres, have samples."""
         ways = [self.per_metre @ np.stack(step) for step in steps]
-        wide, high = (_SAMPLED * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
+        # At the coarsest zoom, samples come from up to two pixels to either side.
+        wide, high = (2.0 * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
         rows, columns = self.surface.cells
         there = np.ones(len(column), bool)
         for across, down in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)):
@@ -453,7 +445,8 @@ class _Seen(NamedTuple):
         length = np.maximum(np.hypot(across, down), _LEAST)
         x, y = column.copy(), row.copy()
         moving = np.ones(len(x), bool)
-        for _ in range(2 * _MOST_OF_FACE):
+        # A face reaches at most six cells to either side.
+        for _ in range(2 * 6):
             new_x = np.where(moving, x + sign * 0.5 * across / length, x)
             new_y = np.where(moving, y + sign * 0.5 * down / length, y)
             x, y = np.clip(new_x, 0.0, surface.cells[1]), np.clip(new_y, 0.0, surface.cells[0])

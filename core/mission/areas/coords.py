@@ -17,10 +17,6 @@ from ..pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
 from .area import Area, Box, Points
 
 _FORMATS = Message('"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines')
-#: Endings of trajectories and flight logs, which say no heights above ground.
-_TRAJECTORIES = (".gpx", ".ulg", ".bin")
-#: Endings by which a text is the name of a file.
-_TEXT_FILES = (".csv", ".tsv", ".txt")
 _SEPARATORS = re.compile(r"[_,;\s]+")
 
 
@@ -77,7 +73,7 @@ def parse_coords(
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
         return _from_file(Path(text), kind, agl_unit, agl_m)
-    if Path(text).suffix.lower() in _TEXT_FILES:
+    if Path(text).suffix.lower() in (".csv", ".tsv", ".txt"):
         raise InvalidInput("coordinates {0!r}: there is no such file", text.strip())
     values = _numbers(text, Message("coordinates"))
     if len(values) in (3, 5):
@@ -144,7 +140,8 @@ def parse_points(
 def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput("file {0}: holds points; a raster mission needs two corners and a height as text", path)
-    if path.suffix.lower() in _TRAJECTORIES:
+    # Trajectories and flight logs have no heights above ground.
+    if path.suffix.lower() in (".gpx", ".ulg", ".bin"):
         raise InvalidInput(
             "file {0}: is a trajectory or a flight log",
             path,

@@ -21,16 +21,10 @@ from ...text.safe_xml import UnreadableXMLError, XMLReader, elements_of
 from .area import Polygon, Polygons, check_rings
 from .geojson import System, shapes
 
-#: First bytes of a zip, which a KMZ is.
-_ZIP = b"PK\x03\x04"
-#: The file that a KMZ shows, as Google Earth writes it; others put it elsewhere.
-_MAIN_KML = "doc.kml"
 #: Ways in which files of a KMZ are packed; readers of others raise errors of their own.
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: What holds the rings of a Polygon: the outer one, and those of holes.
 _BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
-#: Characters of a corner or name that are shown.
-_SHOWN = 60
 #: What `zipfile` raises of archives that are broken, encrypted, or not what they say.
 _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError, OSError)
 
@@ -84,7 +78,8 @@ def load_polygons(path: str | os.PathLike[str], where: str, read_xml: XMLReader 
     except InvalidInput as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", where, wrong) from wrong
     found: Iterable[_Rings]
-    if body.startswith(_ZIP):
+    # A KMZ is a zip.
+    if body.startswith(b"PK\x03\x04"):
         found = _kmz_polygons(body, where, read_xml)
     # A mark of the encoding may come first, and UTF-16 has a zero beside each character.
     elif body.lstrip(b"\xef\xbb\xbf\xfe\xff\0 \t\r\n").startswith(b"<"):
@@ -154,7 +149,8 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             found = [one for one in entries if one.filename.lower().endswith(".kml")]
             if not found:
                 raise InvalidInput("{0}: is a zip without a KML file", where)
-            found.sort(key=lambda one: (one.filename.lower() != _MAIN_KML, one.filename.count("/")))
+            # Google Earth calls the file that a KMZ shows doc.kml; others put it elsewhere.
+            found.sort(key=lambda one: (one.filename.lower() != "doc.kml", one.filename.count("/")))
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
                 if one.compress_type not in _PACKED:
@@ -226,5 +222,5 @@ def _corner(text: str, where: str) -> tuple[float, float]:
     except (ValueError, IndexError):
         lon = lat = math.nan
     if not (math.isfinite(lon) and math.isfinite(lat)):
-        raise InvalidInput("{0}: corner {1!r} is not longitude,latitude", where, text[:_SHOWN])
+        raise InvalidInput("{0}: corner {1!r} is not longitude,latitude", where, text[:60])
     return lon, lat

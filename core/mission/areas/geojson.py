@@ -25,15 +25,11 @@ if TYPE_CHECKING:
 #: Metres that a side which is straight in its own system may be off on the ground once it is straight in degrees: about
 #: a pixel of the sharpest imagery there is. Between the places that are looked at it may be off by twice as much.
 EDGE_TOLERANCE_M = 0.1
-_LOOKED_AT = (0.25, 0.5, 0.75)
-#: Halvings of one side: what is not straight then has a pole or the map's edge in it.
-_DEEPEST = 24
 #: Corners of one ring or line once its sides have been divided.
 _MOST_CORNERS = 1_000_000
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
 #: Characters of a name that are shown.
 _SHOWN = 80
-_DEGREES = "EPSG:4326"
 
 
 class Shape(NamedTuple):
@@ -159,7 +155,8 @@ class SystemOfFile(System):
         InvalidInput
             A corner that the system does not have, or a side through a pole or across the edge of its map.
         """
-        for _ in range(_DEEPEST):
+        # A side that is not straight after 24 halvings crosses a pole or the map's edge.
+        for _ in range(24):
             places = self._places(corners)
             bent = self._bent(corners, places)
             if not bent.size:
@@ -178,7 +175,7 @@ class SystemOfFile(System):
         way = np.diff(places, axis=0)
         way[:, 0] -= 360.0 * np.rint(way[:, 0] / 360.0)
         farthest = np.zeros(len(way))
-        for share in _LOOKED_AT:
+        for share in (0.25, 0.5, 0.75):
             there = self._places(corners[:-1] + share * np.diff(corners, axis=0))
             off = there - (places[:-1] + share * way)
             east = (off[:, 0] - 360.0 * np.rint(off[:, 0] / 360.0)) * np.cos(np.radians(there[:, 1]))
@@ -214,6 +211,6 @@ def _transformer(name: str) -> Transformer | None:
         crs = read_reference(name)
         if not (crs.is_geographic or crs.is_projected):
             return None
-        return Transformer.from_crs(crs, _DEGREES, always_xy=True)
+        return Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
     except (ProjError, InvalidInput):
         return None

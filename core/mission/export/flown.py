@@ -34,14 +34,8 @@ Place = tuple[str, float, float, float]
 
 #: Legs are looked at so often, metres, and so many places at once.
 _STEP_M, _AT_ONCE = 0.5, 1 << 20
-#: Pieces of legs that are straight in longitude and latitude, too: to half a millimetre at 60 degrees.
-_PIECE_M = 100.0
-#: What the digits of files, and centimetres beside a wall, take from a clearance, metres.
-_TOLERANCE_M = 0.05
 #: Places that are the same, metres.
 _SAME_M = 1e-3
-#: MAVLink's frame of heights over home.
-_RELATIVE = 3
 #: A number in a file's text.
 _NUMBER = r"([-+.\deE]+)"
 _POINT = re.compile(
@@ -113,10 +107,11 @@ class Reader:
     def plan(self, text: str) -> list[FlownPath]:
         """QGroundControl's ``.plan``: heights count from the planned home; the return is the autopilot's own."""
         mission = json.loads(text)["mission"]
+        # MAV_FRAME_GLOBAL_RELATIVE_ALT: heights above home.
         places: list[Place] = [
             (str(item["doJumpId"]), *item["params"][4:])
             for item in chain.from_iterable(map(_simple_items, mission["items"]))
-            if item["frame"] == _RELATIVE
+            if item["frame"] == 3
         ]
         return self._way(places, mission["plannedHomePosition"][2])
 
@@ -197,7 +192,8 @@ class Reader:
                 most = int(np.argmax(short))
                 if short[most] > worst:
                     worst, at = float(short[most]), (int(leg[most]), float(lat[most]), float(lon[most]))
-            if worst > _TOLERANCE_M:
+            # Rounding in files, and centimetres beside a wall, reduce a clearance by up to 5 cm.
+            if worst > 0.05:
                 raise self._refusal(name, way, at, worst)
 
     def _refusal(self, name: str, way: FlownPath, at: tuple[int, float, float], short_m: float) -> InvalidInput:
@@ -291,7 +287,8 @@ def _places(way: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats,
     plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
     x, y = plane.forward(way.lat_deg, way.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
-    pieces = np.maximum(np.ceil(length / _PIECE_M), 1.0).astype(np.int64)
+    # Pieces of 100 m are straight in longitude and latitude to half a millimetre at 60 degrees.
+    pieces = np.maximum(np.ceil(length / 100.0), 1.0).astype(np.int64)
     leg = np.repeat(np.arange(len(length)), pieces)
     share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
     x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, way.height_m))

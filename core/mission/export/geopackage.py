@@ -19,7 +19,6 @@ from .waypoints import flight_line, takeoff_of
 
 #: Ending of the file while it is written: GDAL wants its own at the very end.
 PARTIAL_ENDING = ".part.gpkg"
-_TIME = "time"
 #: Codes of well-known binary: little-endian; the kinds of geometry.
 _LITTLE, _POINT, _LINE, _POLYGON, _MULTI_LINE, _MULTI_POLYGON = 1, 1, 2, 3, 5, 6
 #: Added to the codes of geometries with heights (ISO).
@@ -183,7 +182,7 @@ def _add_fields(ogr: Any, layer: Any) -> None:
     kinds = {"name": ogr.OFTString, "column": ogr.OFTInteger64, "row": ogr.OFTInteger64}
     for name in POSE_COLUMNS:
         layer.CreateField(ogr.FieldDefn(name, kinds.get(name, ogr.OFTReal)))
-    layer.CreateField(ogr.FieldDefn(_TIME, ogr.OFTDateTime))
+    layer.CreateField(ogr.FieldDefn("time", ogr.OFTDateTime))
 
 
 def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Callable[[], None]) -> None:

@@ -37,8 +37,6 @@ _PITCHES_DEG = (-90.0, 30.0)
 #: Codes of the columns: the pitch is set; the height is above ground; the aircraft stays; an image is taken; no further
 #: action.
 _INTERPOLATE, _ABOVE_GROUND, _STAY, _TAKE_PHOTO, _NONE = 2, 1, 0, 1, -1
-#: How long an aircraft that hovers for an image stays, milliseconds.
-_STAY_MS = 1000
 
 
 def check_litchi(plan: Plan) -> None:
@@ -92,7 +90,8 @@ def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...],
 
     Where distance releases the camera, of a row there are its ends alone, and over relief where it bends.
     """
-    hover = (_STAY, _STAY_MS) if plan.mission.trigger == HOVER else ()
+    # Milliseconds of hovering for an image.
+    hover = (_STAY, 1000) if plan.mission.trigger == HOVER else ()
     flown = [one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING)]
     if plan.mission.trigger != BY_DISTANCE:
         for one in flown:

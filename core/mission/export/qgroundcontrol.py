@@ -34,12 +34,8 @@ _PX4, _QUADROTOR = 12, 2
 _ALTITUDE_RELATIVE, _ALTITUDE_MIXED = 1, 0
 #: Items before and after those of the captures, and of each capture.
 _AROUND, _EACH = 4, 2
-#: Further items, at most, that lead back over relief.
-_BACK = 2
 #: Height over the place of take-off above which ArduPilot refuses an item, metres.
 _HIGHEST_M = 83_000.0
-#: How long an aircraft that hovers for an image is left to come to rest.
-_STEADY_S = 1.0
 
 Number = Union[float, int, None]
 
@@ -60,7 +56,8 @@ def check_qgroundcontrol(plan: Plan) -> None:
         if by_distance:
             points, own = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
         turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
-        back = 0 if plan.relief.is_level else _BACK
+        # Over relief up to two items lead back.
+        back = 0 if plan.relief.is_level else 2
         if points + own + turned + back + _AROUND > MOST_ITEMS:
             raise InvalidInput(
                 "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
@@ -185,7 +182,8 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     by_distance = trigger == BY_DISTANCE
     ends = dict(sortie.runs(plan)) if by_distance else {}
     is_waypoint = sortie.waypoints(plan) if by_distance else np.ones(len(sortie), bool)
-    hold = _STEADY_S if trigger == HOVER else 0
+    # Seconds to come to rest for an image.
+    hold = 1.0 if trigger == HOVER else 0
     last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])
     points = zip(
         sortie.lat_deg.tolist(),

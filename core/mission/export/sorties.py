@@ -15,8 +15,6 @@ from ..flight.legs import legs
 from ..flight.path import CAPTURE, LANDING, TAKEOFF
 from ..plan import Plan
 
-#: What lines through fewer waypoints may be higher than captures over relief, as a share of their height above ground.
-_HIGHER_SHARE = 0.01
 #: Heights that differ by noise, metres.
 _NOISE_M = 1e-3
 
@@ -126,7 +124,8 @@ class Sortie:
         way_m = np.append(0.0, np.cumsum(legs(self.lat_deg, self.lon_deg).distance_m))
         for first, last in runs:
             own = slice(first, last + 1)
-            higher_m = _HIGHER_SHARE * plan.meant.agl_m[self.capture[own]]
+            # Lines through fewer waypoints may be higher than the captures by 1 % of their height above ground.
+            higher_m = 0.01 * plan.meant.agl_m[self.capture[own]]
             found[first + _bends(way_m[own], self.height_m[own], higher_m)] = True
         return found | self._low_between(plan, found)
 

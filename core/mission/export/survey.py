@@ -38,22 +38,14 @@ from .qgroundcontrol import (
 )
 from .sorties import Sortie, sorties
 
-#: By how much QGroundControl's rows reach beyond the polygon's extent, both sides together, metres.
-_BEYOND_M = 2000.0
 #: Shares of the spacing by which the polygon may reach beyond its outermost rows, which choose where rows come to lie.
 _MARGINS = np.linspace(0.05, 0.95, 37)
-#: Difference, in spacings, below which rows lie where they were planned.
-_NEAR = 0.02
 #: By how much the polygon reaches beyond the ends of rows, and by how much more where its side slants, in distances
 #: between images.
 _END_SHARE, _STRAIGHT_SHARE = 0.02, 0.6
-#: Yaws that differ from those along or across the rows by less, degrees, count as such: rows bend on the Earth.
-_SQUARE_DEG = 1.0
 #: Diagonal of a 35 mm film's image, mm: QGroundControl asks for a sensor where a camera has an angle of view.
 _DIAGONAL_MM = float(np.hypot(36.0, 24.0))
 _TOP_LEFT, _TOP_RIGHT = 0, 1
-#: QGroundControl's own defaults where it follows the terrain.
-_TOLERANCE_M = 10
 
 
 class _SurveyRows(NamedTuple):
@@ -115,7 +107,8 @@ def check_survey(plan: Plan) -> None:
         )
     for sortie in sorties(plan):
         rows = _rows(plan, sortie)
-        if _off_square_deg(plan, rows) > _SQUARE_DEG:
+        # Rows bend on the Earth, so yaws within a degree count as along or across them.
+        if _off_square_deg(plan, rows) > 1.0:
             raise InvalidInput(
                 "QGroundControl survey with images {0:g} deg off the direction of rows: must be along or across them",
                 round(_off_square_deg(plan, rows), 1),
@@ -180,8 +173,9 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
         "version": 1,
     }
     if _follows_terrain(plan):
+        # QGroundControl's defaults.
         inner.update(
-            TerrainAdjustTolerance=_TOLERANCE_M,
+            TerrainAdjustTolerance=10,
             TerrainAdjustMaxClimbRate=plan.mission.terrain.climb_m_per_s or 0,
             TerrainAdjustMaxDescentRate=plan.mission.terrain.climb_m_per_s or 0,
             TerrainFlightSpeed=plan.mission.flight.airspeed_m_per_s,
@@ -289,7 +283,8 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
         spacing, off = _fitted(rows, along, across, offset)
         if off < best[0]:
             best = off, along, across, spacing
-        if off < _NEAR:
+        # Rows within 2 % of a spacing lie where they were planned.
+        if off < 0.02:
             break
     _, along, across, spacing = best
     return rows.placed(along, across), spacing, entry
@@ -334,7 +329,8 @@ def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floa
     """Spacing with which a row of QGroundControl's is in the middle of the planned ones, and how far others are off."""
     east, north = rows.east_north(along_m, across_m)
     middle = (east.min() + east.max()) / 2.0, (north.min() + north.max()) / 2.0
-    reach_m = max(np.ptp(east), np.ptp(north)) + _BEYOND_M
+    # QGroundControl's rows reach beyond the polygon's extent by 2 km, both sides together.
+    reach_m = max(np.ptp(east), np.ptp(north)) + 2000.0
     azimuth = np.radians(rows.azimuth_deg)
     from_first = offset_m - (middle[0] * np.cos(azimuth) - middle[1] * np.sin(azimuth)) + reach_m / 2.0
     centre = float(from_first[0] + from_first[-1]) / 2.0

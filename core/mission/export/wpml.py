@@ -32,9 +32,6 @@ MOST_FILES = 100
 SLOWEST_M_PER_S, FASTEST_M_PER_S = 1.0, 15.0
 #: Lowest and highest pitch that all of these drones take.
 _PITCHES_DEG = (-90.0, 30.0)
-#: The aircraft climbs so high before it leaves the place of take-off, and comes back no lower, metres; higher where
-#: relief asks for it.
-_SECURITY_HEIGHT_M = 20.0
 #: How long an aircraft that stops for an image is left to come to rest.
 _STEADY_S = 1.0
 #: Where legs are shorter an aircraft stops at both ends: it has no room to round a corner.
@@ -42,8 +39,6 @@ _SHORTEST_PASSED_M = 1.0
 #: How far before a waypoint that is passed the aircraft may leave the line to it, and by how much it may cut the corner
 #: over relief, metres.
 _ROUNDING_M, _CUT_M = 0.2, 0.005
-#: Heights of take-offs that a note tells as one, metres.
-_SAME_BASE_M = 0.05
 _STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithContinuityCurvature"
 
 
@@ -179,7 +174,8 @@ def _by_distance(plan: Plan) -> bool:
 def _note_of_heights(parts: list[Sortie]) -> Message:
     """From where the heights of the files count."""
     bases_m = [part.base_m for part in parts]
-    if max(bases_m) - min(bases_m) < _SAME_BASE_M:
+    # Take-offs within 5 cm get one note.
+    if max(bases_m) - min(bases_m) < 0.05:
         return Message(
             "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
             bases_m[0],
@@ -278,7 +274,8 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
     """What holds for the whole flight, with the place of take-off that it is worked out for."""
     drone = _drone(plan)
     lat, lon = sortie.home
-    there, back = (math.ceil(max(sortie.way_home_m(plan, at), _SECURITY_HEIGHT_M)) for at in (0, -1))
+    # The aircraft leaves the take-off at 20 m and comes back no lower; higher where relief requires it.
+    there, back = (math.ceil(max(sortie.way_home_m(plan, at), 20.0)) for at in (0, -1))
     back = max(back, math.ceil(sortie.height_m.max()))
     place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
     camera = (

@@ -35,8 +35,6 @@ HOVER_S = 3.0
 SAG_SHARE = 0.1
 #: Sorties of one flight, at most: more are a slip of the pen.
 MOST_SORTIES = 999
-#: Share of a battery that a sortie uses at least to end with a row, rather than within the next one.
-_FULL = 0.5
 #: What ways keep from no-fly areas, metres: about as much as the position of an aircraft is off by.
 _NO_FLY_M = 5.0
 #: Sides of no-fly areas are straight in longitude and latitude: pieces of this length leave their chords by 2 cm where
@@ -44,8 +42,6 @@ _NO_FLY_M = 5.0
 _SIDE_M, _MOST_PIECES = 1000.0, 256
 #: Heights that are the same, and what a leg may be too low by, which is noise, metres.
 _SAME_M, _NOISE_M = 0.01, 1e-3
-#: What points that lift a leg are above the least, metres: else a round hill takes one for every few metres.
-_SPARE_M = 0.5
 
 
 class Planned(Protocol):
@@ -335,7 +331,8 @@ class _Maker:
     def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
         """The same of places with the highest that is near to them, and the ground below."""
         least = highest_m + self._mission.terrain.clearance_m
-        given = least + _SPARE_M
+        # Half a metre more than needed: a round hill would else take a point every few metres.
+        given = least + 0.5
         if self._mission.terrain.height_above != GROUND:
             return least, given
         return np.fmax(least, ground_m + (1.0 - SAG_SHARE) * agl_m), np.fmax(given, ground_m + agl_m)
@@ -463,7 +460,8 @@ class _Maker:
                 )
             end = self._farthest(first, last, limit_s)
             row_end = ends[np.searchsorted(ends, end, side="right") - 1] if end >= ends[0] else -1
-            if first <= row_end < end and _FULL * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
+            # A sortie that uses half of its battery ends with a row rather than within the next one.
+            if first <= row_end < end and 0.5 * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
                 end = int(row_end)
             found.append((first, end))
             first = end + 1

@@ -24,20 +24,10 @@ from ..areas.area import (
     shared_rings,
 )
 
-#: A share is printed rounded down at this many decimals, so that 100 % is never said of less.
-_SHARE_DECIMALS = 6
 #: Strips looked at in one go, to bound memory however many rectangles there are.
 _CHUNK = 2_000_000
-#: Most lines along each axis of the grid that gaps are looked for in, for each rectangle.
-_MOST_CELLS = 4
-#: Ground below this is the noise of clipping in degrees (1e-14 deg along a kilometre of edge): 1 mm².
-_NO_GROUND_M2 = 1e-6
-#: What rounding moves a picture's edge by, px: one that reaches beyond the imagery by no more lies inside.
-_ROUNDED_PX = 0.5
 #: Share of the area below which nothing is missing: the noise of areas worked out along two ways.
 _NOTHING_MISSING = 1e-9
-#: Share of the area outside no-fly areas that counts as nothing.
-_NOTHING_LEFT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -69,7 +59,7 @@ class Coverage:
         uncovered_m2 = min(self.uncovered_m2 - inside.uncovered_m2, area_m2)
         complete = self.complete or uncovered_m2 <= _NOTHING_MISSING * self.area_m2
         # Sides of what no-fly areas hold are bent on a plane otherwise than those of the whole.
-        complete |= area_m2 <= _NOTHING_LEFT * self.area_m2
+        complete |= area_m2 <= 1e-8 * self.area_m2
         return Coverage(area_m2, 0.0 if complete else uncovered_m2, complete, inside.area_m2)
 
     @property
@@ -78,7 +68,8 @@ class Coverage:
         if self.complete:
             return 1.0
         covered = 1.0 - self.uncovered_m2 / self.area_m2 if self.area_m2 > 0.0 else 0.0
-        unit = 10.0**_SHARE_DECIMALS
+        # Rounded down, so that 100 % is complete coverage.
+        unit = 10.0**6
         return max(min(math.floor(covered * unit) / unit, 1.0 - 1.0 / unit), 0.0)
 
 
@@ -266,7 +257,8 @@ class _Cells(NamedTuple):
 def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats, Numbers, Numbers]:
     """Lines of a grid along one axis, and the first and last cell (excluded) of spans between them."""
     # As wide as the spans on average; where these are few in a wide field, no more than some for each.
-    count = min(math.ceil((most - least) / float(np.mean(high - low))), _MOST_CELLS * len(low))
+    # At most four grid lines for each rectangle along each axis.
+    count = min(math.ceil((most - least) / float(np.mean(high - low))), 4 * len(low))
     lines = np.linspace(least, most, count + 1)
     return lines, np.searchsorted(lines, low, "right") - 1, np.searchsorted(lines, high, "left")
 
@@ -391,7 +383,8 @@ def _polygon_coverage(
         u_to_lon(missing.x1 / world),
         v_to_lat(missing.y0 / world),
     )
-    ground = ground[ground > _NO_GROUND_M2]
+    # Less than 1 mm² is rounding of clipping in degrees (1e-14 deg along a kilometre of edge).
+    ground = ground[ground > 1e-6]
     return Coverage(total_m2, float(ground.sum()), complete=not len(ground))
 
 
@@ -545,7 +538,8 @@ def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) 
     """Pictures outside an extent (positively oriented), and partly so."""
     world_px = grid.world_px(zoom)
     left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
-    room = _ROUNDED_PX / world_px
+    # An image that reaches beyond the imagery by the rounding of its edge lies inside.
+    room = 0.5 / world_px
     inside, touched = np.zeros(len(left), bool), np.zeros(len(left), bool)
     for turn in [0.0] if not grid.plane.wraps else _turns(np.concatenate([left, right]), extent):
         corners = extent + np.array([turn, 0.0])

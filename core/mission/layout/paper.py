@@ -18,8 +18,6 @@ from .rows import (
     refuse_too_many,
 )
 
-#: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
-_COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
 _UTM_REACH_DEG = 30.0
 
@@ -79,4 +77,5 @@ def lay_out_paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> L
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
     """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
-    return max(float(np.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD)), 0.0) + 1.0
+    # Rounding of UTM metres must not add a column or row to the paper's counts.
+    return max(float(np.ceil((extent_m - size_m / 2.0) / step_m - 1e-9)), 0.0) + 1.0

@@ -39,11 +39,6 @@ _MEETING_PX = 1e-3
 #: Rows are settled when no centre moves by more than this share of the world in a pass (0.4 µm of ground), or
 #: by more than the noise of adding so many of them up: this times the root of their number.
 _SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
-#: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
-#: from limit to limit); only frames that all but hold a pole take longer.
-_PASSES = 500
-#: Passes after each other that may come no nearer before rows are given up: those that settle come nearer within ten.
-_STALLED = 50
 #: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
 _FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
 #: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
@@ -53,8 +48,6 @@ _COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
 _MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
 #: Over relief, heights from which frames of a row are worked out, and stretches of rows that are looked at together.
 _HEIGHTS, _STRETCHES = 5, 2_000_000
-#: Times the images that a mission may have beyond which they are not counted capture by capture.
-_FAR_TOO_MANY = 20.0
 #: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
 Frames = Callable[[Floats, Floats], FrameEdges]
 
@@ -183,7 +176,8 @@ def _cover(
     east_u = lon_to_u(spans[:, 1]) + rounding + np.maximum(edges.east_u - lower.east_u, 0.0)
     counts = np.maximum(np.ceil((east_u - west_u - width) / step), 0.0) + 1.0
     if along is not None:
-        if float(counts.sum()) > _FAR_TOO_MANY * mission.output.max_images:
+        # Far more captures than allowed need no exact count.
+        if float(counts.sum()) > 20.0 * mission.output.max_images:
             refuse_too_many(float(counts.sum()), mission.output.max_images)
         row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
         either = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
@@ -371,7 +365,9 @@ class _ParallelRows:
         centres = np.linspace(max(top, self._north), self._south, count)
         settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
         nearest, stalled = math.inf, 0
-        for _ in range(_PASSES):
+        # Picard iteration gains digits faster than geometrically (under 40 passes
+        # from limit to limit); only frames that all but hold a pole take longer.
+        for _ in range(500):
             edges = self._edges(centres)
             placed = np.cumsum(np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)]))
             moved = float(np.max(np.abs(placed - centres)))
@@ -379,7 +375,8 @@ class _ParallelRows:
             if moved <= settled:
                 return centres, self._edges(centres)
             nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
-            if stalled == _STALLED:
+            # Rows that settle come nearer within ten passes.
+            if stalled == 50:
                 break
         raise InvalidInput(
             "rows from {0:g} m cannot be placed so near to a pole",

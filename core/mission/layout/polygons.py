@@ -26,8 +26,6 @@ LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]
 _EXACT, _IMPROVED = 8, 400
 #: Polygons from which an order is begun, at most, and times that all its stretches are looked at.
 _BEGINNINGS, _ROUNDS = 16, 50
-#: Parts of a metre to which ways are rounded, so that the noise of sines decides between no two that are as long.
-_STEPS_PER_M = 1000.0
 
 
 class _Ways(NamedTuple):
@@ -52,8 +50,6 @@ class _Ways(NamedTuple):
 #: Whether the captures of a pass are taken from the last to the first, and whether each row is turned round then: as
 #: laid out, from the other end of the first row, and from either end of the last row.
 _TURNS = ((False, False), (False, True), (True, False), (True, True))
-#: Those that fly each row the way it is laid out.
-_KEPT_TURNS = (0, 3)
 
 
 def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
@@ -92,7 +88,8 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
     found = list(_laid_out(mission, area, laid_out))
     # Captures of cameras that look aside along the track are placed for the way that the row is flown.
     kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
-    ways = [_ways(layout, passes, _KEPT_TURNS if kept else tuple(range(len(_TURNS)))) for layout, passes in found]
+    # These two fly each row in the direction of its layout.
+    ways = [_ways(layout, passes, (0, 3) if kept else tuple(range(len(_TURNS)))) for layout, passes in found]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
     for part, way in chosen:
@@ -180,7 +177,8 @@ def _places(lat_deg: Floats, lon_deg: Floats) -> Floats:
 
 def _steps(start: Floats, end: Floats) -> Numbers:
     """Distances of places (..., 3) in whole steps."""
-    return np.asarray(np.rint(np.linalg.norm(end - start, axis=-1) * _STEPS_PER_M), np.int64)
+    # To the millimetre, so that the rounding of sines does not decide between ways of equal length.
+    return np.asarray(np.rint(np.linalg.norm(end - start, axis=-1) * 1000.0), np.int64)
 
 
 def _flown(mission: Mission, layout: Layout, passes: tuple[Pass, ...], turns: tuple[int, ...]) -> Layout:

@@ -25,10 +25,6 @@ RowFrames = Callable[[Floats], FrameEdges]
 #: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
 #: beyond the area.
 ROUNDING_PX = 0.5
-#: Points nearer to each other than this count as one place, without a heading to the next.
-_NO_LEG_M = 1e-6
-#: Safety factor for margin angles computed on a sphere.
-_MARGIN_SHARE = 1.01
 
 
 class Layout(NamedTuple):
@@ -46,14 +42,11 @@ class Layout(NamedTuple):
     yaw_deg: Floats
 
 
-#: Of the Antarctic and the Arctic.
-_POLAR_CRS = ("EPSG:3031", "EPSG:3413")
-
-
 def refuse_beyond_mercator(box: Box) -> None:
     """Refuse areas that reach beyond Web Mercator's latitudes."""
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
+            # Polar stereographic CRSs of the Antarctic and the Arctic.
             raise InvalidInput(
                 "area reaches latitude {0}: images end at ±{1:.4f} (Web Mercator)",
                 lat,
@@ -61,7 +54,7 @@ def refuse_beyond_mercator(box: Box) -> None:
                 remedy=Message(
                     "choose imagery in a polar CRS, such as the synthetic world with {0} {1}",
                     OptionName("crs"),
-                    _POLAR_CRS[lat > 0.0],
+                    ("EPSG:3031", "EPSG:3413")[lat > 0.0],
                 ),
             )
 
@@ -107,7 +100,8 @@ def _headings_deg(area: Points) -> Floats:
     """Azimuth from each point to the next that is elsewhere, (n,); of the last ones that of the leg they end."""
     lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
     way = legs(lat, lon)
-    moving = np.flatnonzero(way.distance_m > _NO_LEG_M)
+    # Points within a micrometre are one position, without a heading to the next.
+    moving = np.flatnonzero(way.distance_m > 1e-6)
     if not len(moving):
         return np.zeros(len(lat))
     ahead = np.searchsorted(moving, np.arange(len(lat)))
@@ -151,7 +145,8 @@ def bounds_with_margin(mission: Mission, area: Area) -> Box:
 
 def _margin_angle(mission: Mission) -> float:
     """Angle that a mission's margin is at most, whichever way it goes, radians."""
-    return _MARGIN_SHARE * mission.flight.margin_m * WGS84.a_m / WGS84.b_m**2
+    # 1 % more, as margin angles are computed on a sphere.
+    return 1.01 * mission.flight.margin_m * WGS84.a_m / WGS84.b_m**2
 
 
 def edges_with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Floats, Floats, Floats]:

@@ -36,16 +36,12 @@ _WORKED_OUT = (
     *("within_m", "_lowest_near", "_lowest_within", "_tops", "_tops_within", "_seen_by_latitude"),
     "_overflown",
 )
-#: Share of what images reach within which captures along a row are told alike.
-_SHARE_OF_REACH = 1.0 / 16.0
 #: Share of its height above ground that a capture must keep over what it sees.
 _LEAST_SHARE = 0.02
 #: Points of the area that are looked for in images, and cells by which one that is met may be another.
 _LOOKED_FOR, _SAME_PLACE = 2048, 0.01
 #: Pieces of each edge of an image in its outline, and the least height of a camera over level ground, metres.
 _ALONG_EDGE, _LEAST_ABOVE_M = 16, 1e-3
-#: What an image may reach beyond its corners, as a share of how far they are.
-_BULGE = 1.05
 #: Metres of relief that are none: level ground, to the last digit of its heights.
 _LEVEL_M = 1e-4
 
@@ -357,7 +353,8 @@ class ModelledRelief:
     @cached_property
     def within_m(self) -> float:
         """Metres within which places count as one where rows are laid out: a cell, or a small share of an image."""
-        return max(cell_size_m(self._surface), cell_size_m(self._ground), self.radius_m * _SHARE_OF_REACH)
+        # Captures closer than a sixteenth of the reach are merged.
+        return max(cell_size_m(self._surface), cell_size_m(self._ground), self.radius_m * (1.0 / 16.0))
 
     @cached_property
     def _lowest_near(self) -> Callable[[Floats, Floats], Floats]:
@@ -727,8 +724,9 @@ def _near(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Num
     reach = float(np.nanmax(np.hypot(x - middle[:, :1], y - middle[:, 1:]), initial=1.0))
     own = np.stack([lon * east_m, lat * north_m], axis=1)
     start = np.minimum(np.nanmin(middle, axis=0), own.min(axis=0, initial=np.inf))
+    # An image may reach 5 % beyond its corners.
     (own_x, own_y), (x_at, y_at) = (
-        np.floor((at - start) / (_BULGE * reach)).astype(np.int64).T + 1 for at in (own, middle)
+        np.floor((at - start) / (1.05 * reach)).astype(np.int64).T + 1 for at in (own, middle)
     )
     wide = int(max(own_x.max(initial=0), x_at.max(initial=0))) + 2
     order = np.argsort(y_at * wide + x_at, kind="stable")

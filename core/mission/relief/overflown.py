@@ -21,8 +21,6 @@ from .ground import Profile
 _PIECE_M = 250.0
 #: Cells along a side of the squares that larger areas are read in, and squares that are kept: 200 MB.
 _SIDE_CELLS, _SQUARES = 1024, 16
-#: Cells below the legs whose profile is made at once.
-_CELLS_AT_ONCE = 250_000
 
 
 class Overflown:
@@ -74,7 +72,8 @@ class Overflown:
     def profiles(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane) -> Iterator[Profile]:
         """Profiles below straight legs from position to position (n,), of as many at a time as memory is for."""
         way_m = np.append(0.0, np.cumsum(legs(lat_deg, lon_deg).distance_m))
-        blocks = np.unique(way_m // (_CELLS_AT_ONCE * self.cell_m), return_index=True)[1]
+        # 250,000 cells at a time bound the memory.
+        blocks = np.unique(way_m // (250_000 * self.cell_m), return_index=True)[1]
         for first, last in zip(blocks, np.append(blocks[1:], len(lat_deg) - 1)):
             if last > first:
                 some = slice(first, last + 1)
