@@ -84,7 +84,7 @@ def main() -> None:
 def compare(mission: Mission, source: Source, folder: Path, count: int) -> None:
     """Print the rates of a plain capture of some images, and of a benchmark."""
     area = mission.area
-    some = mission.with_(area=Points(area.poses[:count], area.yaws_deg[:count]))
+    some = mission.replace(area=Points(area.poses[:count], area.yaws_deg[:count]))
     clock = Clock()
     done = capture(plan(some, source.grid), source, folder / "plain")
     alone = clock.rate("plain capture", done.written)

@@ -81,7 +81,7 @@ def _planned_in_raster(file: str, images: int, **more: Any) -> tuple[Any, Any]:
     worked_out, source = planned_in(file, side, max(round(images / side), 1), OVERLAP)
     source.close()
     if more:
-        worked_out = plan(worked_out.mission.with_(**{"agl_m": RASTER_AGL_M, **more}), worked_out.grid)
+        worked_out = plan(worked_out.mission.replace(**{"agl_m": RASTER_AGL_M, **more}), worked_out.grid)
     return worked_out, named_source(file, SourceOptions(as_stored=True))
 
 

@@ -175,10 +175,10 @@ def plan_benchmark(
     InvalidInput
         Queries that cannot be flown or see the horizon; a reference of more pixels than an image may have.
     """
-    mission = settings.queries.with_(frame="camera")
+    mission = settings.queries.replace(frame="camera")
 
     def plan_imageries(mission: Mission) -> dict[str, Plan]:
-        return {one.name: plan(mission.over(one), grids[str(one)], heights) for one in settings.imageries}
+        return {one.name: plan(mission.select_imagery(one), grids[str(one)], heights) for one in settings.imageries}
 
     queries, left_out = plan_imageries(mission), 0
     if settings.inside:
@@ -291,7 +291,7 @@ def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any
         "stretch": asked.imagery.stretch,
         "seed": asked.imagery.seed,
     }
-    return Mission(area, agl_m, **{**values, **more}).over(settings.reference)
+    return Mission(area, agl_m, **{**values, **more}).select_imagery(settings.reference)
 
 
 def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid) -> Plan:

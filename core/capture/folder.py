@@ -168,7 +168,7 @@ def captured_mission(plan: Plan) -> Mission:
     crs = plan.grid.plane.crs
     if crs == WebMercator.crs or plan.mission.imagery.crs:
         return plan.mission
-    return plan.mission.with_(crs=crs)
+    return plan.mission.replace(crs=crs)
 
 
 def is_mark(mark: bytes, mission: Mission) -> bool:
@@ -182,7 +182,7 @@ def is_mark(mark: bytes, mission: Mission) -> bool:
         found = Mission.from_json(mark.decode("utf-8"))
     except (InvalidInput, UnicodeDecodeError):
         return False
-    return found == mission or found.with_(crs=found.imagery.crs or mission.imagery.crs) == mission
+    return found == mission or found.replace(crs=found.imagery.crs or mission.imagery.crs) == mission
 
 
 def holds_mission(plan: Plan, folder: Path) -> bool | None:

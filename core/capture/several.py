@@ -44,7 +44,7 @@ def capture_imageries(
     mission : Mission
         With ``imageries``.
     plans, sources : mapping of str to Plan, and to Source
-        By the names of `Mission.by_imagery`, each planned with the pixel grid of its source.
+        By the names of `Mission.missions_by_imagery`, each planned with the pixel grid of its source.
     resume, only_failed, listener, **how
         As for `capture`; progress, failures and repeats have the imagery's name in place of the map type, and the
         total counts all imageries.

@@ -70,15 +70,15 @@ def _make(arguments: argparse.Namespace) -> int:
 def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkSettings]:
     from ..benchmark.planning import BenchmarkSettings
     from ..mission.imageries import NamedImagery, named_imageries
-    from ..mission.settings import mission_from, resolve
+    from ..mission.settings import build_mission, resolve
 
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
     more: dict[str, Any] = {} if arguments.shares is None else {"shares": tuple(arguments.shares)}
     return values, BenchmarkSettings(
-        mission_from({**values, "imagery": None}),
+        build_mission({**values, "imagery": None}),
         named_imageries(arguments.queries),
-        NamedImagery.of(arguments.reference),
+        NamedImagery.parse(arguments.reference),
         tile_widths_m=tuple(arguments.tiles or ()),
         tile_overlap=arguments.tile_overlap,
         margin_m=arguments.reference_margin,
@@ -92,7 +92,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
 
 
 def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
-    mission = settings.queries.over(imagery)
+    mission = settings.queries.select_imagery(imagery)
     asked = mission.imagery
     return named(
         asked,

@@ -51,12 +51,12 @@ def add_option(group: Any, option: Option, told: str = "", **more: Any) -> None:
     """Add an option; ``told`` is its help in another's place, and ``more`` what else is said of one with values."""
     name = "--" + option.name.replace("_", "-")
     if option.flag:
-        group.add_argument(name, action="store_true", default=more.get("default"), help=told or option.told)
+        group.add_argument(name, action="store_true", default=more.get("default"), help=told or option.full_help)
         return
     low, high = option.count or (1, 1)
     many: Any = None if option.count is None else high if low == high else "+"
     metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
-    group.add_argument(name, nargs=many, metavar=metavar, help=told or option.told, **more)
+    group.add_argument(name, nargs=many, metavar=metavar, help=told or option.full_help, **more)
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:

@@ -57,12 +57,12 @@ def names_source(arguments: argparse.Namespace) -> bool:
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     """Return the mission asked for, and the options of its run, `NAMED` among them."""
     from ..mission.mission import Mission
-    from ..mission.settings import mission_from, resolve
+    from ..mission.settings import build_mission, resolve
 
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
-        mission = mission_from({**values, "source": _name_of(values["source"])})
+        mission = build_mission({**values, "source": _name_of(values["source"])})
         return mission, {**values, NAMED: names_source(arguments)}
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
@@ -156,10 +156,10 @@ def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, 
         return mission
     from ..mission.flight.alignment import align_rows
 
-    one = next(iter(mission.by_imagery.values()), mission)
+    one = next(iter(mission.missions_by_imagery.values()), mission)
     found = align_rows(one, grid, _heights(one, values), arguments.align)
     print(printable(found.text()), file=sys.stderr)
-    return mission.with_(row_azimuth_deg=found.azimuth_deg)
+    return mission.replace(row_azimuth_deg=found.azimuth_deg)
 
 
 def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
@@ -244,12 +244,12 @@ def run_plan(arguments: argparse.Namespace) -> int:
 
     endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
     mission, values = _settings(arguments)
-    each = mission.by_imagery
+    each = mission.missions_by_imagery
     sources = {
         name: _source_of(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
     mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
-    each = mission.by_imagery
+    each = mission.missions_by_imagery
     plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
     files: list[str] = []
     for path, ending in endings.items():
@@ -329,7 +329,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
     if not values["data_dir"]:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
-    each = mission.by_imagery or {"": mission}
+    each = mission.missions_by_imagery or {"": mission}
     in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
     in_blocks = in_blocks or is_address(values["data_dir"])
     with ExitStack() as opened, collected() as signals:
@@ -340,7 +340,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
             else:
                 sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
-        each = mission.by_imagery or {"": mission}
+        each = mission.missions_by_imagery or {"": mission}
         with ended_where(lambda: bool(signals)):
             engine = _engine(arguments, opened)
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals), engine, in_blocks=in_blocks)

@@ -114,8 +114,8 @@ _LINES = "GeoJSON file of LineStrings, flown one after the other"
 
 def _add_field(group: Any, field: Field, default: str = "") -> None:
     """Option of a declared field; ``default`` says what holds without it."""
-    option = Option.of(field)
-    told = (option.told, *(f"{value}: {label}" for value, label in field.choices.items()), default)
+    option = Option.from_field(field)
+    told = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
     more = {"choices": option.choices} if option.choices else {}
     add_option(
         group,

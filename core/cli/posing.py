@@ -68,12 +68,12 @@ def _inside(arguments: argparse.Namespace) -> Callable[[Poses], Any]:
     """What tells which poses see the imagery alone."""
     from ..imagery.opening import SourceOptions, named_source
     from ..mission.inside import poses_inside
-    from ..mission.settings import camera_from, resolve
+    from ..mission.settings import build_camera, resolve
     from .pose_options import CAMERA
 
     values = resolve({name: getattr(arguments, name) for name in (*CAMERA, "source", "crs")})
     grid = named_source(values["source"], SourceOptions(crs=values["crs"] or "")).grid
-    camera, image_px = camera_from(values)
+    camera, image_px = build_camera(values)
     return lambda poses: poses_inside(grid, camera, poses, image_px)
 
 
@@ -149,12 +149,12 @@ def _scan(arguments: argparse.Namespace) -> Scan:
 
 def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
     """Camera of the command's options, and its overlaps along and across rows."""
-    from ..mission.settings import camera_from, resolve
+    from ..mission.settings import build_camera, resolve
     from .pose_options import CAMERA
 
     values = resolve({name: getattr(arguments, name) for name in CAMERA})
     overlap = values["overlap"]
-    return camera_from(values)[0], (overlap[0], overlap[-1])
+    return build_camera(values)[0], (overlap[0], overlap[-1])
 
 
 def _area(text: str) -> Box | Polygon | Polygons:

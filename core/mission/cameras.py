@@ -69,12 +69,12 @@ class CameraPreset:
             What is unknown, missing or of another kind, and a sensor of another shape than its pixels.
         """
         try:
-            return cls._from_facts(name, data, user)
+            return cls._build(name, data, user)
         except InvalidInput as wrong:
             raise InvalidInput("camera {0}: {1}", name, wrong) from wrong
 
     @classmethod
-    def _from_facts(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
+    def _build(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
         data = {fact: value for fact, value in data.items() if value is not None}
         way = _check_facts(data)
         source = data.get("source", "")

@@ -152,17 +152,17 @@ class Summary:
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
-            *self._of_areas(),
+            *self._area_lines(),
             (Message("rows, columns"), f"{self.rows}, {self.columns}"),
             (Message("image"), shape),
             (
                 Message("ground sample distance"),
                 Message("requested {0}, delivered {1}", requested, delivered),
             ),
-            *self._relief(),
+            *self._relief_lines(),
             (Message("flight distance"), length_text(self.flight_distance_m)),
             (Message("flight time"), duration_text(self.flight_s)),
-            *self._flown(),
+            *self._path_lines(),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
             words = Message("complete but for missing imagery") if self.lacks_imagery else Message("complete")
@@ -198,7 +198,7 @@ class Summary:
         ]
         return lines
 
-    def _flown(self) -> list[tuple[str, str]]:
+    def _path_lines(self) -> list[tuple[str, str]]:
         lines: list[tuple[str, str]] = []
         if self.path_m is not None and self.path_s is not None:
             path = Message("{0}, {1} with turns", length_text(self.path_m), duration_text(self.path_s))
@@ -214,7 +214,7 @@ class Summary:
             lines.append((Message("sun"), self.sun.text(self.fov_deg)))
         return lines
 
-    def _of_areas(self) -> list[tuple[str, str]]:
+    def _area_lines(self) -> list[tuple[str, str]]:
         """Number of several polygons, and what no-fly areas cost."""
         lines: list[tuple[str, str]] = []
         if self.polygons > 1 and self.area_m2 is not None:
@@ -226,7 +226,7 @@ class Summary:
             lines.append((Message("over no-fly areas"), words))
         return lines
 
-    def _relief(self) -> list[tuple[str, str]]:
+    def _relief_lines(self) -> list[tuple[str, str]]:
         if self.level_ground_m is not None:
             level = Message("{0:,.1f} m above the ellipsoid everywhere", self.level_ground_m)
             return [(Message("ground below"), level)]
@@ -292,13 +292,13 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     encode_s += (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
-    coverage, overlap, relief = plan.coverage, plan.overlap, _over_relief(plan)
+    coverage, overlap, relief = plan.coverage, plan.overlap, _relief_figures(plan)
     return Summary(
         images=len(plan),
         rows=plan.rows,
         columns=int(plan.column.max()) + 1,
         zoom=plan.zoom,
-        own_pixels=own_pixels(plan),
+        own_pixels=own_pixels_text(plan),
         width_px=int(plan.frames.width_px.max()),
         height_px=int(plan.frames.height_px.max()),
         requested_gsd_m_per_px=plan.resolution.requested_m_per_px,
@@ -323,13 +323,13 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
-        polygons=_polygons(plan),
+        polygons=_polygon_count(plan),
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
         no_fly_m2=None if coverage is None else coverage.no_fly_m2,
-        warnings=(*beyond_imagery(plan), *upsampling(plan), *interval_warnings(plan)),
+        warnings=(*imagery_warnings(plan), *upsampling_warnings(plan), *interval_warnings(plan)),
         **relief,
-        **_flown(plan),
+        **_flight_figures(plan),
     )
 
 
@@ -344,7 +344,7 @@ def _trace_s(plan: Plan, costs: Costs) -> float:
     return float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
 
 
-def _flown(plan: Plan) -> dict[str, Any]:
+def _flight_figures(plan: Plan) -> dict[str, Any]:
     path, attitude = plan.path, plan.mission.attitude
     figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": area_sun(plan)}
     if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
@@ -356,12 +356,12 @@ def _flown(plan: Plan) -> dict[str, Any]:
     return figures
 
 
-def _polygons(plan: Plan) -> int:
+def _polygon_count(plan: Plan) -> int:
     area = plan.mission.area
     return len(area.parts) if isinstance(area, Polygons) else int(isinstance(area, Polygon))
 
 
-def _over_relief(plan: Plan) -> dict[str, Any]:
+def _relief_figures(plan: Plan) -> dict[str, Any]:
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
     if found is None:
         return {"level_ground_m": plan.level_m} if plan.mission.terrain.elevation else {}
@@ -383,7 +383,7 @@ def _over_relief(plan: Plan) -> dict[str, Any]:
     }
 
 
-def own_pixels(plan: Plan) -> str:
+def own_pixels_text(plan: Plan) -> str:
     """Return what the pixels of a source in a CRS of its own are for pictures; empty where they are the map's."""
     plane, native = plan.grid.plane, plan.grid.native_zoom
     if plane.wraps:
@@ -402,7 +402,7 @@ def own_pixels(plan: Plan) -> str:
     return Message("means of {2} x {2} of the source's own pixels, {0} in {1}", size, plane.name, each)
 
 
-def beyond_imagery(plan: Plan) -> tuple[str, ...]:
+def imagery_warnings(plan: Plan) -> tuple[str, ...]:
     """Return what there is to say of pictures where the source has no imagery; nothing where there are none."""
     _, outside, partly = plan.imagery
     if not outside and not partly:
@@ -417,7 +417,7 @@ def beyond_imagery(plan: Plan) -> tuple[str, ...]:
     return (text,)
 
 
-def upsampling(plan: Plan) -> tuple[str, ...]:
+def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
     """Return what there is to say of pictures whose pixels are finer than the source's own; nothing where they are not.
 
     Compared are medians over the pictures: the ground sample distance that is written with that of the highest zoom
@@ -442,12 +442,12 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
         length_text(own_m),
         zoom,
         factor,
-        _way_out(plan, zoom, factor),
+        _upsampling_remedy(plan, zoom, factor),
     )
     return (text,)
 
 
-def _way_out(plan: Plan, zoom: int, factor: float) -> Message:
+def _upsampling_remedy(plan: Plan, zoom: int, factor: float) -> Message:
     """What to ask for so that pictures are not enlarged."""
     mission = plan.mission
     if mission.output.img_size is not None and plan.zoom <= zoom:

@@ -61,7 +61,7 @@ class NamedImagery:
             raise InvalidInput("map type {0!r}: must be one of {1}", self.map_type, ", ".join(MAP_TYPES))
 
     @classmethod
-    def of(cls, text: str) -> NamedImagery:
+    def parse(cls, text: str) -> NamedImagery:
         """Imagery of its text, without a name by that of its source, date and map type; raises InvalidInput."""
         name, equals, rest = text.partition("=")
         # An address may have an equals sign of its own.
@@ -74,7 +74,7 @@ class NamedImagery:
             rest, date = found.groups()
         if not is_named:
             parts = (_short(rest), date, map_type if map_type != SATELLITE else "")
-            name = name_of("-".join(filter(None, parts))) or "imagery"
+            name = folder_name("-".join(filter(None, parts))) or "imagery"
         return cls(name, rest, date, map_type)
 
     def __str__(self) -> str:
@@ -83,7 +83,7 @@ class NamedImagery:
         return f"{self.name}={self.source}{date}{kind}"
 
 
-def name_of(text: str) -> str:
+def folder_name(text: str) -> str:
     """Name of a folder made from a text, which may hold anything; empty where nothing is left."""
     return _NO_NAME.sub("-", text).strip("-_.")[:64].rstrip(".")
 
@@ -98,7 +98,7 @@ def _short(source: str) -> str:
 
 def named_imageries(texts: Iterable[str]) -> tuple[NamedImagery, ...]:
     """Return the imageries of texts, in their order; raises InvalidInput where two would share a folder."""
-    found = tuple(NamedImagery.of(text) for text in texts)
+    found = tuple(NamedImagery.parse(text) for text in texts)
     names = [one.name.lower() for one in found]
     for at, name in enumerate(names):
         if name in names[:at]:

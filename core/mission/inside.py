@@ -95,7 +95,7 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
             remedy="choose another area, or lower flights",
         )
     if isinstance(mission.area, Points):
-        return mission.with_(area=mission.area.take(plan.column[kept].tolist()))
+        return mission.replace(area=mission.area.take(plan.column[kept].tolist()))
     if not plan.relief.is_level or mission.wind is not None:
         raise InvalidInput(
             "images within the imagery: of an area over relief or in wind they are not told apart",
@@ -104,7 +104,7 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
     poses = plan.poses.take(np.flatnonzero(kept))
     places = zip(poses.lat_deg.tolist(), wrap_lon_deg(poses.lon_deg).tolist(), poses.agl_m.tolist())
     attitude = (tuple(angle.tolist()) for angle in poses.attitude)
-    return mission.with_(area=Points(tuple(places), *attitude))
+    return mission.replace(area=Points(tuple(places), *attitude))
 
 
 def _rim(camera: Camera, image_px: int) -> tuple[tuple[float, float], ...]:

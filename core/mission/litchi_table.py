@@ -67,7 +67,7 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
         there = Message("{0}, waypoint {1}:", where, at + 1)
         spacing_m = finite_number(row.get("photo_distinterval", "-1"), there)
         if spacing_m > 0.0 and at + 1 < len(poses):
-            found += _between(pose, poses[at + 1], spacing_m, there)
+            found += _leg_poses(pose, poses[at + 1], spacing_m, there)
         if len(found) > MAX_POSES:
             raise _too_many(there, spacing_m)
     lat, lon, agl, yaw, tilt = zip(*(found or poses))
@@ -102,7 +102,7 @@ def _too_many(where: str, spacing_m: float) -> InvalidInput:
     return InvalidInput("{0} images each {1:g} m: must be {2:,} in all or fewer", where, spacing_m, MAX_POSES)
 
 
-def _between(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]:
+def _leg_poses(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]:
     """Poses of images by distance between two waypoints, without these."""
     ends = (np.array([value]) for value in (*start[:2], *end[:2]))
     azimuth, _, (length_m,) = geodesics(*ends)

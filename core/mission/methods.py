@@ -241,7 +241,7 @@ def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
 _OVER_RELIEF_PX = 0.02
 
 
-def over_relief(scene: ImageGeometry, tolerance_px: float) -> Method:
+def relief_rays(scene: ImageGeometry, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed by a ray each, as far as the first point of the relief that it meets."""
     bound_px = min(max(tolerance_px, 0.0), _OVER_RELIEF_PX) or _OVER_RELIEF_PX
     return Method(_PIXELS, "relief", bound_px, bound_px * accuracy.ground_m_per_px(scene))
@@ -281,7 +281,7 @@ def choose_methods(
                 # A camera's image has no such limits, or is refused for its own.
                 outside = wrong.message
         if not outside:
-            scene = _resolved(scene_of(mission, flown, grid))
+            scene = _resolved(image_geometry(mission, flown, grid))
             found, footprint = map_frame(scene, own=grid.own), exact_footprint(scene)
             fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
             if fits or mission.accuracy.frame == "map" or no_camera_frame:
@@ -301,14 +301,14 @@ def choose_methods(
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed, relief)
     check_windows(flown, mission, grid)
-    scene = _resolved(scene_of(mission, flown, grid))
+    scene = _resolved(image_geometry(mission, flown, grid))
     found, footprint = camera_frame(scene), exact_footprint(scene)
     picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
     others_px = found.bound_px + footprint.bound_px
     if relief.is_level:
         pixels = choose_pixels(mission, scene, others_px)
     else:
-        pixels = Choice(over_relief(scene, mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px))
+        pixels = Choice(relief_rays(scene, mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px))
     made = _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
     return flown, replace(made, relief=relief.text())
 
@@ -350,7 +350,7 @@ def choose_pixels(mission: Mission, scene: ImageGeometry, others_px: float) -> C
     return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
 
 
-def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
+def image_geometry(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
     first, _ = flown.frames.runs(runs_on(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)

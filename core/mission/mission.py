@@ -104,7 +104,7 @@ class Mission:
         no_fly: tuple[Polygon, ...] = (),
         **values: Any,
     ) -> None:
-        given = _by_part({"agl_m": agl_m, **values})
+        given = _group_by_part({"agl_m": agl_m, **values})
         made = {name: part(**given.get(name, {})) for name, part in FLAT_PARTS.items()}
         self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, **made)
 
@@ -136,19 +136,19 @@ class Mission:
         return self.route.trigger
 
     @property
-    def by_imagery(self) -> dict[str, Mission]:
+    def missions_by_imagery(self) -> dict[str, Mission]:
         """Mission of each of several imageries, by its name; empty where there is one source."""
-        return {one.name: self.over(one) for one in self.imagery.named}
+        return {one.name: self.select_imagery(one) for one in self.imagery.named}
 
-    def over(self, imagery: NamedImagery) -> Mission:
+    def select_imagery(self, imagery: NamedImagery) -> Mission:
         """Return a copy that takes its pictures of this imagery alone."""
-        return self.with_(imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
+        return self.replace(imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
 
-    def with_(self, **changes: Any) -> Mission:
+    def replace(self, **changes: Any) -> Mission:
         """Return a copy with some fields changed, by the names that the constructor takes; checked again."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
         whole = {name: changes.pop(name) for name in list(changes) if name in WHOLE_PARTS}
-        for name, values in _by_part(changes).items():
+        for name, values in _group_by_part(changes).items():
             parts[name] = replace(parts[name], **values)
         changed = object.__new__(Mission)
         changed._keep(**{**parts, **whole})
@@ -297,7 +297,7 @@ def _without_defaults(value: Any) -> Any:
     return {one.name: _without_defaults(found) for one, found in given if found != one.default}
 
 
-def _by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _group_by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Values of fields by the parts that these are in; raises TypeError for a name that is no field's."""
     found: dict[str, dict[str, Any]] = {}
     for name, value in values.items():

@@ -48,7 +48,7 @@ class Option:
     about: str = ""
 
     @classmethod
-    def of(cls, field: Field) -> Option:
+    def from_field(cls, field: Field) -> Option:
         """Option of a field of a mission."""
         without = field.needed or field.default == ()
         many = {
@@ -76,7 +76,7 @@ class Option:
         )
 
     @property
-    def told(self) -> str:
+    def full_help(self) -> str:
         """Help with unit, limits and default."""
         shown = " ".join(map(str, self.default)) if isinstance(self.default, tuple) else self.default
         default = "" if shown in (None, False, "") else f"default {shown}"
@@ -92,17 +92,17 @@ class Option:
             Names where it was given, the value and what would be right.
         """
         if self.flag:
-            return _truth(value, f"{where} {self.name}")
+            return _read_flag(value, f"{where} {self.name}")
         parts = value.split() if isinstance(value, str) and self.count else value
         parts = list(parts) if isinstance(parts, (list, tuple)) else [parts]
         low, high = self.count or (1, 1)
         if not low <= len(parts) <= high:
             wanted = str(low) if low == high else f"{low} to {high}"
             raise InvalidInput("{0} {1} {2!r}: takes {3} value{4}", where, self.name, value, wanted, "s" * (high > 1))
-        values = tuple(self._one(part, where) for part in parts)
+        values = tuple(self._read_value(part, where) for part in parts)
         return values if self.count else values[0]
 
-    def _one(self, part: Any, where: str) -> Any:
+    def _read_value(self, part: Any, where: str) -> Any:
         try:
             value = _READERS.get(self.kind, self.kind)(str(part))
         except ValueError as wrong:
@@ -122,7 +122,7 @@ _NAMES: dict[Callable[[str], Any], str] = {
 }
 
 
-def _truth(value: Any, what: str) -> bool:
+def _read_flag(value: Any, what: str) -> bool:
     if isinstance(value, bool):
         return value
     words = {
@@ -136,7 +136,7 @@ def _truth(value: Any, what: str) -> bool:
 
 def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
     """Options of the fields of parts, but some that are given in another way."""
-    return tuple(Option.of(field) for part in parts for field in declared_fields(part) if field.name not in but)
+    return tuple(Option.from_field(field) for part in parts for field in declared_fields(part) if field.name not in but)
 
 
 _IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")

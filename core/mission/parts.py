@@ -360,7 +360,7 @@ class Flight(CheckedFields):
         return None if self.facing == TRACK else 0.0 if self.facing == NORTH else float(self.facing)
 
     @property
-    def turns_about(self) -> bool:
+    def alternates_facing(self) -> bool:
         """Whether every other row sees the other way."""
         return self.facing == TRACK and self.order == SERPENTINE
 

@@ -70,7 +70,7 @@ class _Row(NamedTuple):
     has_decimal_commas: bool
 
 
-def header_of(lines: Iterable[str], where: str = Message("coordinates")) -> list[str]:
+def read_header(lines: Iterable[str], where: str = Message("coordinates")) -> list[str]:
     """Names of the columns of a table; none where the first line names no column that poses have, or has numbers."""
     row = next(_rows(lines, where), None)
     cells = [] if row is None else [cell.lower() for cell in row.cells]

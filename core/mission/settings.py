@@ -63,7 +63,7 @@ def resolve(
     for place in _places(given, os.environ if environment is None else environment, config):
         _take(place, values, settled)
     if values["preset"] is not None:
-        _take(_of_preset(values, settled), values, settled)
+        _take(_read_preset(values, settled), values, settled)
     return values
 
 
@@ -73,10 +73,10 @@ def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled:
     for option in chosen:
         where, value = place[option.name]
         values[option.name] = option.read(value, where)
-    settled.update(*(_settled_by(option.name) for option in chosen))
+    settled.update(*(_settled_options(option.name) for option in chosen))
 
 
-def _of_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
+def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
     """What the preset gives, as a place: by option, what messages call it and its value."""
     name = values["preset"]
     fields = dict(preset_named(name).values)
@@ -127,7 +127,7 @@ def _places(
     yield {name: (where, value) for name, value in _read_config(config).items() if value is not None}
 
 
-def _settled_by(name: str) -> set[str]:
+def _settled_options(name: str) -> set[str]:
     """Options that later places have no say in where one is given: itself, and other ways to state the same."""
     # A camera by name has its shape and its pixels; these alone are no camera.
     found = {name, "aspect_ratio", "image_px"} if name == "camera" else {name}
@@ -157,7 +157,7 @@ def _read_config(config: str | None) -> dict[str, Any]:
     return data
 
 
-def mission_from(values: Mapping[str, Any]) -> Mission:
+def build_mission(values: Mapping[str, Any]) -> Mission:
     """Mission from the values `resolve` gave.
 
     Raises
@@ -166,7 +166,7 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         No area, two of them, or any value outside its domain.
     """
     area, agl_m = _area(values)
-    camera, own_px = camera_from(values)
+    camera, own_px = build_camera(values)
     overlap = values["overlap"]
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
@@ -205,7 +205,7 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     return area, agl_m
 
 
-def camera_from(values: Mapping[str, Any]) -> tuple[Camera, int]:
+def build_camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
     """Camera of the options that say one, and the pixels along the longer side of its image; raises InvalidInput."""
     _check_one_camera(values)
     if values["camera"] is not None:

@@ -26,7 +26,7 @@ from ..mission.methods import (
     exact_footprint,
     map_frame,
     mesh,
-    over_relief,
+    relief_rays,
 )
 from ..mission.parts import Flight
 from ..mission.plan import Plan
@@ -334,7 +334,7 @@ def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     level = Method("pixels", "level ground", math.inf, math.inf)
     found = [PixelMethod(level, COARSEST_MESH_PX, False, level=True)]
     for tolerance_px in sorted({own_px, *_RELIEF_TOLERANCES_PX}, reverse=True):
-        method = replace(over_relief(scene, own_px), bound_px=tolerance_px)
+        method = replace(relief_rays(scene, own_px), bound_px=tolerance_px)
         if tolerance_px != own_px:
             method = replace(method, name=f"relief, {tolerance_px:g} px")
         found.append(PixelMethod(method, tolerance_px, tolerance_px == own_px))

@@ -102,7 +102,9 @@ def _figures(one: Plan) -> dict[str, float]:
 def wind_effect(flown: Plan) -> WindEffect:
     """Compare a plan in wind with its nominal poses, and with the same mission in still air."""
     which = spread(len(flown), _COMPARED)
-    return WindEffect(_displacements(flown, which), len(which), flown, plan(flown.mission.with_(wind=None), flown.grid))
+    return WindEffect(
+        _displacements(flown, which), len(which), flown, plan(flown.mission.replace(wind=None), flown.grid)
+    )
 
 
 def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, ...]:

@@ -15,7 +15,7 @@ from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.areas.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground
 from ...core.mission.areas.coords import parse_coords
 from ...core.mission.mission import area_from_dict
-from ...core.mission.pose_table import header_of, read_poses, usual_names
+from ...core.mission.pose_table import read_header, read_poses, usual_names
 from ...core.numbers import real_number
 from ...core.text.safe_json import parse_json
 from ...core.units import LENGTHS_M
@@ -219,7 +219,7 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    header = header_of(text.splitlines())
+    header = read_header(text.splitlines())
     if header:
         has_heights = "agl" in usual_names(header)
         agl_m = None if has_heights else in_metres(agl, LENGTHS_M[agl_unit])

@@ -216,7 +216,7 @@ class MakeBenchmark(WithImagery):
         settings = self._settings = _read_settings(run)
         self._named = {str(one): one for one in (settings.reference, *settings.imageries)}
         self._known = _layer_ids(run.context)
-        self.take_imagery(run, *(settings.queries.over(one) for one in self._named.values()))
+        self.take_imagery(run, *(settings.queries.select_imagery(one) for one in self._named.values()))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Count, or capture."""
@@ -413,7 +413,7 @@ def _read_settings(run: AlgorithmRun) -> BenchmarkSettings:
 
     mission = read_mission(run)
     return BenchmarkSettings(
-        mission.with_(imageries=()),
+        mission.replace(imageries=()),
         _imageries(run, mission),
         _reference(run),
         tile_widths_m=_widths(run.text("TILES")),
@@ -449,18 +449,18 @@ def _reference(run: AlgorithmRun) -> NamedImagery:
         raise InvalidInput(
             tr("{count} references given: needs one, a raster or an imagery by name").format(count=len(given))
         )
-    return NamedImagery.of(given[0])
+    return NamedImagery.parse(given[0])
 
 
 def _source_text(layer: QgsMapLayer) -> str:
     """A raster as named imagery: by its file where it has one, else as a layer of the project."""
-    from ...core.mission.imageries import name_of
+    from ...core.mission.imageries import folder_name
     from ..map.mission_group import layer_file
     from ..qgis_source.snapshot import source_name
 
     path = layer_file(layer)
     is_file = layer.providerType() == "gdal" and is_there(path)
-    return f"{name_of(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
+    return f"{folder_name(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
 
 
 def _widths(text: str) -> tuple[float, ...]:

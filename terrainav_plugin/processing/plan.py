@@ -171,7 +171,7 @@ class PlanAlgorithm(Algorithm):
             self._mission, self._grid(), mission_heights(self._mission), self._align or "", watch.progress
         )
         watch.say(translate(found.text()))
-        return self._mission.with_(row_azimuth_deg=found.azimuth_deg)
+        return self._mission.replace(row_azimuth_deg=found.azimuth_deg)
 
     def _write_files(self, worked_out: PlanAlgorithm, run: AlgorithmRun, results: dict[str, Any]) -> None:
         from ...core.mission.export import write_plan

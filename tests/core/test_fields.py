@@ -19,7 +19,7 @@ def test_an_option_keeps_the_unit_of_its_field_s_name_unless_it_is_named(monkeyp
         exposure_ms: float = declared(2.0, title="exposure", help="how long", unit="ms", above=0.0)
         pause_s: float = declared(1.0, title="pause", help="how long", unit="s", option="pause")
 
-    exposure = Option.of(field_named(Exposing, "exposure_ms"))
+    exposure = Option.from_field(field_named(Exposing, "exposure_ms"))
     assert (exposure.name, exposure.about) == ("exposure_ms", "milliseconds, above 0")
     assert field_named(Exposing, "pause_s").name_of_option == "pause"
 
@@ -30,5 +30,5 @@ def test_a_unit_that_is_not_declared_is_named():
 
 
 def test_the_option_of_a_list_says_how_many_values_it_takes():
-    without = [one.name for one in flat_fields() if one.kind is tuple and Option.of(one).count is None]
-    assert not without, "Option.of in core/mission/options.py has to know them"
+    without = [one.name for one in flat_fields() if one.kind is tuple and Option.from_field(one).count is None]
+    assert not without, "Option.from_field in core/mission/options.py has to know them"

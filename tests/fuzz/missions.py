@@ -22,7 +22,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.relief.ground import Heights
-from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.settings import build_mission, resolve
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
 from tests.support.missions import whole_file
@@ -111,7 +111,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
         heights = None
         if mission.terrain.elevation:
             heights = Heights(Bumps(BUMPS_M), Bumps(BUMPS_M))
-        few = mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES))
+        few = mission.replace(max_images=min(mission.output.max_images, MOST_IMAGES))
         worked_out = plan(few, grid, heights)
         if not worked_out.relief.is_level and not worked_out.frames.on_map:
             if math.prod(worked_out.frames.largest_px) <= MOST_OVER_RELIEF_PX:
@@ -172,12 +172,12 @@ def area_file(data: bytes) -> None:
 def config_file(data: bytes) -> None:
     path = Path("options.json")
     path.write_bytes(data)
-    work_out(mission_from(resolve({}, {}, str(path))))
+    work_out(build_mission(resolve({}, {}, str(path))))
 
 
 def environment(given: dict[str, str]) -> None:
     values = {f"TERRAINAV_{name.upper()}": value for name, value in given.items()}
-    work_out(mission_from(resolve({"coords": COORDS[0]}, values)))
+    work_out(build_mission(resolve({"coords": COORDS[0]}, values)))
 
 
 def targets() -> Iterator[Target]:

@@ -245,9 +245,9 @@ POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
     [
         EVERYTHING,
         Mission(area=AREA, agl_m=120.0),
-        EVERYTHING.with_(zoom=None, gsd_m_per_px=0.3, wind=None),
-        EVERYTHING.with_(wind=Wind(3.0, 1.0, 0.1, EVERYTHING.imagery.seed), area=Box(1.0, 179.5, -1.0, -179.5)),
-        EVERYTHING.with_(area=POLYGON, source="https://example.org/{z}/{x}/{y}.png"),
+        EVERYTHING.replace(zoom=None, gsd_m_per_px=0.3, wind=None),
+        EVERYTHING.replace(wind=Wind(3.0, 1.0, 0.1, EVERYTHING.imagery.seed), area=Box(1.0, 179.5, -1.0, -179.5)),
+        EVERYTHING.replace(area=POLYGON, source="https://example.org/{z}/{x}/{y}.png"),
         Mission(area=Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))), agl_m=100.0),
         Mission(area=Points(((10.0, 179.9, 100.0), (10.01, -179.9, 200.0))), agl_m=100.0),
     ],
@@ -265,9 +265,9 @@ def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
 def test_one_changed_entry_changes_nothing_else(desk):
     desk.form.set_state(mission_state(EVERYTHING, ""))
     desk.form.attitude.entries["yaw_deg"].setValue(20.0)
-    assert mission(desk.session.state()) == EVERYTHING.with_(yaw_deg=20.0)
+    assert mission(desk.session.state()) == EVERYTHING.replace(yaw_deg=20.0)
     desk.form.map_types["satellite"].setChecked(False)
-    assert mission(desk.session.state()) == EVERYTHING.with_(yaw_deg=20.0, map_types=("terrain",))
+    assert mission(desk.session.state()) == EVERYTHING.replace(yaw_deg=20.0, map_types=("terrain",))
 
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):

@@ -135,7 +135,7 @@ def test_queries_beyond_a_raster_are_left_out_where_that_is_asked_for(made, miss
     corner = Points(
         ((north, west, 60.0), ((north + south) / 2.0, (west + east) / 2.0, 60.0), (north + 0.1, east, 60.0))
     )
-    mission.with_(area=corner).save(tmp_path / "corner.json")
+    mission.replace(area=corner).save(tmp_path / "corner.json")
     asked = {"MISSION": str(tmp_path / "corner.json"), "SPLIT": "none", "FOLDER": str(tmp_path / "out")}
     asked.update(QUERY_LAYERS=[layer.id()], REFERENCE_LAYER=layer.id(), DRY_RUN=True)
     feedback = Feedback()
@@ -156,7 +156,7 @@ def test_imagery_without_a_name_is_called_as_its_source(mission_file, tmp_path):
 
 def test_without_imagery_queries_are_those_of_the_mission(tmp_path):
     file = tmp_path / "mission.json"
-    MISSION.with_(map_types=("satellite", "roadmap")).save(str(file))
+    MISSION.replace(map_types=("satellite", "roadmap")).save(str(file))
     asked = {"MISSION": str(file), "REFERENCE": "air=world", "FOLDER": str(tmp_path / "out")}
     feedback = Feedback()
     run("makebenchmark", feedback, **asked, DRY_RUN=True)

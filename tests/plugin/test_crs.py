@@ -43,9 +43,9 @@ def test_a_system_that_the_source_does_not_have_is_said_at_its_entry(desk):
 def test_maps_of_qgis_are_in_web_mercator(plugin):
     QgsProject.instance().addMapLayer(QgsVectorLayer("Polygon?crs=EPSG:3857", "areas", "memory"))
     mission = Mission(Points(((LAT, LON, 100.0),)), 100.0, source="qgis:project")
-    assert mission_grid(mission.with_(crs="EPSG:3857")) == mission_grid(mission)
+    assert mission_grid(mission.replace(crs="EPSG:3857")) == mission_grid(mission)
     with pytest.raises(FormError) as refused:
-        mission_grid(mission.with_(crs="EPSG:2056"))
+        mission_grid(mission.replace(crs="EPSG:2056"))
     assert refused.value.messages == {"crs": "coordinate reference system EPSG:2056: this map of QGIS has EPSG:3857"}
 
 
@@ -71,6 +71,6 @@ def test_a_dataset_that_states_its_system_is_of_the_mission_that_left_it_to_the_
     assert stated["imagery"]["crs"] == "EPSG:32616"
     questions = Questions(None, None, None, None)
     assert not questions.belongs_to_another(worked_out, tmp_path / "out")
-    on_map = mission.with_(crs="EPSG:3857")
+    on_map = mission.replace(crs="EPSG:3857")
     assert mission_grid(on_map).own is None
     assert mission_grid(mission).own.crs == "EPSG:32616"

@@ -128,7 +128,7 @@ def test_source_that_is_coarser_than_the_camera_is_said_to_be():
     own = f"{100.0 * summary.delivered_gsd_m_per_px:.4g} cm"
     hint = f"(the source's GSD is {own}: images show no finer detail)"
     assert lines["GSD"].endswith(hint)
-    assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["GSD"]
+    assert "detail" not in lines_of(near.replace(agl_m=2000.0))[1]["GSD"]
 
 
 def test_feet_come_with_inches_miles_and_acres():
@@ -154,9 +154,9 @@ def test_warnings_speak_of_entries_not_of_options():
 def test_upsampling_is_offered_where_the_source_is_what_limits_a_picture():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     assert readout_of(near)[1].offers_upsampling
-    assert not readout_of(near.with_(upsample=True))[1].offers_upsampling
+    assert not readout_of(near.replace(upsample=True))[1].offers_upsampling
     # From high up the camera is the limit.
-    assert not readout_of(near.with_(agl_m=2000.0))[1].offers_upsampling
+    assert not readout_of(near.replace(agl_m=2000.0))[1].offers_upsampling
 
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))

@@ -135,7 +135,7 @@ def test_a_field_without_an_entry_says_where_it_is_wrong():
 
 def test_a_limit_of_the_longest_side_is_an_entry():
     assert mission(GOOD).pixels.max_px is None
-    limited = mission(GOOD).with_(max_px=700, image_px=900)
+    limited = mission(GOOD).replace(max_px=700, image_px=900)
     state = mission_state(limited, "")
     assert (state.max_px, state.image_px) == (700, 900)
     assert mission(state) == limited

@@ -11,7 +11,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QGroupBox, QScrollArea
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
-from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.settings import build_mission, resolve
 from terrainav.terrainav_plugin.form import mission_form
 from terrainav.terrainav_plugin.form.text import aspect_text, parse_aspect, short_aspect, short_degrees
 from terrainav.terrainav_plugin.widgets import short_number
@@ -34,7 +34,7 @@ def choose_preset(desk, name):
 def test_panel_and_command_make_the_same_of_a_preset(desk, preset):
     desk.enter_box(**SMALL_BOX)
     choose_preset(desk, preset.name)
-    of_command = mission_from(resolve({"coords": BOX, "preset": preset.name}, {}, None))
+    of_command = build_mission(resolve({"coords": BOX, "preset": preset.name}, {}, None))
     assert mission_form.mission(desk.session.state()) == of_command
     assert desk.form.presets.preset == preset
     assert desk.form.presets.note.text() == f"{preset.note}."

@@ -264,7 +264,7 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
     _, lat, lon = UTM
     mission = Mission(
         Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=80, source="world"
-    ).with_(elevation=(dem.source(),), products=("points",))
+    ).replace(elevation=(dem.source(),), products=("points",))
     made = plan(mission, source.grid, heights_of(mission))
     width, height = made.frames.largest_px
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))

@@ -176,7 +176,7 @@ def test_a_dataset_asks_its_missions_source_once_that_is_allowed(
     desk, monkeypatch, server, captured, tmp_path, at_address
 ):
     folder = shutil.copytree(captured, tmp_path / "run")
-    mission = Mission.load(folder / "mission.json").with_(source=f"wms:{server.url}/ows?layers=x")
+    mission = Mission.load(folder / "mission.json").replace(source=f"wms:{server.url}/ows?layers=x")
     mission.save(folder / "mission.json")
     with RangeServer() as place:
         if at_address:

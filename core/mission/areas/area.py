@@ -228,7 +228,7 @@ class Polygons(_Covered):
     def placed(self) -> tuple[PlacedRings, ...]:
         """Return the parts, all their longitudes within those of the bounds, which go on beyond 180."""
         west = self.bounds.west_deg
-        return tuple(PlacedRings.of(part, west) for part in self.parts)
+        return tuple(PlacedRings.from_polygon(part, west) for part in self.parts)
 
     @property
     def bounds(self) -> Box:
@@ -251,7 +251,7 @@ class PlacedRings(NamedTuple):
     rings: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
-    def of(cls, polygon: Polygon, west_deg: float) -> PlacedRings:
+    def from_polygon(cls, polygon: Polygon, west_deg: float) -> PlacedRings:
         """Return a polygon whose westernmost longitude is in the turn eastward of a meridian."""
         rings = polygon.arrays()
         turn = 360.0 * math.ceil((west_deg - float(rings[0][0].min())) / 360.0)
@@ -308,7 +308,7 @@ class Points:
     def __post_init__(self) -> None:
         if not self.poses:
             raise InvalidInput("list of points is empty: needs at least one latitude, longitude and height")
-        for lat, lon, agl in self.poses if not _sound(self.poses) else ():
+        for lat, lon, agl in self.poses if not _all_poses_allowed(self.poses) else ():
             check_lat_lon(lat, lon)
             check_agl(agl)
         for what, values in (
@@ -323,7 +323,7 @@ class Points:
                 )
         for name in ANGLES:
             field, own = field_named(Attitude, f"{name}_deg"), self.stated_deg(name)
-            for angle in () if _within(own, field.least, field.most) else own:
+            for angle in () if _all_allowed(own, field.least, field.most) else own:
                 field.settled(angle)
         _check_times(self.times_s)
 
@@ -354,7 +354,7 @@ class Points:
         return Box(float(lat.max()), float(lon[first]), float(lat.min()), float(lon[first - 1]))
 
 
-def _within(numbers: tuple[Any, ...], least: float | None, most: float | None) -> bool:
+def _all_allowed(numbers: tuple[Any, ...], least: float | None, most: float | None) -> bool:
     """Whether numbers are surely within limits, looked at all at once; where not, each is looked at by itself."""
     if least is None or most is None or not set(map(type, numbers)) <= {float, int}:
         return False
@@ -363,7 +363,7 @@ def _within(numbers: tuple[Any, ...], least: float | None, most: float | None) -
 
 
 def _check_times(times_s: tuple[Any, ...]) -> None:
-    if _within(times_s, 0.0, math.nextafter(LATEST_S, 0.0)) and bool((np.diff(times_s) >= 0.0).all()):
+    if _all_allowed(times_s, 0.0, math.nextafter(LATEST_S, 0.0)) and bool((np.diff(times_s) >= 0.0).all()):
         return
     for at, time in enumerate(times_s):
         if not isinstance(time, (int, float)) or isinstance(time, bool) or not 0.0 <= time < LATEST_S:
@@ -378,7 +378,7 @@ def _check_times(times_s: tuple[Any, ...]) -> None:
             )
 
 
-def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
+def _all_poses_allowed(poses: tuple[tuple[float, float, float], ...]) -> bool:
     """Whether poses are surely right, looked at all at once; where not, each is looked at by itself."""
     values = np.array(poses) if len({len(pose) for pose in poses}) == 1 else np.empty(0)
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
@@ -403,7 +403,7 @@ class Rings(Protocol):
         ...
 
 
-def sides_of(polygon: Rings) -> Edges:
+def polygon_edges(polygon: Rings) -> Edges:
     """Start longitude, start latitude, end longitude, end latitude of every side of every ring."""
     rings = polygon.arrays()
     lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
@@ -431,7 +431,7 @@ def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, F
         shapes += [[(x + 360.0 * turn, y) for x, y in own] for turn in range(first, last + 1)]
     edges, owners = [], []
     for owner, shape in enumerate(shapes):
-        sides = np.stack(sides_of(PlacedRings(tuple(shape))))
+        sides = np.stack(polygon_edges(PlacedRings(tuple(shape))))
         sides = sides[:, _reach_into((sides[0], sides[1], sides[2], sides[3]), south, north)]
         edges.append(sides)
         owners.append(np.full(sides.shape[1], owner))
@@ -517,7 +517,7 @@ def check_rings(polygon: Polygon) -> None:
             "polygon around a pole: its sides are straight in degrees",
             remedy="give its corners along the pole as well",
         )
-    lon, lat = _crossing_places(*sides_of(polygon))
+    lon, lat = _crossing_places(*polygon_edges(polygon))
     if len(lon):
         raise InvalidInput(
             "polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch",
@@ -611,7 +611,7 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
     """
     if isinstance(area, Box):
         return np.tile([area.west_deg, area.continuous_east_deg], (len(top_v), 1))
-    edges = sides_of(area)
+    edges = polygon_edges(area)
     spans = np.full((len(top_v), 2), np.nan)
     for index, (south, north) in enumerate(zip(v_to_lat(bottom_v), v_to_lat(top_v))):
         west, east = in_band(edges, float(south), float(north))
@@ -625,7 +625,7 @@ def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: F
 
     Rectangles of one row (equal south and north, one after the other) are looked at together.
     """
-    edges = sides_of(polygon)
+    edges = polygon_edges(polygon)
     touches = np.zeros(len(west), bool)
     change = np.flatnonzero((np.diff(south) != 0.0) | (np.diff(north) != 0.0)) + 1
     for start, stop in zip([0, *change], [*change, len(west)]):
@@ -660,7 +660,7 @@ def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, 
 
     One of the two holds where `touching` does. This is for rectangles that lie in no rows.
     """
-    edges = sides_of(polygon)
+    edges = polygon_edges(polygon)
     crossed = np.zeros(len(west), bool)
     for some in _parts(len(west), len(edges[0])):
         low, high = south[some, np.newaxis], north[some, np.newaxis]
@@ -673,7 +673,7 @@ def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, 
 
 def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     """Which places are inside a polygon, (n,); longitudes go on beyond 180 where the polygon's do."""
-    edges = sides_of(polygon)
+    edges = polygon_edges(polygon)
     held = np.zeros(len(lat_deg), bool)
     for some in _parts(len(lat_deg), len(edges[0])):
         lat = lat_deg[some, np.newaxis]

@@ -13,7 +13,7 @@ from ...storage.files import is_there, read_limited
 from ...text.safe_json import decoded
 from ...units import LENGTHS_M
 from ..options import KINDS
-from ..pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
+from ..pose_table import UNICODE_MINUS, read_header, read_poses, states_separator
 from .area import Area, Box, Points
 
 _FORMATS = Message('"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines')
@@ -72,7 +72,7 @@ def parse_coords(
     if not text.strip():
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
-        return _from_file(Path(text), kind, agl_unit, agl_m)
+        return _read_file(Path(text), kind, agl_unit, agl_m)
     if Path(text).suffix.lower() in (".csv", ".tsv", ".txt"):
         raise InvalidInput("coordinates {0!r}: there is no such file", text.strip())
     values = _numbers(text, Message("coordinates"))
@@ -137,7 +137,7 @@ def parse_points(
     return Points(tuple(poses), tuple(yaws))
 
 
-def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
+def _read_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput("file {0}: holds points; a raster mission needs two corners and a height as text", path)
     # Trajectories and flight logs have no heights above ground.
@@ -152,7 +152,7 @@ def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None)
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("file {0}: cannot be read as text ({1})", path, wrong) from wrong
     where, most = Message("file {0}", path), 1 if kind == "single" else None
-    if header_of(lines, where):
+    if read_header(lines, where):
         points = read_poses(lines, where, agl_unit, agl_m, most)
     else:
         points = parse_points(lines, where, agl_unit, most)

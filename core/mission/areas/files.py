@@ -117,14 +117,14 @@ def _geojson_polygons(body: bytes, where: str) -> Iterator[_Rings]:
         raise InvalidInput("{0}: cannot be read as GeoJSON, KML or KMZ ({1})", where, wrong) from wrong
     try:
         for polygon, system in shapes(data, "Polygon", where):
-            yield tuple(_in_degrees(ring, system) for ring in polygon)
+            yield tuple(_ring_degrees(ring, system) for ring in polygon)
     except InvalidInput:
         raise
     except (TypeError, ValueError, IndexError, KeyError) as wrong:
         raise InvalidInput("{0}: a corner is not longitude, latitude ({1})", where, wrong) from wrong
 
 
-def _in_degrees(ring: list[Any], system: System) -> tuple[tuple[float, float], ...]:
+def _ring_degrees(ring: list[Any], system: System) -> tuple[tuple[float, float], ...]:
     corners = np.array([(float(corner[0]), float(corner[1])) for corner in ring]).reshape(-1, 2)
     return tuple((lon, lat) for lon, lat in system.degrees(corners).tolist())
 
@@ -174,7 +174,7 @@ def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
     if len(body) > MAX_CAPABILITIES_BYTES:
         raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
     try:
-        return _rings_of(((name, text) for name, text, _ in read_xml(body)), where)
+        return _read_rings(((name, text) for name, text, _ in read_xml(body)), where)
     except UnreadableXMLError as wrong:
         raise InvalidInput("{0}: cannot be read as KML ({1})", where, wrong) from wrong
     except ImportError as missing:
@@ -186,7 +186,7 @@ def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
         ) from missing
 
 
-def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
+def _read_rings(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
     """Rings of each Polygon, the outer one first, and those that stand alone."""
     found: list[_Rings] = []
     open_: list[str] = []

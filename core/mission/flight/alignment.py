@@ -112,7 +112,7 @@ def align_rows(
     flights = _Flights(mission, grid, heights, area)
     before = flights.plan(mission.flight.row_azimuth_deg)
     found = flights.plan(longest_side_deg(area)) if way == LONGEST_SIDE else flights.shortest(before, go_on)
-    return Alignment(mission.with_(row_azimuth_deg=found.mission.flight.row_azimuth_deg), found, before)
+    return Alignment(mission.replace(row_azimuth_deg=found.mission.flight.row_azimuth_deg), found, before)
 
 
 def longest_side_deg(area: Box | Polygon) -> float:
@@ -162,14 +162,14 @@ class _Flights:
     """Lengths of a mission's flight at different azimuths, each planned once."""
 
     def __init__(self, mission: Mission, grid: PixelGrid, heights: Heights | None, area: Box | Polygon) -> None:
-        self._mission, self._grid, self._heights = mission.with_(wind=None), grid, heights
+        self._mission, self._grid, self._heights = mission.replace(wind=None), grid, heights
         self._area = area
         self._lengths_m: dict[float, float] = {}
         self._from_positions = False
 
     def plan(self, azimuth_deg: float) -> Plan:
         """Plan the flight at an azimuth."""
-        made = plan(self._mission.with_(row_azimuth_deg=azimuth_deg), self._grid, self._heights)
+        made = plan(self._mission.replace(row_azimuth_deg=azimuth_deg), self._grid, self._heights)
         self._lengths_m[azimuth_deg] = flown_m(made)
         return made
 
@@ -195,7 +195,7 @@ class _Flights:
 
     def _laid_out_m(self, azimuth_deg: float) -> float:
         """Length of the flight at an azimuth, from positions of captures where these suffice, else from a plan."""
-        mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
+        mission = self._mission.replace(row_azimuth_deg=azimuth_deg)
         # Map frames of rows along the map's axes shift captures by their rounding.
         along_axes = azimuth_deg % EASTWARD_DEG == 0.0
         from_positions = self._from_positions and self._heights is None and self._grid.plane.wraps

@@ -314,7 +314,7 @@ def _highest_mission(mission: Mission, relief: Relief) -> Mission:
         return mission
     box = bounds_with_margin(mission, mission.area)
     least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, 1000))
-    return mission.with_(agl_m=float(least.min()))
+    return mission.replace(agl_m=float(least.min()))
 
 
 def _deepest_share(least: Mission, relief: Relief) -> float:

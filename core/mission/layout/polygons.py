@@ -76,7 +76,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
     if not isinstance(area, Polygons):
         return (*laid_out(mission), ())
     if len(area.parts) == 1:
-        return (*laid_out(mission.with_(area=area.parts[0])), ())
+        return (*laid_out(mission.replace(area=area.parts[0])), ())
     if mission.flight.layout == PAPER:
         raise InvalidInput(
             "layout {0}: lays one grid over one polygon, and there are {1:,}",
@@ -107,7 +107,7 @@ def _laid_out(mission: Mission, area: Polygons, laid_out: LaidOut) -> Iterator[t
     """Each polygon's rows by themselves, longitudes in the turn of the world that the area's bounds begin."""
     count = 0
     for polygon, placed in zip(area.parts, area.placed()):
-        layout, passes = laid_out(mission.with_(area=polygon))
+        layout, passes = laid_out(mission.replace(area=polygon))
         count += len(layout.row)
         refuse_too_many(count, mission.output.max_images)
         west, _, east, _ = placed.edges_deg

@@ -25,8 +25,8 @@ from ..areas.area import (
     crossed_and_held,
     ground_m2,
     in_band,
+    polygon_edges,
     shared_rings,
-    sides_of,
     touching,
 )
 from ..mission import Mission
@@ -117,7 +117,7 @@ def is_rotated(mission: Mission) -> bool:
     return (
         mission.flight.row_azimuth_deg != EASTWARD_DEG
         or mission.flight.crosshatch
-        or (mission.flight.turns_about and sees_aside)
+        or (mission.flight.alternates_facing and sees_aside)
     )
 
 
@@ -221,7 +221,7 @@ def _laid_out(
     extent = extent._replace(bend_m=extent.bend_m + _plane_margin(mission, area, plane))
     sides = _common(mission, extent, plane, ground, out)
     room_m, narrowed_m = rooms_m
-    if mission.flight.turns_about:
+    if mission.flight.alternates_facing:
         sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
     if narrowed_m:
         sides, back = _narrower(sides, narrowed_m), None if back is None else _narrower(back, narrowed_m)
@@ -242,7 +242,7 @@ def _laid_out(
     rows = max(math.ceil((need - height) / step_y), 0.0) + 1.0
     refuse_too_many(flown + rows, mission.output.max_images)
     tops = float(y.max() + y.min()) / 2.0 + ((rows - 1.0) * step_y + height) / 2.0 - step_y * np.arange(rows)
-    edges = sides_of(shape)
+    edges = polygon_edges(shape)
     spans = [in_band(edges, float(top - height) - margin, float(top) + margin) for top in tops]
     held = np.array([len(low) > 0 for low, _ in spans])
     low, high = (
@@ -344,7 +344,7 @@ def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellips
                 field="tilt_deg",
                 remedy="tilt it less or fly lower",
             )
-        if mission.flight.turns_about and (mission.attitude.tilt_deg or mission.attitude.roll_deg):
+        if mission.flight.alternates_facing and (mission.attitude.tilt_deg or mission.attitude.roll_deg):
             raise InvalidInput(
                 "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where rows flown to and "
                 "fro have no frames that face their track",

@@ -116,7 +116,7 @@ def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
         return (yaw,)
     if faced is not None:
         return (_wrapped(faced + yaw),)
-    ways = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.turns_about]
+    ways = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.alternates_facing]
     return tuple(_wrapped(way + yaw) for way in ways)
 
 

@@ -634,7 +634,7 @@ def relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Re
         )
     check_clearance(mission)
     relief = ModelledRelief(mission, heights)
-    level = mission.with_(ground_height_m=relief.lowest_m)
+    level = mission.replace(ground_height_m=relief.lowest_m)
     if relief.is_flat and mission.terrain.height_above != ELLIPSOID:
         return level, level_ground(level)
     return level, relief

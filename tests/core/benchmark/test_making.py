@@ -242,7 +242,7 @@ def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_pat
     # Of 75 m of ground at any yaw: half of them reach beyond a raster's edge.
     around = [*places(8), *places(8, seed=5, rim_m=-10.0), *places(8, seed=6, rim_m=20.0)]
     points = Points(tuple((lat, lon, 60.0) for lat, lon in around), tuple(range(0, 240, 10)))
-    asked = replace(settings, queries=settings.queries.with_(area=points), split="none")
+    asked = replace(settings, queries=settings.queries.replace(area=points), split="none")
     grids = {str(one): open_source(one.source).grid for one in (*asked.imageries, asked.reference)}
     inside = replace(asked, inside=True)
     worked_out = plan_benchmark(inside, grids)

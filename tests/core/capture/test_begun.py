@@ -105,7 +105,7 @@ def test_each_field_that_is_edited_is_refused_by_name(begun, tmp_path, part, one
     try:
         mission = Mission.load(folder / "mission.json")
         if mission.imagery.imageries:
-            plans = {name: plan(each, PatternSource().grid) for name, each in mission.by_imagery.items()}
+            plans = {name: plan(each, PatternSource().grid) for name, each in mission.missions_by_imagery.items()}
             sources = {name: PatternSource() for name in plans}
             resumed = lambda: capture_imageries(mission, plans, sources, folder, resume=True)  # noqa: E731
         else:
@@ -175,7 +175,7 @@ def test_going_on_with_the_options_of_before_says_that_the_file_was_edited(tmp_p
     captured(MISSION, tmp_path, blocks=blocks)
     edited(tmp_path / "mission.json", "imagery", seed=8)
     said = "its mission.json was edited since the capture began: imagery.seed from 7 to 8; put it back"
-    for mission in (MISSION, MISSION.with_(seed=8)):
+    for mission in (MISSION, MISSION.replace(seed=8)):
         with pytest.raises(OutputError, match=said):
             captured(mission, tmp_path, resume=True, blocks=blocks)
     edited(tmp_path / "mission.json", "imagery", seed=7)
@@ -191,7 +191,7 @@ def test_stores_are_held_as_folders_are(tmp_path):
     mark = store_path(address) / "mission.json"
     put(mark, get(mark).replace(b'"seed": 7', b'"seed": 8'))
     with pytest.raises(OutputError, match=r"imagery\.seed from 7 to 8"):
-        captured(MISSION.with_(seed=8), address, resume=True, blocks=Blocks(2))
+        captured(MISSION.replace(seed=8), address, resume=True, blocks=Blocks(2))
 
 
 @pytest.mark.parametrize(
@@ -232,10 +232,10 @@ def test_the_command_names_what_was_edited(tmp_path, capsys, field, option, valu
 
 
 def test_of_several_imageries_the_file_above_them_is_held(tmp_path):
-    mission = MISSION.with_(imageries=("a=world", "b=world"))
+    mission = MISSION.replace(imageries=("a=world", "b=world"))
 
     def run(asked):
-        plans = {name: plan(one, PatternSource().grid) for name, one in asked.by_imagery.items()}
+        plans = {name: plan(one, PatternSource().grid) for name, one in asked.missions_by_imagery.items()}
         return capture_imageries(asked, plans, {name: PatternSource() for name in plans}, tmp_path, resume=True)
 
     run(mission)
@@ -274,7 +274,7 @@ def test_a_benchmark_is_held_to_its_settings(tmp_path):
     from terrainav.core.benchmark.planning import plan_benchmark
     from terrainav.core.mission.imageries import NamedImagery
 
-    source, one = PatternSource(), NamedImagery.of("a=world")
+    source, one = PatternSource(), NamedImagery.parse("a=world")
     queries = Mission(Points(((35.14, -89.865, 120.0), (35.141, -89.864, 120.0))), 120.0, max_px=32)
 
     def run(gap_m):
@@ -303,7 +303,7 @@ def test_a_dataset_without_a_record_goes_on_and_is_held_from_then_on(without_rec
     assert contents(without_record) == contents(begun)
     edited(without_record / "mission.json", "imagery", seed=8)
     with pytest.raises(OutputError, match=r"imagery\.seed from 7 to 8"):
-        captured(MISSION.with_(seed=8), without_record, resume=True)
+        captured(MISSION.replace(seed=8), without_record, resume=True)
 
 
 @pytest.mark.parametrize("text", ["", "[", "[]", '{"schema": 1}', '{"schema": 9, "settings": {}}', "{" * 200])

@@ -151,7 +151,7 @@ def test_pictures_by_their_centre_cannot_be_turned():
     high = Mission(Points(((40.0, -90.0, 16e3),)), 16e3)
     with pytest.raises(InvalidInput, match="times as much"):
         plan(high, grid)
-    accepted = plan(high.with_(accept_error=True), grid)
+    accepted = plan(high.replace(accept_error=True), grid)
     assert accepted.frames.on_map
     assert accepted.accuracy.bound_px > accepted.accuracy.budget_px
 

@@ -349,7 +349,7 @@ def test_what_another_run_has_noted_since_the_journal_was_read_is_known(tmp_path
 
 def test_of_two_missions_that_begin_in_one_folder_at_once_one_gets_it(tmp_path):
     """Whichever run is first, the folder's mark and its pictures are of the same mission."""
-    missions = [MISSIONS["tif"].with_(agl_m=agl_m) for agl_m in (100.0, 110.0, 120.0, 130.0)]
+    missions = [MISSIONS["tif"].replace(agl_m=agl_m) for agl_m in (100.0, 110.0, 120.0, 130.0)]
     worked_out = [plan(mission, PatternSource().grid) for mission in missions]
     for turn in range(10):
         folder, start, outcomes = tmp_path / str(turn), threading.Barrier(len(missions)), {}

@@ -226,7 +226,7 @@ def test_texts_that_no_jpeg_has_room_for_are_refused(tmp_path):
 
 
 def test_other_formats_cost_nothing(tmp_path):
-    worked_out = plan(one(*AGRICENTER).with_(image_format="tif"), PatternSource().grid)
+    worked_out = plan(one(*AGRICENTER).replace(image_format="tif"), PatternSource().grid)
     assert plan_exposures(worked_out) is None
 
 

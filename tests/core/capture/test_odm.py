@@ -55,10 +55,10 @@ def written(folder) -> dict[str, bytes]:
     sampled(
         [
             MISSION,
-            MISSION.with_(img_size=(200, 77, 3)),
-            MISSION.with_(yaw_deg=200.0, tilt_deg=25.0, roll_deg=-10.0, max_px=120),
-            MISSION.with_(camera=Camera(70.0, 0.7), frame="camera", max_px=120),
-            MISSION.with_(wind=Wind(8.0, 250.0, 0.1), max_px=120),
+            MISSION.replace(img_size=(200, 77, 3)),
+            MISSION.replace(yaw_deg=200.0, tilt_deg=25.0, roll_deg=-10.0, max_px=120),
+            MISSION.replace(camera=Camera(70.0, 0.7), frame="camera", max_px=120),
+            MISSION.replace(wind=Wind(8.0, 250.0, 0.1), max_px=120),
             Mission(Points(((-16.5, 179.9999, 60.0), (-16.5, -179.9999, 500.0))), 60.0, image_format="jpg"),
         ],
         2,
@@ -156,10 +156,10 @@ def test_a_run_of_which_nothing_came_lists_nothing(tmp_path):
 
 
 def test_each_map_type_has_its_own_and_other_formats_none(tmp_path):
-    capture(planned(MISSION.with_(map_types=("satellite", "roadmap"))), PatternSource(), tmp_path / "jpg")
+    capture(planned(MISSION.replace(map_types=("satellite", "roadmap"))), PatternSource(), tmp_path / "jpg")
     for map_type in ("satellite", "roadmap"):
         assert len(geo(tmp_path / "jpg" / map_type)) == len(planned())
-    capture(planned(MISSION.with_(image_format="png")), PatternSource(), tmp_path / "png")
+    capture(planned(MISSION.replace(image_format="png")), PatternSource(), tmp_path / "png")
     assert not {path.name for path in (tmp_path / "png" / "satellite").iterdir()} & set(FILES)
 
 

@@ -97,7 +97,7 @@ def test_a_folder_without_this_mission_is_refused_and_left_alone(server, tmp_pat
     with pytest.raises(OutputError, match="holds no capture of this mission"):
         only_failed(server, tmp_path / "new")
     assert not (tmp_path / "new").exists()
-    other = plan(MISSION.with_(agl_m=130.0), PixelGrid())
+    other = plan(MISSION.replace(agl_m=130.0), PixelGrid())
     run(server, tmp_path / "out")
     before = files(tmp_path / "out")
     with pytest.raises(OutputError, match="holds another mission"):

@@ -123,7 +123,7 @@ def test_a_mission_of_nothing_else_is_told(tmp_path):
 
 
 def test_each_map_type_has_its_own(tmp_path):
-    mission = MISSION.with_(map_types=("satellite", "roadmap"))
+    mission = MISSION.replace(map_types=("satellite", "roadmap"))
     worked_out = plan(mission, PixelGrid())
 
     def blank_roads(map_type, zoom, x, y, size_px):

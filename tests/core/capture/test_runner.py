@@ -145,7 +145,7 @@ def test_bytes_do_not_depend_on_the_threads(in_one_go, tmp_path, connections, wo
 
 def test_512_px_tiles(tmp_path):
     source = PatternSource(tile_px=512)
-    worked_out = planned(MISSION.with_(map_types=("terrain",)), source)
+    worked_out = planned(MISSION.replace(map_types=("terrain",)), source)
     result = capture(worked_out, source, tmp_path)
     assert result.written == len(worked_out)
     assert set(source.fetched.values()) == {1}
@@ -494,12 +494,12 @@ def test_another_mission_is_left_alone(in_one_go, resume):
     _, folder, _, _ = in_one_go
     before = contents(folder)
     with pytest.raises(OutputError, match="holds another mission; choose another one"):
-        capture(planned(MISSION.with_(agl_m=121.0)), PatternSource(), folder, resume=resume)
+        capture(planned(MISSION.replace(agl_m=121.0)), PatternSource(), folder, resume=resume)
     assert contents(folder) == before
 
 
 def test_the_same_mission_planned_at_another_zoom_is_left_alone(tmp_path):
-    mission = MISSION.with_(zoom=None)
+    mission = MISSION.replace(zoom=None)
     capture(planned(mission), PatternSource(), tmp_path)
     before = contents(tmp_path)
 
@@ -593,7 +593,7 @@ def test_an_unwritable_folder_as_another_user(readable_folder, below, message):
 )
 def test_refused_before_anything_is_written(tmp_path, source, changes, options, message):
     with pytest.raises(InvalidInput, match=message):
-        capture(planned(MISSION.with_(**changes)), source, tmp_path / "out", **options)
+        capture(planned(MISSION.replace(**changes)), source, tmp_path / "out", **options)
     assert not (tmp_path / "out").exists()
 
 

@@ -58,8 +58,8 @@ def several(*imageries: str, **changes) -> Mission:
 
 
 def captured(mission: Mission, folder: Path, **options):
-    sources = {name: open_source(one.imagery.source) for name, one in mission.by_imagery.items()}
-    plans = {name: plan(one, sources[name].grid) for name, one in mission.by_imagery.items()}
+    sources = {name: open_source(one.imagery.source) for name, one in mission.missions_by_imagery.items()}
+    plans = {name: plan(one, sources[name].grid) for name, one in mission.missions_by_imagery.items()}
     return capture_imageries(mission, plans, sources, folder, **options)
 
 
@@ -107,7 +107,7 @@ def test_each_imagery_is_a_dataset_as_its_own_mission_makes_it(of_dates, tmp_pat
     from terrainav.core.capture.runner import capture
 
     mission, folder, _ = of_dates
-    one = mission.by_imagery["2020"]
+    one = mission.missions_by_imagery["2020"]
     source = open_source(one.imagery.source)
     capture(plan(one, source.grid), source, tmp_path / "alone")
     assert contents(folder / "2020") == contents(tmp_path / "alone")
@@ -128,7 +128,7 @@ def test_stopped_and_resumed_it_leaves_the_same_bytes(of_dates, tmp_path):
 def test_only_what_has_failed_is_made_again(tmp_path):
     mission = several("a=one", "b=two", image_format="png")
     whole = PatternSource(())
-    plans = {name: plan(one, whole.grid) for name, one in mission.by_imagery.items()}
+    plans = {name: plan(one, whole.grid) for name, one in mission.missions_by_imagery.items()}
     first_window = capture_window(plans["b"], 0)
     gone = FailingSource({tile_parts(first_window, whole.grid)[0].window: missing()}, map_types=())
     first = capture_imageries(mission, plans, {"a": whole, "b": gone}, tmp_path / "out")
@@ -143,7 +143,7 @@ def test_images_of_one_place_are_in_one_part_in_all_imageries(tmp_path, how):
     # Another zoom gives other names.
     mission = several("a=one", "b=two", image_format="png", overlap_along=0.2)
     sources = {"a": PatternSource(()), "b": PatternSource((), tile_px=512)}
-    plans = {name: plan(one, sources[name].grid) for name, one in mission.by_imagery.items()}
+    plans = {name: plan(one, sources[name].grid) for name, one in mission.missions_by_imagery.items()}
     assert set(plans["a"].names).isdisjoint(plans["b"].names)
     capture_imageries(mission, plans, sources, tmp_path / "out")
     made = split(tmp_path / "out", how=how)
@@ -211,7 +211,7 @@ def test_the_mission_file_keeps_its_imageries(tmp_path):
     assert said["imageries"] == ["2014=a.tif", "2020=world@2020-06-01:roadmap"]
     assert not {"source", "date", "map_types"} & set(said)
     assert Mission.load(tmp_path / "mission.json") == mission
-    of_2020 = mission.by_imagery["2020"]
+    of_2020 = mission.missions_by_imagery["2020"]
     assert (of_2020.imagery.source, of_2020.imagery.date) == ("world", "2020-06-01")
     assert (of_2020.imagery.map_types, of_2020.imagery.imageries) == (("roadmap",), ())
     assert "imageries" not in Mission(AREA, 60.0).to_json()
@@ -233,7 +233,7 @@ def test_what_no_imagery_can_be_is_refused():
 def test_a_source_without_the_map_type_is_refused_before_anything_is_written(tmp_path):
     mission = several("a=one", "b=two:terrain")
     source = PatternSource(("satellite",))
-    plans = {name: plan(one, source.grid) for name, one in mission.by_imagery.items()}
+    plans = {name: plan(one, source.grid) for name, one in mission.missions_by_imagery.items()}
     with pytest.raises(InvalidInput, match="map type 'terrain'"):
         capture_imageries(mission, plans, dict.fromkeys(plans, source), tmp_path / "out")
     assert not (tmp_path / "out").exists()

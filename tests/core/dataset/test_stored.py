@@ -102,7 +102,7 @@ def test_webdataset_reads_the_same_images_and_rows(shards):
 
 
 def test_bands_and_places_on_the_map_are_read_from_shards(tmp_path):
-    folder = write_folders(tmp_path / "tif", MISSION.with_(image_format="tif"))
+    folder = write_folders(tmp_path / "tif", MISSION.replace(image_format="tif"))
     bands = Bands(("red", "near"), "uint16", (0,))
     place = Georeference(500_000.0, 5_000_000.0, 500_010.0, 5_000_010.0, 41, 31, "EPSG:32616")
     about = Description("n", "satellite", "a source", "somebody", 5, 45.0, -87.0, 100.0)

@@ -99,7 +99,7 @@ def test_a_flight_over_a_hole_counts_and_states_what_is_interpolated(tmp_path):
     with pytest.raises(InvalidInput, match="have holes interpolated") as refused:
         plan(asked, GRID, heights_of(asked))
     assert refused.value.field == "elevation"
-    asked = asked.with_(holes="interpolate")
+    asked = asked.replace(holes="interpolate")
     made = plan(asked, GRID, heights_of(asked))
     x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
     ground = made.height_m - made.agl_m
@@ -113,11 +113,11 @@ def test_a_flight_over_a_hole_counts_and_states_what_is_interpolated(tmp_path):
     lines = dict(figures.lines())
     assert str(lines["holes interpolated"]).startswith(f"400 of {figures.heights:,} heights around the area (1.")
     assert "holes filled" not in lines
-    whole = asked.with_(elevation=(model(tmp_path / "whole.tif", []),))
+    whole = asked.replace(elevation=(model(tmp_path / "whole.tif", []),))
     assert "holes interpolated" not in dict(estimate(plan(whole, GRID, heights_of(whole))).lines())
     # Both are counted where both are there.
     level = model(tmp_path / "level.tif", [(240, 250, 0, SIDE)], np.full((SIDE, SIDE), 60.0))
-    both = asked.with_(elevation=(path, level))
+    both = asked.replace(elevation=(path, level))
     figures = estimate(plan(both, GRID, heights_of(both)))
     assert (figures.filled_heights, figures.interpolated_heights) == (200, 200)
 

@@ -184,7 +184,7 @@ def test_filled_holes_are_counted_and_can_be_refused(dem):
     assert whole.filled_heights == 0
     assert "holes filled" not in dict(whole.lines())
     with pytest.raises(InvalidInput, match="hole in the heights") as refused:
-        flown(filled.with_(holes="refuse"))
+        flown(filled.replace(holes="refuse"))
     lat, lon = (float(number) for number in re.findall(r"-?\d+\.\d+", str(refused.value))[:2])
     x, y = TO_UTM.transform(lon, lat)
     assert 480.0 < x - WEST < 520.0
@@ -605,7 +605,7 @@ def test_legs_between_captures_keep_nine_tenths_of_the_height_over_hills(dem):
     straight = flown(mission)
     height, ground = along(replace(straight.path, **ends_of(straight.path)))
     assert (height - ground).min() < 10.0
-    for made in (straight, flown(mission.with_(lead_in_m=10.0))):
+    for made in (straight, flown(mission.replace(lead_in_m=10.0))):
         height, ground = along(made.path)
         assert (height - ground).min() >= 0.9 * 40.0 - 0.1
         assert made.path.agl_m[made.path.capture < 0].max() < 45.0

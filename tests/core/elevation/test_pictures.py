@@ -425,7 +425,7 @@ def test_a_capture_over_relief_is_whole(files, tmp_path):
         assert pytest.approx(with_tower(x - WEST, NORTH - y), abs=HIGH) == point.GCPZ
     told = json.loads((tmp_path / "out" / "mission.json").read_text())
     assert told["terrain"]["elevation"] == [files["tower"]]
-    assert Mission.load(tmp_path / "out" / "mission.json") == made.mission.with_(crs=told["imagery"]["crs"])
+    assert Mission.load(tmp_path / "out" / "mission.json") == made.mission.replace(crs=told["imagery"]["crs"])
 
 
 def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):

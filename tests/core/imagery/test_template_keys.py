@@ -12,7 +12,7 @@ from terrainav.core.imagery.catalogue import add, described
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.tiles import Template
-from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.settings import build_mission, resolve
 
 from tests.support.tileserver import TileServer
 
@@ -42,7 +42,7 @@ def template_of(server):
 
 def mission_file(folder, source):
     path = folder / "mission.json"
-    mission_from(resolve({"coords": COORDS, "source": source, "zoom": 17}, {})).save(path)
+    build_mission(resolve({"coords": COORDS, "source": source, "zoom": 17}, {})).save(path)
     return path
 
 

@@ -169,7 +169,7 @@ def run(case: Case) -> Outcome:
 def planned_as(case: Case, frame: str) -> str:
     """Why a case is refused where its pictures are of one kind; empty where it is planned."""
     try:
-        plan(case.mission.with_(frame=frame, accept_error=frame == "map"), GRID)
+        plan(case.mission.replace(frame=frame, accept_error=frame == "map"), GRID)
     except InvalidInput as refused:
         return str(refused)
     return ""

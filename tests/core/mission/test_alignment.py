@@ -60,7 +60,7 @@ def test_no_flight_is_shorter_than_the_shortest():
     mission = Mission(field, 220.0, WIDE, overlap_across=0.3)
     found = align_rows(mission, GRID)
     others = [
-        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).direct.distance_m for azimuth in range(0, 180, 15)
+        plan(mission.replace(row_azimuth_deg=float(azimuth)), GRID).direct.distance_m for azimuth in range(0, 180, 15)
     ]
     assert found.made.direct.distance_m <= min(others)
     again = plan(found.mission, GRID)
@@ -76,11 +76,11 @@ def test_what_is_gained_is_said():
     km = found.made.direct.distance_m / 1000.0
     assert found.text() == f"row azimuth 57°: {found.made.rows} rows, {km:.4g} km, {gain} % shorter than 90°"
     assert found.text(lambda metres: f"{metres:.0f} steps").split(", ")[1] == f"{1000.0 * km:.0f} steps"
-    back = align_rows(found.mission.with_(area=strip(90.0)), GRID, way=LONGEST_SIDE)
+    back = align_rows(found.mission.replace(area=strip(90.0)), GRID, way=LONGEST_SIDE)
     assert back.azimuth_deg == pytest.approx(90.0, abs=0.02)
     same = align_rows(found.mission, GRID, way=LONGEST_SIDE)
     assert same.text().endswith("km, as before")
-    across = align_rows(mission.with_(row_azimuth_deg=147.0, overlap_across=0.8), GRID, way=LONGEST_SIDE)
+    across = align_rows(mission.replace(row_azimuth_deg=147.0, overlap_across=0.8), GRID, way=LONGEST_SIDE)
     assert ("longer" in across.text()) == (across.gain < 0.0)
 
 
@@ -91,11 +91,11 @@ def test_what_is_flown_counts_with_its_turns_and_ways_around():
     mission = Mission(field, 150.0, WIDE, takeoff=(35.1375, -89.8675), turnaround_m=400.0, no_fly=forbidden)
     found = align_rows(mission, GRID)
     others = [
-        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).path.distance_m for azimuth in range(0, 180, 45)
+        plan(mission.replace(row_azimuth_deg=float(azimuth)), GRID).path.distance_m for azimuth in range(0, 180, 45)
     ]
     assert found.made.path.distance_m <= min(others)
-    captures_alone = align_rows(mission.with_(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)
-    there = plan(mission.with_(row_azimuth_deg=captures_alone.azimuth_deg), GRID).path.distance_m
+    captures_alone = align_rows(mission.replace(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)
+    there = plan(mission.replace(row_azimuth_deg=captures_alone.azimuth_deg), GRID).path.distance_m
     assert found.made.path.distance_m < there
     before = plan(mission, GRID).path.distance_m
     assert found.gain == 1.0 - found.made.path.distance_m / before
@@ -112,7 +112,7 @@ def test_a_flight_that_is_hardly_longer_is_kept():
 def test_wind_and_all_else_are_left_as_they_are():
     mission = Mission(strip(57.0), 120.0, WIDE, wind=Wind(3.0, 90.0, 0.1), margin_m=5.0)
     found = align_rows(mission, GRID, way=LONGEST_SIDE)
-    assert found.mission == mission.with_(row_azimuth_deg=found.azimuth_deg)
+    assert found.mission == mission.replace(row_azimuth_deg=found.azimuth_deg)
     assert found.made.mission.wind is None
 
 

@@ -33,7 +33,7 @@ LINE = re.compile(
     rf"{NUMBER},{NUMBER},{NUMBER},\d+(\.\d+)?,\d+(\.\d+)?,[01],[012],{NUMBER},((-1|[0-5]),{NUMBER},){{15}}[01],"
     rf"\d+(\.\d+)?,{NUMBER},{NUMBER},{NUMBER},[01],{NUMBER},{NUMBER}"
 )
-MANY = HERE.with_(area=Box(35.2, -89.92, 35.15, -89.88))
+MANY = HERE.replace(area=Box(35.2, -89.92, 35.15, -89.88))
 
 
 def rows(path):
@@ -81,7 +81,7 @@ def test_numbers_near_zero_have_no_exponent(tmp_path):
 
 def test_a_heading_is_not_rounded_to_360(tmp_path):
     path = tmp_path / "n.litchi.csv"
-    write_plan(worked_out(HERE.with_(yaw_deg=-0.001)), path)
+    write_plan(worked_out(HERE.replace(yaw_deg=-0.001)), path)
     assert {row["heading(deg)"] for row in rows(path)} == {"0.00"}
 
 
@@ -113,12 +113,12 @@ def test_sizes_of_the_parts(tmp_path, poses, sizes):
     ("mission", "says"),
     [
         (ALONE, "of one waypoint: takes two or more"),
-        (HERE.with_(agl_m=501.0, area=Box(35.2, -90.0, 35.15, -89.9)), "at 501 m: must be 500 m"),
+        (HERE.replace(agl_m=501.0, area=Box(35.2, -90.0, 35.15, -89.9)), "at 501 m: must be 500 m"),
         (
-            HERE.with_(tilt_deg=121.0, camera=Camera(150.0)),
+            HERE.replace(tilt_deg=121.0, camera=Camera(150.0)),
             "lifted to 31 deg: must be -90 to 30, a tilt of 120 or less",
         ),
-        (HERE.with_(agl_m=10.0, area=Box(35.17, -89.90, 35.15, -89.88)), "waypoints: takes 9,999 or fewer"),
+        (HERE.replace(agl_m=10.0, area=Box(35.17, -89.90, 35.15, -89.88)), "waypoints: takes 9,999 or fewer"),
     ],
 )
 def test_what_no_drone_would_take_is_refused(tmp_path, mission, says):
@@ -128,7 +128,7 @@ def test_what_no_drone_would_take_is_refused(tmp_path, mission, says):
 
 
 def test_what_the_file_cannot_say_is_told(tmp_path):
-    mission = IN_WIND.with_(roll_deg=4.0, airspeed_m_per_s=22.0)
+    mission = IN_WIND.replace(roll_deg=4.0, airspeed_m_per_s=22.0)
     notes = " | ".join(write_plan(worked_out(mission), tmp_path / "n.litchi.csv").notes)
     assert "the roll of 4 deg is left out" in notes
     assert "wind is left out" in notes
@@ -148,7 +148,7 @@ def test_part_of_a_flight_is_not_left_behind(tmp_path):
 
 @pytest.mark.parametrize("trigger", ["waypoint", "hover", "distance"])
 def test_the_file_is_read_back_as_its_images(tmp_path, trigger):
-    mission = HERE.with_(
+    mission = HERE.replace(
         takeoff=(35.153, -89.9), turnaround_m=25.0, trigger=trigger, area=Box(35.16, -89.90, 35.157, -89.895)
     )
     flown = worked_out(mission)

@@ -125,7 +125,7 @@ def exported(made, folder, kind):
     ending, changes, read = KINDS[kind]
     if ending == ".gpkg":
         pytest.importorskip("osgeo.ogr", reason="GDAL's Python module comes with QGIS")
-    flown = replace(made, mission=made.mission.with_(**changes))
+    flown = replace(made, mission=made.mission.replace(**changes))
     rows = [row for path in write_plan(flown, folder / f"plan{ending}").files for row in read(path)]
     assert len(rows) == len(made)
     return np.array(rows, np.float64).T

@@ -65,7 +65,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
 
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
     area = Box(35.1555, -89.896, 35.154, -89.894)
-    mission = HERE.with_(area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
+    mission = HERE.replace(area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
     flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
@@ -75,7 +75,7 @@ def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path)
 
 
 def test_home_is_below_the_first_waypoint(tmp_path):
-    flown = worked_out(HERE.with_(ground_height_m=80.0))
+    flown = worked_out(HERE.replace(ground_height_m=80.0))
     write_plan(flown, tmp_path / "field.plan")
     home = read(tmp_path / "field.plan")["mission"]["plannedHomePosition"]
     assert home == [flown.lat_deg[0], flown.lon_deg[0], 80.0]
@@ -99,7 +99,7 @@ def items_within(node):
 @pytest.mark.parametrize("ending", [".plan", ".survey.plan"])
 @pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
 def test_ardupilot_takes_every_parameter(tmp_path, ending, trigger):
-    mission = SURVEY.with_(trigger=trigger, takeoff=(47.39, 8.49), turnaround_m=20.0)
+    mission = SURVEY.replace(trigger=trigger, takeoff=(47.39, 8.49), turnaround_m=20.0)
     (path,) = write_plan(worked_out(mission), tmp_path / f"field{ending}").files
     items = list(items_within(read(path)))
     null = [
@@ -125,7 +125,7 @@ def test_heights_that_ardupilot_refuses_are_refused(tmp_path):
 
 
 def test_more_than_mavlink_counts_is_refused(tmp_path):
-    flown = worked_out(HERE.with_(agl_m=10.0, tilt_deg=0.0, area=Box(35.19, -89.90, 35.15, -89.86)))
+    flown = worked_out(HERE.replace(agl_m=10.0, tilt_deg=0.0, area=Box(35.19, -89.90, 35.15, -89.86)))
     assert len(flown) > 32_765
     with pytest.raises(InvalidInput, match="waypoints: takes 32,765 or fewer"):
         write_plan(flown, tmp_path / "field.plan")
@@ -133,7 +133,7 @@ def test_more_than_mavlink_counts_is_refused(tmp_path):
 
 
 def test_each_sortie_is_a_plan_from_the_takeoff(tmp_path):
-    flown = worked_out(SURVEY.with_(ground_height_m=500.0))
+    flown = worked_out(SURVEY.replace(ground_height_m=500.0))
     count = int(np.flatnonzero(flown.row == 3)[0])
     exported = write_plan(with_sorties(flown, count), tmp_path / "field.plan")
     assert [path.name for path in exported.files] == ["field-1.plan", "field-2.plan"]
@@ -152,13 +152,13 @@ def test_each_sortie_is_a_plan_from_the_takeoff(tmp_path):
 
 def test_distance_and_hovering_release_the_camera(tmp_path):
     flown = worked_out(SURVEY)
-    by_distance = replace(flown, mission=flown.mission.with_(trigger="distance"))
+    by_distance = replace(flown, mission=flown.mission.replace(trigger="distance"))
     write_plan(by_distance, tmp_path / "field.plan")
     items = read(tmp_path / "field.plan")["mission"]["items"][3:-1]
     assert [item["command"] for item in items] == [WAYPOINT, 206, WAYPOINT, 206] * flown.rows
     taken = np.array(photos(items))
     assert GEOD.inv(taken[:, 1], taken[:, 0], flown.lon_deg, flown.lat_deg)[2].max() < 0.05
-    write_plan(replace(flown, mission=flown.mission.with_(trigger="hover")), tmp_path / "field.plan")
+    write_plan(replace(flown, mission=flown.mission.replace(trigger="hover")), tmp_path / "field.plan")
     items = read(tmp_path / "field.plan")["mission"]["items"]
     assert {item["params"][0] for item in items if item["command"] == WAYPOINT} == {1.0}
 

@@ -56,7 +56,7 @@ def test_waypoints_are_the_points_of_each_sortie():
 
 
 def test_between_captures_heading_and_gimbal_are_those_of_the_capture_ahead():
-    flown = worked_out(ROUTED.with_(row_azimuth_deg=120.0, tilt_deg=10.0))
+    flown = worked_out(ROUTED.replace(row_azimuth_deg=120.0, tilt_deg=10.0))
     ahead = None
     for one in reversed(list(waypoints(flown, 0))):
         if one.is_capture:
@@ -105,14 +105,14 @@ def test_litchi_has_a_file_for_each_sortie_and_photos_at_captures(tmp_path):
 
 
 def test_litchi_stays_where_it_hovers(tmp_path):
-    exported = write_plan(worked_out(ROUTED.with_(trigger="hover", battery_min=None)), tmp_path / "n.litchi.csv")
+    exported = write_plan(worked_out(ROUTED.replace(trigger="hover", battery_min=None)), tmp_path / "n.litchi.csv")
     for row in (row for table in tables(exported) for row in table):
         actions = [(row[f"actiontype{number}"], row[f"actionparam{number}"]) for number in (1, 2, 3)]
         assert actions in ([("0", "1000"), ("1", "0"), ("-1", "0")], [("-1", "0")] * 3)
 
 
 def test_litchi_flies_rows_by_distance_from_end_to_end(tmp_path):
-    flown = worked_out(ROUTED.with_(trigger="distance", battery_min=None))
+    flown = worked_out(ROUTED.replace(trigger="distance", battery_min=None))
     exported = write_plan(flown, tmp_path / "n.litchi.csv")
     (table,) = tables(exported)
     at = [number for number, row in enumerate(table) if float(row["photo_distinterval"]) > 0.0]
@@ -136,7 +136,7 @@ def test_points_have_no_rows_to_fly_by_distance(tmp_path):
 
 
 def test_a_long_sortie_is_cut_further(tmp_path):
-    flown = worked_out(ROUTED.with_(overlap_along=0.9, overlap_across=0.8, battery_min=5.0))
+    flown = worked_out(ROUTED.replace(overlap_along=0.9, overlap_across=0.8, battery_min=5.0))
     exported = write_plan(flown, tmp_path / "n.litchi.csv")
     sizes = [len(table) for table in tables(exported)]
     assert max(sizes) <= 99
@@ -191,7 +191,7 @@ def test_geojson_says_which_sortie_takes_an_image(tmp_path):
     sorties = [one["properties"]["sortie"] for one in json.loads((tmp_path / "field.geojson").read_text())["features"]]
     path = FLOWN.path
     assert sorties == (path.sortie[path.capture >= 0] + 1).tolist()
-    write_plan(worked_out(ROUTED.with_(battery_min=None)), tmp_path / "one.geojson")
+    write_plan(worked_out(ROUTED.replace(battery_min=None)), tmp_path / "one.geojson")
     assert "sortie" not in (tmp_path / "one.geojson").read_text()
 
 

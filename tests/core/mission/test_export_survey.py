@@ -30,13 +30,13 @@ BOX = Mission(Box(47.404, 8.5, 47.4, 8.507), 100.0, overlap_along=0.7, overlap_a
 FIELD = Polygon((((8.50, 47.405), (8.508, 47.404), (8.511, 47.400), (8.503, 47.3985)),))
 MISSIONS = {
     "box": BOX,
-    "facing east": BOX.with_(yaw_deg=90.0),
-    "no overlap": BOX.with_(overlap_along=0.0, overlap_across=0.0),
-    "turned": BOX.with_(area=FIELD, row_azimuth_deg=20.0, agl_m=80.0),
-    "turned west": BOX.with_(area=FIELD, row_azimuth_deg=230.0),
+    "facing east": BOX.replace(yaw_deg=90.0),
+    "no overlap": BOX.replace(overlap_along=0.0, overlap_across=0.0),
+    "turned": BOX.replace(area=FIELD, row_azimuth_deg=20.0, agl_m=80.0),
+    "turned west": BOX.replace(area=FIELD, row_azimuth_deg=230.0),
     "antimeridian": Mission(Box(0.01, 179.99, 0.0, -179.995), 300.0, overlap_along=0.6, overlap_across=0.6),
-    "paper": BOX.with_(layout="paper"),
-    "one way": BOX.with_(order="one-way"),
+    "paper": BOX.replace(layout="paper"),
+    "one way": BOX.replace(order="one-way"),
 }
 
 
@@ -130,7 +130,7 @@ def test_rows_of_a_polygon_laid_anew_lie_on_the_planned_ones(tmp_path, plans, na
 
 
 def test_distance_releases_the_camera_along_each_row(tmp_path, plans):
-    flown = replace(plans["facing east"], mission=plans["facing east"].mission.with_(trigger="distance"))
+    flown = replace(plans["facing east"], mission=plans["facing east"].mission.replace(trigger="distance"))
     survey = survey_of(exported(flown, tmp_path)[1][0])
     transects = checked(survey)
     assert [item["command"] for item in transects["Items"]] == [16, 206, 16, 206] * flown.rows
@@ -140,7 +140,7 @@ def test_distance_releases_the_camera_along_each_row(tmp_path, plans):
 
 
 def test_hovering_stops_at_each_image(tmp_path, plans):
-    flown = replace(plans["box"], mission=plans["box"].mission.with_(trigger="hover"))
+    flown = replace(plans["box"], mission=plans["box"].mission.replace(trigger="hover"))
     survey = survey_of(exported(flown, tmp_path)[1][0])
     transects = checked(survey)
     assert transects["HoverAndCapture"] is True
@@ -152,7 +152,7 @@ def test_hovering_stops_at_each_image(tmp_path, plans):
 
 
 def test_ways_there_and_back_are_outside_the_survey(tmp_path):
-    plan = worked_out(BOX.with_(ground_height_m=500.0))
+    plan = worked_out(BOX.replace(ground_height_m=500.0))
     count = int(np.flatnonzero(plan.row == 3)[0])
     done, both = exported(with_sorties(plan, count), tmp_path)
     assert [path.name for path in done.files] == ["field-1.survey.plan", "field-2.survey.plan"]
@@ -177,11 +177,11 @@ def test_ways_there_and_back_are_outside_the_survey(tmp_path):
             "an area of one polygon without holes",
         ),
         (
-            BOX.with_(area=Polygon((*FIELD.rings, ((8.505, 47.402), (8.506, 47.403), (8.507, 47.402))))),
+            BOX.replace(area=Polygon((*FIELD.rings, ((8.505, 47.402), (8.506, 47.403), (8.507, 47.402))))),
             "an area of one polygon without holes",
         ),
-        (BOX.with_(tilt_deg=20.0), "must look straight down"),
-        (BOX.with_(yaw_deg=30.0), "30 deg off the direction of rows"),
+        (BOX.replace(tilt_deg=20.0), "must look straight down"),
+        (BOX.replace(yaw_deg=30.0), "30 deg off the direction of rows"),
     ],
     ids=["points", "hole", "tilt", "yaw"],
 )

@@ -44,7 +44,7 @@ def test_wind_moves_pictures_but_not_waypoints():
 @pytest.mark.parametrize("yaw", [0.0, 37.0, 200.0, -180.0])
 @pytest.mark.parametrize("roll", [0.0, 3.0])
 def test_a_view_to_the_rear_is_one_to_the_front_of_an_aircraft_turned_around(yaw, roll):
-    mission = ALONE.with_(yaw_deg=yaw, tilt_deg=-25.0)
+    mission = ALONE.replace(yaw_deg=yaw, tilt_deg=-25.0)
     (point,) = waypoints(worked_out(mission))
     assert point.gimbal_pitch_deg == -65.0
     assert 0.0 <= point.heading_deg < 360.0
@@ -57,12 +57,12 @@ def test_a_view_to_the_rear_is_one_to_the_front_of_an_aircraft_turned_around(yaw
 
 
 def test_a_heading_a_hair_west_of_north_is_below_360():
-    (point,) = waypoints(worked_out(ALONE.with_(yaw_deg=-1e-20)))
+    (point,) = waypoints(worked_out(ALONE.replace(yaw_deg=-1e-20)))
     assert point.heading_deg == 0.0
 
 
 def test_a_roll_is_said_to_be_left_out():
-    assert not_flown(worked_out(ALONE.with_(roll_deg=5.0))) == ("the roll of 5 deg is left out: waypoints have none",)
+    assert not_flown(worked_out(ALONE.replace(roll_deg=5.0))) == ("the roll of 5 deg is left out: waypoints have none",)
     assert not_flown(worked_out(ALONE)) == ()
 
 

@@ -99,7 +99,7 @@ def survey():
 
 def routed(plan, **changes):
     """The same captures with another drone or trigger."""
-    return replace(plan, mission=plan.mission.with_(**changes))
+    return replace(plan, mission=plan.mission.replace(**changes))
 
 
 def written(plan, tmp_path):
@@ -186,7 +186,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path, mission):
 
 @pytest.mark.parametrize(("trigger", "yaw_deg"), [("waypoint", 0.0), ("waypoint", 90.0), ("distance", 90.0)])
 def test_the_file_alone_reaches_the_overlaps_of_the_plan(tmp_path, survey, trigger, yaw_deg):
-    flown = routed(survey, trigger=trigger) if yaw_deg == 90.0 else worked_out(SURVEY.with_(yaw_deg=yaw_deg))
+    flown = routed(survey, trigger=trigger) if yaw_deg == 90.0 else worked_out(SURVEY.replace(yaw_deg=yaw_deg))
     photos = Wpml(written(flown, tmp_path).files[0]).photos(along)
     assert len(photos) == len(flown)
     wide, high = flown.mission.camera.ground_size_m(1.0)
@@ -232,7 +232,7 @@ def test_the_same_plan_gives_the_same_bytes(tmp_path):
 
 
 def test_dji_fly_gets_parts_of_200_waypoints(tmp_path):
-    flown = worked_out(SURVEY.with_(drone="dji-fly", overlap_along=0.88, overlap_across=0.75))
+    flown = worked_out(SURVEY.replace(drone="dji-fly", overlap_along=0.88, overlap_across=0.75))
     exported = written(flown, tmp_path)
     files = -(-len(flown) // 200)
     assert files > 1
@@ -293,7 +293,7 @@ def with_sorties(plan, count):
 
 
 def test_each_sortie_is_a_file_that_begins_and_ends_at_the_takeoff(tmp_path):
-    plan = worked_out(SURVEY.with_(ground_height_m=500.0))
+    plan = worked_out(SURVEY.replace(ground_height_m=500.0))
     count = int(np.flatnonzero(plan.row == 3)[0])
     exported = written(with_sorties(plan, count), tmp_path)
     assert [path.name for path in exported.files] == ["field-1.kmz", "field-2.kmz"]
@@ -319,7 +319,7 @@ def test_each_sortie_is_a_file_that_begins_and_ends_at_the_takeoff(tmp_path):
             Mission(Points(LIFTED), 99.0, camera=Camera(160.0), tilt_deg=125.0),
             "a tilt of 120 or less",
         ),
-        (SURVEY.with_(airspeed_m_per_s=0.5), "must be 1 to 15 m/s"),
+        (SURVEY.replace(airspeed_m_per_s=0.5), "must be 1 to 15 m/s"),
     ],
     ids=["one", "high", "high for DJI Fly", "gimbal", "slow"],
 )
@@ -330,6 +330,6 @@ def test_what_drones_do_not_take_is_refused(tmp_path, mission, said):
 
 
 def test_a_faster_flight_is_cut_and_said(tmp_path):
-    exported = written(worked_out(SURVEY.with_(airspeed_m_per_s=20.0)), tmp_path)
+    exported = written(worked_out(SURVEY.replace(airspeed_m_per_s=20.0)), tmp_path)
     assert any("reduced to DJI's 15 m/s" in str(note) for note in exported.notes)
     assert Wpml(exported.files[0]).text(Wpml(exported.files[0]).folder, "autoFlightSpeed") == "15.00"

@@ -34,7 +34,7 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
                 # Pixels of 4e-8 m: their noise on the map, 1.6e-8 m, and twice that in degrees, 2e-9, is beyond the
                 # budget, and a user may go on.
                 assert "--accept-error" in outcome.refusal
-                accepted = plan(case.mission.with_(accept_error=True), GRID).accuracy
+                accepted = plan(case.mission.replace(accept_error=True), GRID).accuracy
                 assert accepted.budget_px < accepted.bound_px < 0.51
             continue
         assert outcome.bound_px <= case.mission.accuracy.error_budget_px, case.name

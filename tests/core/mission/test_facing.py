@@ -78,7 +78,7 @@ def test_a_fixed_azimuth_is_that_of_every_image(name):
 
 
 def test_the_long_side_across_the_track_takes_fewer_rows_and_a_shorter_flight():
-    north, track = (plan(SCENES["track"].with_(facing=facing), GRID) for facing in ("north", "track"))
+    north, track = (plan(SCENES["track"].replace(facing=facing), GRID) for facing in ("north", "track"))
     assert track.rows < north.rows
     assert track.direct.distance_m < 0.9 * north.direct.distance_m
 
@@ -132,7 +132,7 @@ def test_points_face_the_next_one_that_is_elsewhere():
 
 def test_wind_disturbs_cameras_about_their_track():
     still = plan(SCENES["track"], GRID)
-    made = plan(SCENES["track"].with_(wind=Wind(6.0, 250.0, 0.2)), GRID)
+    made = plan(SCENES["track"].replace(wind=Wind(6.0, 250.0, 0.2)), GRID)
     assert made.nominal is not None
     assert np.array_equal(made.nominal.yaw_deg, still.poses.yaw_deg)
     off = off_deg(made.poses.yaw_deg - made.nominal.yaw_deg)

@@ -37,7 +37,7 @@ def test_times_are_those_of_geodesics_at_the_airspeed():
 @pytest.mark.parametrize("turbulence", [0.0, 0.2])
 def test_against_the_wind_is_slower_than_with_it(turbulence):
     still = Mission(FIELD, 120.0, airspeed_m_per_s=12.0, frame="camera")
-    calm, windy = (plan(still.with_(wind=wind), GRID) for wind in (None, Wind(5.0, 270.0, turbulence)))
+    calm, windy = (plan(still.replace(wind=wind), GRID) for wind in (None, Wind(5.0, 270.0, turbulence)))
     row = windy.row
     still_s, moved_s = np.diff(calm.times_s), np.diff(windy.times_s)
     for westward in (False, True):
@@ -106,13 +106,13 @@ def test_points_look_where_their_own_yaws_say():
     assert not worked_out.frames.on_map
     assert worked_out.poses.yaw_deg.tolist() == list(yaws)
     for index, (place, yaw) in enumerate(zip(places, yaws)):
-        alone = plan(mission.with_(area=Points((place,)), yaw_deg=yaw, agl_m=place[2]), GRID)
+        alone = plan(mission.replace(area=Points((place,)), yaw_deg=yaw, agl_m=place[2]), GRID)
         np.testing.assert_array_equal(worked_out.corners.lat_deg[index], alone.corners.lat_deg[0])
         seen = trace(np.array(place[0]), np.array(place[2]), mission.camera.rays_enu(CORNERS, yaw, 20.0, 0.0))
         np.testing.assert_allclose(worked_out.corners.lat_deg[index], seen.lat_deg, rtol=0.0, atol=1e-12)
         np.testing.assert_allclose(worked_out.corners.lon_deg[index] - place[1], seen.dlon_deg, atol=1e-12)
         assert worked_out.views.view(index).bound_px == alone.views.view(0).bound_px
-    own = plan(mission.with_(area=Points(places)), GRID)
+    own = plan(mission.replace(area=Points(places)), GRID)
     assert own.poses.yaw_deg.tolist() == [77.0] * 4
 
 
@@ -120,7 +120,7 @@ def test_one_yaw_beyond_the_budget_makes_all_pictures_camera_frames():
     places = ((35.1, -89.8, 120.0), (35.1, -89.7, 120.0))
     north_up = Mission(Points(places, (0.0, 0.0)), 120.0, yaw_deg=45.0)
     assert plan(north_up, GRID).frames.on_map
-    turned = plan(north_up.with_(area=Points(places, (0.0, 5.0))), GRID)
+    turned = plan(north_up.replace(area=Points(places, (0.0, 5.0))), GRID)
     assert not turned.frames.on_map
     assert "budget" in turned.accuracy.picture.reason
 

@@ -38,7 +38,7 @@ from terrainav.core.mission.imageries import NamedImagery, named_imageries
     ],
 )
 def test_a_text_is_name_source_date_and_map_type(text: str, wanted: NamedImagery) -> None:
-    assert NamedImagery.of(text) == wanted
+    assert NamedImagery.parse(text) == wanted
 
 
 @given(
@@ -51,7 +51,7 @@ def test_a_text_is_name_source_date_and_map_type(text: str, wanted: NamedImagery
 )
 def test_its_text_is_read_back(name: str, source: str, date: str, map_type: str) -> None:
     one = NamedImagery(name, source, date, map_type)
-    assert NamedImagery.of(str(one)) == one
+    assert NamedImagery.parse(str(one)) == one
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_its_text_is_read_back(name: str, source: str, date: str, map_type: str)
 )
 def test_what_names_no_imagery_is_refused(text: str, said: str) -> None:
     with pytest.raises(InvalidInput, match="^" + said.replace(".", r"\.")):
-        NamedImagery.of(text)
+        NamedImagery.parse(text)
 
 
 def test_two_imageries_do_not_share_a_folder() -> None:

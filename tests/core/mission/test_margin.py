@@ -57,7 +57,7 @@ def test_ground_within_the_margin_is_shown(name):
     )
     assert counts.min() >= 1
     # And no more images than an area needs that is larger by the margin and by an image.
-    without = plan(mission.with_(margin_m=0.0), GRID)
+    without = plan(mission.replace(margin_m=0.0), GRID)
     assert len(made) >= len(without)
 
 

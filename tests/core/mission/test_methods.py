@@ -28,8 +28,8 @@ AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 @given(st.floats(-5.0, 1.0).map(lambda power: 10.0**power), st.sampled_from(["auto", "camera"]))
 def test_a_budget_buys_the_cheapest_picture_and_the_coarsest_mesh_that_fit(budget, frame):
     mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0, frame=frame)
-    on_map = plan(mission.with_(frame="map", error_budget_px=1.0), PixelGrid()).accuracy
-    chosen = plan(mission.with_(error_budget_px=budget), PixelGrid()).accuracy
+    on_map = plan(mission.replace(frame="map", error_budget_px=1.0), PixelGrid()).accuracy
+    chosen = plan(mission.replace(error_budget_px=budget), PixelGrid()).accuracy
     assert chosen.bound_px <= budget
     assert chosen.footprint.method.name == "exact"
     if frame == "auto" and on_map.bound_px <= budget:
@@ -106,7 +106,7 @@ def test_more_than_the_budget_only_when_told_to():
     budget, closest, _, _ = caught.value.message.values
     assert (budget, closest) == (0.1, "image map")
     assert [option.name for option in caught.value.remedy.values] == ["error_budget", "accept_error"]
-    accepted = plan(mission.with_(accept_error=True), PixelGrid())
+    accepted = plan(mission.replace(accept_error=True), PixelGrid())
     assert accepted.accuracy.bound_px > 0.1
     assert accepted.frames.on_map
 

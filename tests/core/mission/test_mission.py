@@ -75,13 +75,13 @@ def test_a_mission_file_holds_a_field_only_where_it_is_used(name, part, field):
     assert usual.to_dict()["flight"] == {"agl_m": 120.0}
     values = with_other(field)
     given = {name: part(**values)} if name in ("camera", "wind") else values
-    mission = usual.with_(**given)
+    mission = usual.replace(**given)
     of_part = {"agl_m": 120.0, **values} if name == "flight" else values
     assert mission.to_dict() == {**usual.to_dict(), name: of_part}
     assert Mission.from_json(mission.to_json()) == mission != usual
     unused = {one: value for one, value in of_part.items() if one not in values}
     assert Mission.from_dict({**mission.to_dict(), name: {**unused, field.name: field.default}}) == (
-        usual if name != "wind" else usual.with_(wind=Wind())
+        usual if name != "wind" else usual.replace(wind=Wind())
     )
 
 
@@ -101,12 +101,12 @@ def test_a_mission_file_that_states_every_default_is_read():
 def test_a_mission_is_written_flat_and_read_by_its_parts():
     mission = Mission(BOX, 120.0, overlap_along=0.6, zoom=17)
     assert (mission.flight, mission.pixels.zoom) == (Flight(agl_m=120.0, overlap_along=0.6), 17)
-    assert mission.with_(overlap_along=0.7, zoom=None, gsd_m_per_px=1.0) == Mission(
+    assert mission.replace(overlap_along=0.7, zoom=None, gsd_m_per_px=1.0) == Mission(
         BOX, 120.0, overlap_along=0.7, gsd_m_per_px=1.0
     )
     names = [field.name for field in flat_fields()]
     assert len(names) == len(set(names)), "a flat name has to be of one part"
-    for make in (mission.with_, lambda **more: Mission(BOX, 120.0, **more)):
+    for make in (mission.replace, lambda **more: Mission(BOX, 120.0, **more)):
         with pytest.raises(TypeError, match=r"'overlap_aloong', did you mean 'overlap_along'"):
             make(overlap_aloong=0.5)
     assert pickle.loads(pickle.dumps(mission)) == copy.deepcopy(mission) == mission
@@ -270,7 +270,7 @@ def test_a_missing_mission_file_is_named(tmp_path):
 )
 def test_values_outside_their_domain_are_named(change, says):
     with pytest.raises(InvalidInput) as refused:
-        Mission(BOX, 120.0).with_(**change)
+        Mission(BOX, 120.0).replace(**change)
     assert says in str(refused.value)
 
 

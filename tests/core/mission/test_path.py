@@ -37,7 +37,7 @@ CORNERS = ("north-west", "north-east", "south-east", "south-west")
 
 
 def flown(mission=FIELD, **changes):
-    return plan(mission.with_(**changes), GRID)
+    return plan(mission.replace(**changes), GRID)
 
 
 def lengths(path):
@@ -182,7 +182,7 @@ def test_points_with_times_of_their_own_keep_them():
 
 def test_across_the_antimeridian_longitudes_run_on():
     there = Mission(Box(0.002, 179.998, -0.002, -179.998), 120.0)
-    path = plan(there.with_(takeoff=(0.0, -179.99), turnaround_m=20.0), GRID).path
+    path = plan(there.replace(takeoff=(0.0, -179.99), turnaround_m=20.0), GRID).path
     assert np.abs(np.diff(path.lon_deg)).max() < 0.1
     assert lengths(path).max() < 3000.0
 
@@ -203,8 +203,8 @@ def crosses(path, polygon):
 
 def test_the_way_there_and_back_leads_around_a_no_fly_area():
     away = Box(35.158, -89.894, 35.155, -89.890)
-    mission = FIELD.with_(area=away, takeoff=HOME, entry="nearest")
-    straight, around = (plan(one, GRID).path for one in (mission, mission.with_(no_fly=(TOWER,))))
+    mission = FIELD.replace(area=away, takeoff=HOME, entry="nearest")
+    straight, around = (plan(one, GRID).path for one in (mission, mission.replace(no_fly=(TOWER,))))
     assert crosses(straight, TOWER)
     assert not crosses(around, TOWER)
     assert around.kind.tolist().count(TRANSIT) > straight.kind.tolist().count(TRANSIT)
@@ -278,7 +278,7 @@ def test_an_image_too_far_is_one_clear_line():
 @pytest.mark.parametrize("changes", [{"entry": "nearest"}, {"battery_min": 20.0}])
 def test_what_needs_a_take_off_is_refused_without_one(changes):
     with pytest.raises(InvalidInput, match="needs a take-off point"):
-        FIELD.with_(**changes)
+        FIELD.replace(**changes)
 
 
 # --- entry of rows whose cameras face their track

@@ -22,7 +22,7 @@ HOME = (35.1565, -89.9015)
 
 
 def planned(**changes):
-    return plan(FIELD.with_(**changes), GRID)
+    return plan(FIELD.replace(**changes), GRID)
 
 
 def least_step_m(made):

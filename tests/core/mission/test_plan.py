@@ -275,7 +275,7 @@ def test_boxes_without_ground_are_no_missions(area, field, says):
     of_file = {**good.to_dict(), "area": {"type": "box", **asdict(area)}}
     for make in (
         lambda: Mission(area, 120.0),
-        lambda: good.with_(area=area),
+        lambda: good.replace(area=area),
         lambda: Mission.from_dict(of_file),
     ):
         with pytest.raises(InvalidInput, match=says) as wrong:
@@ -351,11 +351,11 @@ def test_a_limit_takes_the_highest_zoom_at_which_all_pictures_fit(max_px):
             image_px=9999,
         )
         worked_out = plan(mission, DEEP)
-        finer = plan(mission.with_(zoom=worked_out.zoom + 1, max_px=None), DEEP)
+        finer = plan(mission.replace(zoom=worked_out.zoom + 1, max_px=None), DEEP)
         assert worked_out.windows.width_px.max() <= max_px < finer.windows.width_px.max()
         # Where the camera's own pixels fit, there is nothing to be limited.
-        own = mission.with_(image_px=40)
-        assert plan(own, DEEP).zoom == plan(own.with_(max_px=None), DEEP).zoom
+        own = mission.replace(image_px=40)
+        assert plan(own, DEEP).zoom == plan(own.replace(max_px=None), DEEP).zoom
 
 
 def test_a_limit_is_the_sources_and_the_papers_too():
@@ -424,9 +424,9 @@ def test_pictures_of_too_many_pixels_are_refused_before_memory_is_taken(more):
 def test_resizing_takes_no_finer_zoom_than_it_needs(width, height, tile_px, agl):
     grid = PixelGrid(tile_px=tile_px, max_zoom=30, native_zoom=30)
     mission = Mission(Points(((35.14, -89.86, agl),)), agl, accept_error=True, frame="map")
-    plain, resized = plan(mission, grid), plan(mission.with_(img_size=(width, height, 3)), grid)
+    plain, resized = plan(mission, grid), plan(mission.replace(img_size=(width, height, 3)), grid)
     assert resized.zoom <= plain.zoom
-    coarser = plan(mission.with_(zoom=resized.zoom - 1), grid)
+    coarser = plan(mission.replace(zoom=resized.zoom - 1), grid)
     # A frame of 255.6 px, whose window may have 255, is as good as 256.
     enough = resized.frames.width_px[0] >= width - 1 and resized.frames.height_px[0] >= height - 1
     assert enough or resized.zoom == plain.zoom
@@ -435,26 +435,26 @@ def test_resizing_takes_no_finer_zoom_than_it_needs(width, height, tile_px, agl)
 
 def test_camera_frames_are_made_no_larger_than_they_are_written():
     mission = Mission(AGRICENTER, 120.0, tilt_deg=10.0)
-    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).frames.largest_px == (320, 240)
-    assert plan(mission.with_(img_size=(224, 224, 3)), GRID).frames.largest_px == (299, 224)
-    assert plan(mission.with_(img_size=(1280, 960, 3)), GRID).frames.largest_px == (640, 480)
-    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).zoom == plan(mission, GRID).zoom - 1
+    assert plan(mission.replace(img_size=(320, 240, 3)), GRID).frames.largest_px == (320, 240)
+    assert plan(mission.replace(img_size=(224, 224, 3)), GRID).frames.largest_px == (299, 224)
+    assert plan(mission.replace(img_size=(1280, 960, 3)), GRID).frames.largest_px == (640, 480)
+    assert plan(mission.replace(img_size=(320, 240, 3)), GRID).zoom == plan(mission, GRID).zoom - 1
 
 
 def test_requested_and_delivered_are_of_the_files():
     mission = Mission(AGRICENTER, 120.0)
-    asked = plan(mission.with_(gsd_m_per_px=0.3), GRID)
+    asked = plan(mission.replace(gsd_m_per_px=0.3), GRID)
     assert (asked.resolution.requested_m_per_px, asked.zoom) == (0.3, 19)
-    resized = plan(mission.with_(img_size=(256, 256, 3)), GRID)
+    resized = plan(mission.replace(img_size=(256, 256, 3)), GRID)
     width = float(np.median(resized.frames.width_px))
     assert resized.resolution.delivered_m_per_px == pytest.approx(
         plan(mission, GRID).resolution.delivered_m_per_px * width / 256
     )
-    tall = plan(mission.with_(camera=Camera(78.8, 0.5), img_size=(256, 256, 3)), GRID)
+    tall = plan(mission.replace(camera=Camera(78.8, 0.5), img_size=(256, 256, 3)), GRID)
     assert tall.resolution.delivered_m_per_px == pytest.approx(
         max(tall.mission.camera.ground_size_m(120.0)) / 256, rel=0.01
     )
-    in_wind = mission.with_(wind=Wind(8.0, 250.0, 0.2))
+    in_wind = mission.replace(wind=Wind(8.0, 250.0, 0.2))
     assert plan(in_wind, GRID).resolution.requested_m_per_px == plan(mission, GRID).resolution.requested_m_per_px
 
 
@@ -465,10 +465,10 @@ def test_native_resolution_is_kept_unless_told_otherwise():
     coarse = PixelGrid(max_zoom=20, native_zoom=16)
     mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0)
     assert plan(mission, coarse).zoom == 16
-    assert plan(mission.with_(upsample=True), coarse).zoom == 19
+    assert plan(mission.replace(upsample=True), coarse).zoom == 19
     with refused("zoom {0}: the source's own pixels end at zoom {1}", 20, 16, field="zoom"):
-        plan(mission.with_(zoom=20), coarse)
-    assert plan(mission.with_(zoom=20, upsample=True), coarse).zoom == 20
+        plan(mission.replace(zoom=20), coarse)
+    assert plan(mission.replace(zoom=20, upsample=True), coarse).zoom == 20
 
 
 def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
@@ -478,11 +478,13 @@ def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
     source_m = float(coarse.ground_m_per_px(own.lat_deg, own.lon_deg, 16)[0])
     width_m = mission.camera.ground_size_m(600.0)[0]
     assert own.frames.largest_px[0] == round(width_m / source_m)
-    assert max(plan(mission.with_(upsample=True), coarse).frames.largest_px) == 640
-    assert max(plan(mission.with_(upsample=True), PixelGrid()).frames.largest_px) == 640
+    assert max(plan(mission.replace(upsample=True), coarse).frames.largest_px) == 640
+    assert max(plan(mission.replace(upsample=True), PixelGrid()).frames.largest_px) == 640
     with refused(TOO_FINE, field="gsd_m_per_px"):
-        plan(mission.with_(gsd_m_per_px=0.5), coarse)
-    assert plan(mission.with_(gsd_m_per_px=0.5, upsample=True), coarse).frames.largest_px[0] > own.frames.largest_px[0]
+        plan(mission.replace(gsd_m_per_px=0.5), coarse)
+    assert (
+        plan(mission.replace(gsd_m_per_px=0.5, upsample=True), coarse).frames.largest_px[0] > own.frames.largest_px[0]
+    )
 
 
 @pytest.mark.parametrize("changes", [{"zoom": 18}, {"max_px": 640, "image_px": 5000}])
@@ -500,7 +502,7 @@ def test_a_wanted_ground_sample_distance_chooses_the_zoom():
     assert worked_out.zoom == 18
     assert worked_out.resolution.delivered_m_per_px <= 0.5
     with refused(TOO_FINE, field="gsd_m_per_px"):
-        plan(mission.with_(gsd_m_per_px=0.001), GRID)
+        plan(mission.replace(gsd_m_per_px=0.001), GRID)
 
 
 def test_pictures_by_their_centre_leave_nothing_out_either():
@@ -530,7 +532,7 @@ def test_a_map_frame_under_one_pixel_gives_way_to_a_camera_frame(ratio):
     assert sorted(worked_out.frames.largest_px) == [1, 640]
     assert "under one pixel" in worked_out.accuracy.picture.reason
     with pytest.raises(InvalidInput, match="under one pixel"):
-        plan(mission.with_(frame="map"), GRID)
+        plan(mission.replace(frame="map"), GRID)
 
 
 def test_names_are_the_published_ones():

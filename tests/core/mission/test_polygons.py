@@ -56,7 +56,7 @@ def test_a_mission_without_no_fly_polygons_says_nothing_of_them():
     mission = Mission(FIELD, 120.0)
     assert mission.no_fly == ()
     assert "no_fly" not in json.loads(mission.to_json())
-    assert mission.with_(no_fly=[OTHER, OTHER]).no_fly == (OTHER,)
+    assert mission.replace(no_fly=[OTHER, OTHER]).no_fly == (OTHER,)
 
 
 @pytest.mark.parametrize(
@@ -448,7 +448,7 @@ def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout
     assert found.coverage.area_m2 == pytest.approx(area.area_m2())
     assert found.imagery.share == 1.0
     assert np.ptp(found.lon_deg) < 0.3
-    left = plan(found.mission.with_(no_fly=(field(179.99, 80.0),)), grid)
+    left = plan(found.mission.replace(no_fly=(field(179.99, 80.0),)), grid)
     assert left.left_out > 0
     assert left.coverage.no_fly_m2 == pytest.approx(field(179.99, 80.0).area_m2())
 
@@ -525,5 +525,5 @@ def test_crossings_are_those_of_each_pair_of_sides():
                 places.add((float(a[0] + share * (b[0] - a[0])), float(a[1] + share * (b[1] - a[1]))))
         for chunk in (100_000, 3):
             with mock.patch.object(area_module, "_CHUNK", chunk):
-                lon, lat = area_module._crossing_places(*area_module.sides_of(ring))
+                lon, lat = area_module._crossing_places(*area_module.polygon_edges(ring))
             assert sorted(zip(1024.0 * lon, 1024.0 * lat)) == pytest.approx(np.array(sorted(places)), abs=1e-9)

@@ -123,7 +123,7 @@ def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(points, relief
     worked_out = plan(mission, grid, heights_of(mission, SourceOptions()) if relief else None)
     for index, pose in enumerate(points.poses):
         angles = {name: getattr(points, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")}
-        single = mission.with_(area=Points((pose,)), agl_m=pose[2], **angles)
+        single = mission.replace(area=Points((pose,)), agl_m=pose[2], **angles)
         alone = plan(single, grid, heights_of(single, SourceOptions()) if relief else None)
         assert all(values[index] == own[0] for values, own in zip(worked_out.poses, alone.poses))
         for corner, own in zip(worked_out.corners, alone.corners):
@@ -142,7 +142,7 @@ def test_times_are_those_of_the_points(tmp_path):
         assert [row["time_utc"] for row in csv.DictReader(file)] == said
     with Image.open(tmp_path / "out" / "satellite" / table.img_names[2]) as image:
         assert image.getexif().get_ifd(0x8769)[0x9003] == "2024:06:21 10:31:00"
-    without = plan(mission.with_(area=replace(POINTS, times_s=())), PatternSource().grid)
+    without = plan(mission.replace(area=replace(POINTS, times_s=())), PatternSource().grid)
     capture(without, PatternSource(), tmp_path / "without")
     header = (tmp_path / "without" / "satellite" / "meta_data.csv").read_text().splitlines()[0]
     assert "time_utc" not in header
@@ -153,7 +153,7 @@ def test_gusts_are_those_of_the_points_own_times():
     soon = replace(POINTS, times_s=(BEGIN, BEGIN + 1e-4, BEGIN + 2e-4))
 
     def offsets(points):
-        worked_out = plan(windy.with_(area=points), PixelGrid())
+        worked_out = plan(windy.replace(area=points), PixelGrid())
         return worked_out.poses.agl_m - [agl for _, _, agl in POINTS.poses]
 
     # Within a tenth of a millisecond gusts have moved nothing; in a minute they are others.

@@ -8,13 +8,13 @@ import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.presets import PRESET_NAMES, PRESETS
-from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.settings import build_mission, resolve
 
 BOX = "35.16_-89.90_35.115_-89.823_120"
 
 
 def asked(environment=None, config=None, **given):
-    return mission_from(resolve({"coords": BOX, **given}, environment or {}, config))
+    return build_mission(resolve({"coords": BOX, **given}, environment or {}, config))
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=PRESET_NAMES)

@@ -187,7 +187,7 @@ def test_what_rows_count_on_is_in_their_pictures(mission):
 
 def test_sides_of_an_area_are_cut_alike_whatever_kind_of_numbers_its_corners_are():
     whole = Mission(Box(80, 0, 79, 60), 20e3, row_azimuth_deg=120.0, error_budget_px=1.0)
-    real = whole.with_(area=Box(80.0, 0.0, 79.0, 60.0))
+    real = whole.replace(area=Box(80.0, 0.0, 79.0, 60.0))
     assert len(plan(whole, GRID)) == len(plan(real, GRID)) < 1.7 * ideal_count(plan(real, GRID))
 
 
@@ -261,8 +261,8 @@ def test_crossed_rows_are_a_second_pass_with_its_pictures_turned():
     assert abs(np.median(made.poses.yaw_deg[first]) - 12.0) < 0.05
     assert abs(np.median(made.poses.yaw_deg[second]) - 102.0) < 0.05
     assert made.row[second].min() == made.row[first].max() + 1
-    one = plan(SCENES["turned crosshatch"].with_(crosshatch=False), GRID)
-    other = plan(SCENES["turned crosshatch"].with_(crosshatch=False, row_azimuth_deg=192.0), GRID)
+    one = plan(SCENES["turned crosshatch"].replace(crosshatch=False), GRID)
+    other = plan(SCENES["turned crosshatch"].replace(crosshatch=False, row_azimuth_deg=192.0), GRID)
     assert len(made) == len(one) + len(other)
     np.testing.assert_array_equal(made.lat_deg[first], one.lat_deg)
     np.testing.assert_array_equal(made.lat_deg[second], other.lat_deg)
@@ -273,7 +273,7 @@ def test_crossed_rows_are_a_second_pass_with_its_pictures_turned():
 
 def test_each_pass_is_flown_in_the_order_asked_for():
     for order in ("serpentine", "one-way"):
-        made = plan(SCENES["turned crosshatch"].with_(order=order), GRID)
+        made = plan(SCENES["turned crosshatch"].replace(order=order), GRID)
         assert (np.diff(made.row) >= 0).all()
         for captures in passes_of(made):
             rows = made.row[captures] - made.row[captures[0]]
@@ -352,7 +352,7 @@ def test_footprints_are_those_of_the_turned_pictures(name):
 
 def test_rows_that_are_not_turned_are_those_along_parallels():
     for mission in (Mission(FIELD, 120.0), Mission(CONCAVE, 120.0, tilt_deg=20.0, frame="camera")):
-        made = plan(mission.with_(row_azimuth_deg=90.0, crosshatch=False), GRID)
+        made = plan(mission.replace(row_azimuth_deg=90.0, crosshatch=False), GRID)
         assert made.passes == ()
         for row in range(made.rows):
             assert np.ptp(made.lat_deg[made.row == row]) == 0.0
@@ -386,12 +386,12 @@ def test_in_wind_what_is_covered_is_counted_on_the_pictures_that_are_flown():
     assert said.share <= shown + noise
     assert said.share > shown - 0.12
     assert made.overlap.least_along < 0.0
-    closer = plan(mission.with_(overlap_along=0.6, overlap_across=0.6), GRID)
+    closer = plan(mission.replace(overlap_along=0.6, overlap_across=0.6), GRID)
     assert closer.coverage.share > said.share
 
 
 def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
-    made = plan(SCENES["turned crosshatch"].with_(wind=Wind(6.0, 250.0, 0.3)), GRID)
+    made = plan(SCENES["turned crosshatch"].replace(wind=Wind(6.0, 250.0, 0.3)), GRID)
     for part, captures in zip(made.passes, passes_of(made)):
         poses = made.poses.take(captures)
         own = rotated_rectangles(made.mission, part, poses, made.row[captures], WGS84, own=True)
@@ -411,31 +411,31 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
     ("mission", "grid", "says"),
     [
         (
-            SCENES["37"].with_(layout="paper"),
+            SCENES["37"].replace(layout="paper"),
             GRID,
             "row azimuth 127 deg: the layout paper is north-up; use --layout cover",
         ),
-        (SCENES["crosshatch"].with_(layout="paper"), GRID, "crosshatch: the layout paper is north-up"),
+        (SCENES["crosshatch"].replace(layout="paper"), GRID, "crosshatch: the layout paper is north-up"),
         (
-            SCENES["37"].with_(tilt_deg=75.0),
+            SCENES["37"].replace(tilt_deg=75.0),
             GRID,
             "camera with tilt 75, roll 0 deg from 120 m: sees past the horizon",
         ),
         (
-            SCENES["37"].with_(area=Box(50, 0, 30, 30)),
+            SCENES["37"].replace(area=Box(50, 0, 30, 30)),
             GRID,
             "row azimuth 127 deg: turned rows hold to 1000 km",
         ),
-        (SCENES["37"].with_(area=Box(85.2, 0, 85, 1)), GRID, "latitude 85.2"),
-        (SCENES["37"].with_(max_images=100), GRID, "the limit is 100"),
-        (SCENES["crosshatch"].with_(max_images=400), GRID, "the limit is 400"),
+        (SCENES["37"].replace(area=Box(85.2, 0, 85, 1)), GRID, "latitude 85.2"),
+        (SCENES["37"].replace(max_images=100), GRID, "the limit is 100"),
+        (SCENES["crosshatch"].replace(max_images=400), GRID, "the limit is 400"),
         (
-            SCENES["37"].with_(frame="map"),
+            SCENES["37"].replace(frame="map"),
             GRID,
             "image 'map' was asked for, but has no bound here: the rows are",
         ),
         (SCENES["37"], PixelGrid(centre_decimals=6, max_size_px=640), "choose a source of tiles"),
-        (SCENES["37"].with_(overlap_along=0.9999999999), GRID, "overlap less"),
+        (SCENES["37"].replace(overlap_along=0.9999999999), GRID, "overlap less"),
     ],
 )
 def test_what_cannot_be_turned_is_refused_in_one_line(mission, grid, says):

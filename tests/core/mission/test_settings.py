@@ -12,7 +12,7 @@ from terrainav.core.mission.cameras import add_camera
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
-from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.settings import build_mission, resolve
 
 from tests.support.growth import PROPORTIONAL, growth
 
@@ -94,8 +94,8 @@ def test_zoom_and_area_displace_their_other_ways_too(config):
 
 def test_a_mission_with_a_camera_of_the_command_line_and_a_field_of_view_of_the_file(config):
     file = config(fov=60, coords="35.1_-89.8_120")
-    assert mission_from(resolve({"hfov": "50"}, {}, file)).camera == Camera.from_horizontal_fov(50.0)
-    assert mission_from(resolve({"camera": "DJI Mini 2"}, {}, file)).camera != Camera(60.0)
+    assert build_mission(resolve({"hfov": "50"}, {}, file)).camera == Camera.from_horizontal_fov(50.0)
+    assert build_mission(resolve({"camera": "DJI Mini 2"}, {}, file)).camera != Camera(60.0)
 
 
 def test_a_file_may_use_hyphens_and_lists(config):
@@ -160,7 +160,7 @@ def test_a_file_asked_for_must_be_there(tmp_path):
 
 
 def make(**given):
-    return mission_from(resolve(dict(given), {}, None))
+    return build_mission(resolve(dict(given), {}, None))
 
 
 def test_the_papers_example():
@@ -333,7 +333,7 @@ def test_the_date_is_the_mission_s_and_the_cache_the_run_s():
         None,
     )
     assert (values["cache_dir"], values["no_cache"], values["cache_limit"]) == ("/fast/disk", True, None)
-    mission = mission_from(values)
+    mission = build_mission(values)
     assert mission.imagery.date == "2021"
     assert mission == make(coords="35.1_-89.8_120", date="2021")
     assert mission != make(coords="35.1_-89.8_120", date="2022")

@@ -27,7 +27,7 @@ def test_waiting_for_others_costs_nothing(monkeypatch, part, changes):
         return work(*arguments)
 
     monkeypatch.setattr(cost, part, interrupted)
-    found = timed_cost(plan(MISSION.with_(**changes), PixelGrid()))
+    found = timed_cost(plan(MISSION.replace(**changes), PixelGrid()))
     assert 0.0 < found.picture_s < SLEEP_S
     assert found.footprints_s > 0.0
 
@@ -36,7 +36,7 @@ def test_waiting_for_others_costs_nothing(monkeypatch, part, changes):
 def test_pictures_that_are_timed_have_the_bands_of_their_source(monkeypatch, part, changes):
     work, made = getattr(cost, part), []
     monkeypatch.setattr(cost, part, lambda *arguments: made.append(work(*arguments)))
-    timed_cost(plan(MISSION.with_(**changes), PixelGrid()), Bands(("red", "green", "blue", "nir"), "uint16"))
+    timed_cost(plan(MISSION.replace(**changes), PixelGrid()), Bands(("red", "green", "blue", "nir"), "uint16"))
     assert {(picture.shape[2], picture.dtype.name) for picture in made} == {(4, "uint16")}
 
 

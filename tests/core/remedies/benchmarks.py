@@ -93,7 +93,7 @@ def _no_benchmark(case: Case) -> None:
 )
 def _empty_part(case: Case) -> None:
     def square(side_deg):
-        return QUERIES.with_(area=Box(35.15, -89.9, 35.15 - side_deg, -89.9 + side_deg))
+        return QUERIES.replace(area=Box(35.15, -89.9, 35.15 - side_deg, -89.9 + side_deg))
 
     asked = replace(SETTINGS, queries=square(0.0025), split="cross-area", gap_m=40.0)
     asked = replace(asked, tile_widths_m=(60.0,), margin_m=0.0)
@@ -175,9 +175,9 @@ def _too_large(case: Case) -> None:
     wide = Mission(Box(35.2, -90.0, 35.0, -89.8), 300.0, image_px=1_000)
     grid = {str(WORLD): open_source("world").grid}
     case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=wide), grid))
-    smaller = wide.with_(area=Box(35.004, -90.0, 35.0, -89.995))
+    smaller = wide.replace(area=Box(35.004, -90.0, 35.0, -89.995))
     case.follow("choose a smaller area", lambda: plan_benchmark(replace(SETTINGS, queries=smaller), grid))
-    coarser = wide.with_(gsd_m_per_px=20.0)
+    coarser = wide.replace(gsd_m_per_px=20.0)
     case.follow(
         "coarser pixels of the queries (--gsd)",
         lambda: plan_benchmark(replace(SETTINGS, queries=coarser), grid),
@@ -189,7 +189,7 @@ def _no_imagery(case: Case) -> None:
     case.refused(lambda: replace(SETTINGS, imageries=()))
     case.follow(
         "give one or more, such as drone=world",
-        lambda: replace(SETTINGS, imageries=(NamedImagery.of("drone=world"),)),
+        lambda: replace(SETTINGS, imageries=(NamedImagery.parse("drone=world"),)),
     )
 
 
@@ -200,11 +200,11 @@ def _no_imagery(case: Case) -> None:
 )
 def _horizon(case: Case) -> None:
     grid = {str(WORLD): open_source("world").grid}
-    tilted = QUERIES.with_(tilt_deg=75.0, accept_error=True)
+    tilted = QUERIES.replace(tilt_deg=75.0, accept_error=True)
     case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=tilted), grid))
-    less = tilted.with_(tilt_deg=40.0)
+    less = tilted.replace(tilt_deg=40.0)
     case.follow("tilt less", lambda: plan_benchmark(replace(SETTINGS, queries=less), grid))
-    narrower = tilted.with_(camera=replace(tilted.camera, fov_deg=20.0))
+    narrower = tilted.replace(camera=replace(tilted.camera, fov_deg=20.0))
     case.follow("take a narrower camera", lambda: plan_benchmark(replace(SETTINGS, queries=narrower), grid))
 
 
@@ -214,7 +214,7 @@ def _horizon(case: Case) -> None:
     "the part (terrainav benchmark run --part)",
 )
 def _tiles_of_others(case: Case) -> None:
-    box = QUERIES.with_(area=Box(35.15, -89.9, 35.147, -89.897))
+    box = QUERIES.replace(area=Box(35.15, -89.9, 35.147, -89.897))
     asked = replace(SETTINGS, queries=box, split="cross-area", tile_widths_m=(80.0,), margin_m=0.0)
     benchmark = made(case.tmp_path / "out", asked).benchmark
     path = case.tmp_path / "mine.csv"

@@ -71,7 +71,7 @@ class Failing(ThreadPoolExecutor):
 def _none_made(case: Case) -> None:
     address, mission = (
         new(),
-        MISSION.with_(area=Points(tuple((35.0 + 1e-4 * n, -89.9, 20.0) for n in range(7)))),
+        MISSION.replace(area=Points(tuple((35.0 + 1e-4 * n, -89.9, 20.0) for n in range(7)))),
     )
     with Failing(RuntimeError("broken")) as workers:
         engine = Engine(workers, lambda: 1, in_process=True)
@@ -178,7 +178,7 @@ def _edited(case: Case) -> None:
     captured(case.tmp_path / "out")
     mark = case.tmp_path / "out" / "mission.json"
     text = mark.read_bytes()
-    other = MISSION.with_(seed=8)
+    other = MISSION.replace(seed=8)
     other.save(mark)
     case.refused(lambda: captured(case.tmp_path / "out", other, resume=True))
 

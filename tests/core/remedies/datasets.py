@@ -37,7 +37,7 @@ from tests.support.sources import PatternSource
 
 AREA = Box(35.16, -89.90, 35.1555, -89.8945)
 MISSION = Mission(AREA, 120.0, image_format="png", map_types=("satellite", "roadmap"), image_px=32, max_px=32)
-TURNED = MISSION.with_(yaw_deg=20.0, tilt_deg=20.0, map_types=("satellite",))
+TURNED = MISSION.replace(yaw_deg=20.0, tilt_deg=20.0, map_types=("satellite",))
 
 
 def captured(case: Case, mission=MISSION, name="out", **options) -> Path:
@@ -481,7 +481,7 @@ def _no_blocks(case: Case) -> None:
 )
 def _no_ground(case: Case) -> None:
     area = Points(tuple((10.0 + 0.02 * index, 20.0, 60.0) for index in range(4)))
-    folder = captured(case, MISSION.with_(area=area, agl_m=60.0, tilt_deg=80.0, accept_error=True))
+    folder = captured(case, MISSION.replace(area=area, agl_m=60.0, tilt_deg=80.0, accept_error=True))
     case.refused(lambda: split(folder, how="blocks"))
     case.follow("split shuffled", lambda: split(folder, how="shuffled"))
     case.follow("in-order", lambda: split(folder, how="in-order"))
@@ -500,7 +500,7 @@ def _empty_part(case: Case) -> None:
     case.refused(lambda: split(folder, how="blocks", block_m=5000.0, gap_m=1.0))
     case.follow("other blocks", lambda: split(folder, how="blocks", block_m=200.0, gap_m=1.0))
     case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0, gap_m=1.0))
-    more = captured(case, MISSION.with_(area=Box(35.18, -89.92, 35.15, -89.88), agl_m=480.0), "more")
+    more = captured(case, MISSION.replace(area=Box(35.18, -89.92, 35.15, -89.88), agl_m=480.0), "more")
     case.follow("a dataset of more ground", lambda: split(more, how="blocks", gap_m=400.0))
     case.follow("split shuffled", lambda: split(folder, how="shuffled"))
 
@@ -515,7 +515,7 @@ def _empty_part_without_a_gap(case: Case) -> None:
     case.refused(lambda: split(folder, how="blocks", block_m=5000.0))
     case.follow("choose other blocks", lambda: split(folder, how="blocks", block_m=200.0))
     case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0))
-    more = captured(case, MISSION.with_(area=Box(35.24, -89.98, 35.15, -89.88), agl_m=1500.0), "more")
+    more = captured(case, MISSION.replace(area=Box(35.24, -89.98, 35.15, -89.88), agl_m=1500.0), "more")
     case.follow("a dataset of more ground", lambda: split(more, how="blocks", block_m=5000.0))
     case.follow("split shuffled", lambda: split(folder, how="shuffled"))
 
@@ -706,7 +706,7 @@ def _odd_part(case: Case) -> None:
 )
 def _of_another(case: Case) -> None:
     folder = captured(case)
-    elsewhere = captured(case, MISSION.with_(area=Box(36.16, -89.90, 36.1555, -89.8945)), "elsewhere")
+    elsewhere = captured(case, MISSION.replace(area=Box(36.16, -89.90, 36.1555, -89.8945)), "elsewhere")
     for one in (folder, elsewhere):
         split(one)
     shutil.copy(elsewhere / LABELS_FILE, folder / LABELS_FILE)
@@ -860,7 +860,7 @@ def _too_fine_a_mosaic(case: Case) -> None:
     "belongs to the table",
 )
 def _torn_shard(case: Case) -> None:
-    place = write_shards(case.tmp_path / "shards", captured(case, MISSION.with_(map_types=("satellite",))))
+    place = write_shards(case.tmp_path / "shards", captured(case, MISSION.replace(map_types=("satellite",))))
     shard = place / "satellite" / "satellite-000000.tar"
     whole = shard.read_bytes()
     shard.write_bytes(b"\0" * len(whole))
@@ -878,7 +878,7 @@ def _torn_shard(case: Case) -> None:
     "folder {}: cannot keep the shard {} ({}); set TMPDIR to a folder with more room",
 )
 def _full_disk(case: Case) -> None:
-    folder = captured(case, MISSION.with_(map_types=("satellite",)))
+    folder = captured(case, MISSION.replace(map_types=("satellite",)))
     place = write_shards(f"memory://{case.tmp_path.name}", folder)
     small, large = case.tmp_path / "small", case.tmp_path / "large"
     large.mkdir()

@@ -27,7 +27,7 @@ from tests.support.remedies import Case, remedy
 from tests.support.sources import NamedPattern, PatternSource
 
 MISSION = Mission(Points(((35.0, -89.9, 20.0),)), 20.0)
-OTHER = MISSION.with_(agl_m=21.0)
+OTHER = MISSION.replace(agl_m=21.0)
 BOX = "35.16_-89.90_35.157_-89.897_400"
 
 

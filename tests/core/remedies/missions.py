@@ -15,7 +15,7 @@ from terrainav.core.mission import cameras, settings
 from terrainav.core.mission.areas import coords
 from terrainav.core.mission.areas import files as area_files
 from terrainav.core.mission.areas.area import Box, Points
-from terrainav.core.mission.estimate import beyond_imagery, upsampling
+from terrainav.core.mission.estimate import imagery_warnings, upsampling_warnings
 from terrainav.core.mission.export import litchi, qgroundcontrol, wpml, write_plan
 from terrainav.core.mission.export.rows import clock
 from terrainav.core.mission.mission import Mission
@@ -201,7 +201,7 @@ def _camera_twice(case: Case) -> None:
 
 
 def _asked(**values):
-    return settings.mission_from(settings.resolve(values, environment={}))
+    return settings.build_mission(settings.resolve(values, environment={}))
 
 
 @remedy("mission/parts.py", "no map type: give one or more of {}")
@@ -242,10 +242,10 @@ def _beyond(case: Case) -> None:
     part = PixelGrid(extent=extent_of_box(-89.9, 35.1575, -89.89, 35.17))
 
     def warned(mission, grid):
-        return "\n".join(beyond_imagery(plan(mission, grid)))
+        return "\n".join(imagery_warnings(plan(mission, grid)))
 
     case.says(warned(mission, part))
-    inside = mission.with_(area=Box(35.165, -89.897, 35.162, -89.894))
+    inside = mission.replace(area=Box(35.165, -89.897, 35.162, -89.894))
     case.follow("choose an area that it has imagery of", lambda: not warned(inside, part))
     case.follow("another source", lambda: not warned(mission, GRID))
 
@@ -259,7 +259,7 @@ UPSAMPLED = (
 def _enlarged(case: Case) -> None:
     mission, coarse = Mission(AREA, 120.0, zoom=19, upsample=True), PixelGrid(native_zoom=17)
     case.says(_warned(mission, coarse))
-    case.follow("ask for --zoom 17", lambda: not _warned(mission.with_(zoom=17), coarse))
+    case.follow("ask for --zoom 17", lambda: not _warned(mission.replace(zoom=17), coarse))
     case.follow("a finer source", lambda: not _warned(mission, PixelGrid(native_zoom=20)))
 
 
@@ -269,8 +269,8 @@ def _enlarged_size(case: Case) -> None:
     case.says(_warned(mission, coarse))
     width, height, channels = map(int, case.advice.split()[1:4])
     size = f"--img-size {width} {height} {channels}"
-    case.follow(size, lambda: not _warned(mission.with_(img_size=(width, height, channels)), coarse))
-    case.follow("less", lambda: not _warned(mission.with_(img_size=(width - 9, height - 9, 3)), coarse))
+    case.follow(size, lambda: not _warned(mission.replace(img_size=(width, height, channels)), coarse))
+    case.follow("less", lambda: not _warned(mission.replace(img_size=(width - 9, height - 9, 3)), coarse))
 
 
 @remedy("mission/estimate.py", "--image-px {} or less, or fly higher")
@@ -279,9 +279,9 @@ def _enlarged_image(case: Case) -> None:
     coarse = PixelGrid(native_zoom=17)
     case.says(_warned(mission, coarse))
     longest = int(case.advice.split()[1])
-    case.follow(f"--image-px {longest}", lambda: not _warned(mission.with_(image_px=longest), coarse))
-    case.follow("less", lambda: not _warned(mission.with_(image_px=longest // 2), coarse))
-    case.follow("fly higher", lambda: not _warned(mission.with_(agl_m=1000.0), coarse))
+    case.follow(f"--image-px {longest}", lambda: not _warned(mission.replace(image_px=longest), coarse))
+    case.follow("less", lambda: not _warned(mission.replace(image_px=longest // 2), coarse))
+    case.follow("fly higher", lambda: not _warned(mission.replace(agl_m=1000.0), coarse))
 
 
 @remedy("mission/estimate.py", "--zoom {} or a finer source")
@@ -291,12 +291,12 @@ def _enlarged_zoom(case: Case) -> None:
         PixelGrid(native_zoom=17),
     )
     case.says(_warned(mission, coarse))
-    case.follow("--zoom 17", lambda: not _warned(mission.with_(gsd_m_per_px=None, zoom=17), coarse))
+    case.follow("--zoom 17", lambda: not _warned(mission.replace(gsd_m_per_px=None, zoom=17), coarse))
     case.follow("a finer source", lambda: not _warned(mission, GRID))
 
 
 def _warned(mission, grid):
-    return "\n".join(upsampling(plan(mission, grid)))
+    return "\n".join(upsampling_warnings(plan(mission, grid)))
 
 
 # --- exports
@@ -418,7 +418,7 @@ def _fewest(case: Case, name: str, **more: Any) -> None:
     mission = Mission(AREA, 60.0, overlap_along=0.6, overlap_across=0.6, **more)
 
     def write(**changes):
-        return write_plan(plan(mission.with_(**changes), GRID), case.tmp_path / name)
+        return write_plan(plan(mission.replace(**changes), GRID), case.tmp_path / name)
 
     case.refused(write)
     case.follow("plan a smaller area", lambda: write(area=Box(35.156, -89.896, 35.155, -89.895)))

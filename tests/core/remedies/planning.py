@@ -56,7 +56,7 @@ def planned(module, message, mission, ways, grid=GRID, room="mission"):
                 case.follow(what, partial(plan, mission, way))
                 continue
             change = {name: float(named[1]) if value == NAMED else value for name, value in way.items()}
-            case.follow(what, partial(plan, mission.with_(**change), grid))
+            case.follow(what, partial(plan, mission.replace(**change), grid))
 
     remedy(f"{room}/{module}", message)(entry)
 
@@ -109,8 +109,8 @@ def _larger_pictures(case: Case) -> None:
     for mission, grid, _ in TOO_LARGE.values():
         case.refused(partial(plan, mission, grid))
     for mission, grid, _ in TOO_LARGE.values():
-        assert len(plan(mission.with_(max_px=700), grid))
-    case.follow("allow larger images (--max-px)", partial(plan, mission.with_(max_px=700), grid))
+        assert len(plan(mission.replace(max_px=700), grid))
+    case.follow("allow larger images (--max-px)", partial(plan, mission.replace(max_px=700), grid))
 
 
 for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
@@ -193,7 +193,7 @@ planned(
 planned(
     "layout/framing.py",
     "{}; choose a less extreme aspect ratio or larger images (--max-px)",
-    NARROW.with_(image_px=9_000, max_px=640),
+    NARROW.replace(image_px=9_000, max_px=640),
     {
         "choose a less extreme aspect ratio": {"camera": Camera(20.0, 10.0)},
         "larger images (--max-px)": {"max_px": 9_000},
@@ -305,7 +305,7 @@ planned(
 planned(
     "layout/rotated.py",
     "{}: the layout {} is north-up; use --layout cover",
-    TURNED.with_(layout="paper"),
+    TURNED.replace(layout="paper"),
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
@@ -345,7 +345,7 @@ planned(
 def _aligned_on_paper(case: Case) -> None:
     mission = Mission(AREA, 120.0, layout="paper")
     case.refused(partial(align_rows, mission, GRID))
-    case.follow("use --layout cover", partial(align_rows, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE))
+    case.follow("use --layout cover", partial(align_rows, mission.replace(layout="cover"), GRID, way=LONGEST_SIDE))
 
 
 planned(

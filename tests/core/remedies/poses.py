@@ -278,4 +278,4 @@ def _none_inside(case: Case) -> None:
 def _an_area_in_wind(case: Case) -> None:
     mission = Mission(Box(35.16, -89.9, 35.159, -89.899), 60.0, wind=Wind(3.0), accept_error=True)
     case.refused(lambda: _of_one(mission, True))
-    case.follow("give points", lambda: _of_one(mission.with_(area=Points(((35.16, -89.9, 60.0),))), True))
+    case.follow("give points", lambda: _of_one(mission.replace(area=Points(((35.16, -89.9, 60.0),))), True))

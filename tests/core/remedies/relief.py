@@ -166,13 +166,13 @@ def _hole(case: Case) -> None:
     case.refused(lambda: flown(mission))
     case.follow(
         "name a further source that fills it (--elevation)",
-        lambda: flown(mission.with_(elevation=(path, "10"))),
+        lambda: flown(mission.replace(elevation=(path, "10"))),
     )
     holed = HEIGHTS.copy()
     holed[140:160, 140:160] = -9999.0
     mission = above(300.0, 300.0, elevation=(str(written(case, "holed.tif", holed, nodata=-9999.0)),))
     case.refused(lambda: flown(mission))
-    case.follow("have holes interpolated (--holes)", lambda: flown(mission.with_(holes="interpolate")))
+    case.follow("have holes interpolated (--holes)", lambda: flown(mission.replace(holes="interpolate")))
 
 
 @remedy(
@@ -184,7 +184,7 @@ def _refused_hole(case: Case) -> None:
     path = str(written(case, "heights.tif"))
     mission = above(-900.0, 300.0, elevation=(path, "10"), holes="refuse")
     case.refused(lambda: flown(mission))
-    case.follow("take a further source that fills it (--holes)", lambda: flown(mission.with_(holes="fill")))
+    case.follow("take a further source that fills it (--holes)", lambda: flown(mission.replace(holes="fill")))
 
 
 @remedy(
@@ -200,7 +200,7 @@ def _into_the_tower(case: Case) -> None:
     assert higher == pytest.approx(60.0, abs=1.0)
     again = above(200.0, 200.0, 60.0 + higher + 30.0, elevation=(path,), height_above="ellipsoid")
     case.follow(f"fly {higher:.0f} m higher", lambda: flown(again))
-    case.follow("above the ground below", lambda: flown(mission.with_(height_above="ground")))
+    case.follow("above the ground below", lambda: flown(mission.replace(height_above="ground")))
 
 
 @remedy(
@@ -213,7 +213,7 @@ def _beside_the_tower(case: Case) -> None:
     mission = above(170.0, 200.0, 60.0, elevation=(path,))
     case.refused(lambda: flown(mission))
     case.follow("fly higher", lambda: flown(above(170.0, 200.0, 200.0, elevation=(path,))))
-    kept = mission.with_(clearance_m=20.0, clearance_distance_m=80.0)
+    kept = mission.replace(clearance_m=20.0, clearance_distance_m=80.0)
     case.follow("keep a clearance (--clearance)", lambda: flown(kept))
 
 

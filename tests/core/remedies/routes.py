@@ -18,13 +18,13 @@ FIELD = Mission(Box(35.158, -89.90, 35.155, -89.894), 120.0, takeoff=(35.1565, -
 
 
 def flown(mission=FIELD, **changes):
-    return plan(mission.with_(**changes), PixelGrid()).path
+    return plan(mission.replace(**changes), PixelGrid()).path
 
 
 @remedy("mission/parts.py", "set a take-off point (--takeoff)")
 def _no_takeoff(case: Case) -> None:
-    case.refused(lambda: FIELD.with_(takeoff=None, entry="nearest"))
-    case.follow("set a take-off point (--takeoff)", lambda: FIELD.with_(entry="nearest", battery_min=10.0))
+    case.refused(lambda: FIELD.replace(takeoff=None, entry="nearest"))
+    case.follow("set a take-off point (--takeoff)", lambda: FIELD.replace(entry="nearest", battery_min=10.0))
 
 
 @remedy(
@@ -32,7 +32,9 @@ def _no_takeoff(case: Case) -> None:
     "take-off at latitude {}, longitude {}: lies inside a no-fly area; move it outside",
 )
 def _takeoff_in_no_fly(case: Case) -> None:
-    mission = FIELD.with_(no_fly=(Polygon((((-89.91, 35.15), (-89.901, 35.15), (-89.901, 35.16), (-89.91, 35.16)),)),))
+    mission = FIELD.replace(
+        no_fly=(Polygon((((-89.91, 35.15), (-89.901, 35.15), (-89.901, 35.16), (-89.91, 35.16)),)),)
+    )
     case.refused(partial(flown, mission))
     case.follow("move it outside", partial(flown, mission, takeoff=(35.1565, -89.8995)))
 
@@ -43,7 +45,7 @@ def _takeoff_in_no_fly(case: Case) -> None:
     "battery",
 )
 def _too_far(case: Case) -> None:
-    mission = FIELD.with_(takeoff=(35.19, -89.9), battery_min=6.0)
+    mission = FIELD.replace(takeoff=(35.19, -89.9), battery_min=6.0)
     case.refused(partial(flown, mission))
     case.follow("take off nearer to it", partial(flown, mission, takeoff=(35.16, -89.9)))
     case.follow("fly faster", partial(flown, mission, airspeed_m_per_s=30.0))
@@ -69,7 +71,7 @@ def _too_many_sorties(case: Case) -> None:
 
 def said(**changes):
     """What there is to say of a camera that takes an image every 2.6 s."""
-    mission = FIELD.with_(overlap_along=0.8, photo_interval_s=2.6).with_(**changes)
+    mission = FIELD.replace(overlap_along=0.8, photo_interval_s=2.6).replace(**changes)
     return "\n".join(interval_warnings(plan(mission, PixelGrid())))
 
 

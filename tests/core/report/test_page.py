@@ -304,7 +304,7 @@ def test_traced_pixels_are_within_their_bound_which_counts_their_place_on_the_ma
 @pytest.mark.parametrize("frame", ["map", "camera"])
 def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
     monkeypatch.setattr(pictures, "_MOST_PX", 2_000)
-    worked_out = plan(MISSIONS["map frames"].with_(frame=frame), WORLD.grid)
+    worked_out = plan(MISSIONS["map frames"].replace(frame=frame), WORLD.grid)
     found = measure(worked_out, WORLD, quick=True)
     wide, high = found.planned_px
     assert wide * high > 4_000

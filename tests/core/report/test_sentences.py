@@ -102,7 +102,7 @@ def test_missions_are_put_into_words(area, title):
     assert "straight down and north-up" in facts["flight"]
     assert "map frames" in facts["images"]
     assert "Synthetic" in facts["source"]
-    turned = plan(worked_out.mission.with_(tilt_deg=20.0, yaw_deg=5.0), SOURCE.grid)
+    turned = plan(worked_out.mission.replace(tilt_deg=20.0, yaw_deg=5.0), SOURCE.grid)
     assert "camera turned by yaw 5°, tilt 20°" in dict(mission_facts(turned, SOURCE, "satellite"))["flight"]
 
 

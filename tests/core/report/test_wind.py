@@ -27,7 +27,7 @@ from tests.core.geodesy.inverse import image_points
 WORLD = WorldSource()
 BOX = Box(35.1425, -89.868, 35.1385, -89.863)
 GUSTY = Mission(BOX, 120.0, overlap_along=0.3, overlap_across=0.2, wind=Wind(8.0, 250.0, 0.2))
-STEADY = GUSTY.with_(wind=Wind(8.0, 250.0, 0.0))
+STEADY = GUSTY.replace(wind=Wind(8.0, 250.0, 0.0))
 
 
 def spread(values):
@@ -51,7 +51,7 @@ def rotation(yaw, tilt, roll):
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 40.0])
 def test_metres_are_those_between_the_poses_in_space(tilt_deg):
-    flown = plan(GUSTY.with_(tilt_deg=tilt_deg), WORLD.grid)
+    flown = plan(GUSTY.replace(tilt_deg=tilt_deg), WORLD.grid)
     found = by_name(wind_effect(flown))
     to_space = Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
     was, now = (
@@ -82,7 +82,7 @@ def test_metres_are_those_between_the_poses_in_space(tilt_deg):
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 40.0])
 def test_turns_are_those_between_rotations_and_shift_rays_by_their_pixels(tilt_deg):
-    flown = plan(GUSTY.with_(tilt_deg=tilt_deg), WORLD.grid)
+    flown = plan(GUSTY.replace(tilt_deg=tilt_deg), WORLD.grid)
     found = by_name(wind_effect(flown))
     was, now = (
         [rotation(*map(float, angles)) for angles in zip(*poses.attitude)] for poses in (flown.nominal, flown.poses)
@@ -135,7 +135,7 @@ def test_of_many_captures_some_spread_over_the_mission_are_compared(monkeypatch)
 
 
 def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
-    flown, calm = (plan(mission, WORLD.grid) for mission in (GUSTY, GUSTY.with_(wind=None)))
+    flown, calm = (plan(mission, WORLD.grid) for mission in (GUSTY, GUSTY.replace(wind=None)))
     effect = wind_effect(flown)
     figures = effect.figures
     for at, one in enumerate((calm, flown)):
@@ -163,10 +163,10 @@ def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
 
 def test_the_page_says_what_the_wind_does_in_figures(tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib, which draws the diagrams, is not installed")
-    pages, gusty = {}, GUSTY.with_(image_px=160)
+    pages, gusty = {}, GUSTY.replace(image_px=160)
     for name, wind in (("gusts", GUSTY.wind), ("calm", None), ("steady", STEADY.wind)):
         folder = tmp_path / name
-        write_report(plan(gusty.with_(wind=wind), WORLD.grid), WORLD, folder, quick=True)
+        write_report(plan(gusty.replace(wind=wind), WORLD.grid), WORLD, folder, quick=True)
         pages[name] = (folder / PAGE).read_text(encoding="utf-8").replace("\u00a0", " ")
     titles = {name: text.partition("<h1>")[2].partition("</h1>")[0] for name, text in pages.items()}
     assert len(set(titles.values())) == 3
@@ -207,7 +207,7 @@ def test_points_have_no_coverage_and_are_displaced_all_the_same():
 
 
 def test_a_camera_that_looks_past_the_earth_is_displaced_by_what_it_does_see():
-    tilted = plan(GUSTY.with_(tilt_deg=80.0), WORLD.grid)
+    tilted = plan(GUSTY.replace(tilt_deg=80.0), WORLD.grid)
     assert not tilted.corners.hit.all()
     assert all(math.isfinite(one.px.most) for one in wind_effect(tilted).displacements)
 

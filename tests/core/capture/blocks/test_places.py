@@ -72,7 +72,7 @@ def test_workers_with_another_folder_find_what_relative_paths_name(tmp_path, mon
         (tmp_path / name).mkdir()
     monkeypatch.chdir(tmp_path / "here")
     write(tmp_path / "here" / "dem.tif", [[[90.0] * 40] * 40], (-89.9, 0.003, 0, 35.18, 0, -0.003), epsg=4326)
-    mission = MISSION.with_(elevation=("dem.tif",), tilt_deg=10.0)
+    mission = MISSION.replace(elevation=("dem.tif",), tilt_deg=10.0)
     worked_out = plan(mission, PATTERN.grid, heights_of(mission))
     engine = Engine(Elsewhere(tmp_path / "there"), lambda: 1)
     result = capture(worked_out, PATTERN, "out", executor=engine, blocks=Blocks(3))
@@ -210,8 +210,8 @@ def test_a_run_whose_place_was_taken_writes_no_tables(address, monkeypatch):
 
 
 def test_of_several_imageries_at_an_address_the_whole_is_held(address):
-    mission = MISSION.with_(imageries=("a=world", "b=world"))
-    each = mission.by_imagery
+    mission = MISSION.replace(imageries=("a=world", "b=world"))
+    each = mission.missions_by_imagery
     sources = {name: NamedPattern() for name in each}
     plans = {name: plan(one, PATTERN.grid) for name, one in each.items()}
     begun, go_on = threading.Event(), threading.Event()

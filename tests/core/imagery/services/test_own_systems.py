@@ -439,7 +439,7 @@ def test_the_dataset_says_the_system_and_can_be_resumed(server, tmp_path):
     mission = Mission(Points(((52.09, 5.12, 120.0), (52.091, 5.121, 120.0))), 120.0, source=name)
     for crs, stated in (("EPSG:28992", "EPSG:28992"), ("", None), ("EPSG:3857", "EPSG:3857")):
         source = open_source(name, crs=crs)
-        worked_out = plan(mission.with_(crs=crs), source.grid)
+        worked_out = plan(mission.replace(crs=crs), source.grid)
         folder = tmp_path / (crs.replace(":", "") or "default")
         capture(worked_out, source, folder)
         file = folder / "mission.json"
