@@ -1,25 +1,25 @@
-"""The QGIS plugin: what people see and touch. Calculations are in ``terrainav.core``.
+"""The QGIS plugin: its windows, tools and algorithms. Calculations are in ``terrainav.core``.
 
-Rooms, from the top; arrows point down, and rooms of one floor talk through what the session joins:
+Rooms from top to bottom; a room imports only those below it, and the session joins those on one level:
 
-plugin          toolbar and menu; everything else is loaded when it is first used
-session         the plugin at work: makes what the rooms hold, and joins it
-panel           the mission panel, and the page of settings
-processing      the algorithms of Processing
-area            the area of a mission: entries, tools, layers and files
-preview         what would be captured, and the map below it
+plugin          toolbar and menu; loads everything else on first use
+session         creates the objects of the rooms and connects them
+panel           the mission panel and the options page
+processing      the Processing algorithms
+area            the mission's area: entries, map tools, layers and files
+preview         what would be captured, and the background imagery
 capture         the queue of captures
-results         captured images, looked at one by one
-missions        missions and datasets: opened, saved, taken up again
-cleaning        a dataset cleaned by eye
-planner         plans worked out in the background
-sources         sources to plan with, to capture from and to show
-dataset         a dataset's files as QGIS shows them
-qgis_source     layers of the project, and QGIS's connections, as sources
-form            what is entered, and the mission that it asks for
-map             the canvas, the layer tree's groups, what a plan draws
+results         viewing and comparing captured images
+missions        opening, saving and resuming missions and datasets
+dataset_window  cleaning, splitting, labelling and exporting a dataset
+planner         planning in the background
+sources         sources for planning, capturing and display
+dataset         a dataset's files as QGIS layers
+qgis_source     project layers and QGIS connections as sources
+form            entries, and the mission made from them
+map             the canvas, layer tree groups and plan outlines
 network         requests over QGIS's own network stack
 
-and for all: settings, credentials, i18n, units, messages, help, plain, foreign, widgets, tasks, paths, packages and
-compat.
+and used by all: settings, credentials, i18n, units, messages, help, plain, foreign, widgets, tasks, paths, packages
+and compat.
 """

@@ -15,7 +15,7 @@ from qgis.core import (
 )
 from qgis.PyQt import QtCore, QtGui, QtWidgets
 
-# Qt 6 has them with the classes that know no widget.
+# Qt 6 has these in QtGui, with other classes that need no widgets.
 QAction = getattr(QtGui, "QAction", None) or QtWidgets.QAction
 QUndoCommand = getattr(QtGui, "QUndoCommand", None) or QtWidgets.QUndoCommand
 QUndoStack = getattr(QtGui, "QUndoStack", None) or QtWidgets.QUndoStack
@@ -49,19 +49,19 @@ else:
 
 LABELS_ALONG_LINE = Qgis.LabelPlacement.Line if hasattr(Qgis, "LabelPlacement") else QgsPalLayerSettings.Placement.Line
 
-#: A task that can be stopped; the plugin says itself how it ended, where QGIS (3.26) lets it.
+#: Flags of a task that can be cancelled and, where QGIS allows it (3.26), shows no notice of its end.
 TASK_FLAGS = QgsTask.Flag.CanCancel
 if hasattr(QgsTask.Flag, "Silent"):
     TASK_FLAGS |= QgsTask.Flag.Silent
 
-#: Names of fields that were chosen: the method of an algorithm, called with it, the parameters, a name and the context.
+#: Method of an algorithm that returns the chosen field names, given itself, the parameters, a name and the context.
 chosen_fields = getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
 
-#: Whether the log panel shows messages as they are. QGIS 3.40.6 takes them for HTML and 3.44.15 does not; in between
-#: they are escaped, as entities in a log do less harm than tags.
+#: Whether the log panel shows messages verbatim. QGIS 3.40.6 takes them for HTML and 3.44.15 does not; in between
+#: they are escaped, since entities in a log do less harm than tags.
 LOG_IS_PLAIN = Qgis.QGIS_VERSION_INT >= 34415
 
-#: Types of attributes: their name in Qt 6, and in the QVariant of Qt 5.
+#: Attribute types: their names in Qt 6, and in Qt 5's QVariant.
 _KINDS = {
     "text": ("QString", "String"),
     "integer": ("Int", "Int"),
@@ -72,8 +72,8 @@ _KINDS = {
 
 
 def attribution(layer: QgsMapLayer) -> str:
-    """Whom a layer's server asks to credit."""
-    # From 3.38 on, the credit is among the layer's properties for servers.
+    """Credit that a layer's server asks for."""
+    # Since 3.38, server properties of a layer hold the credit.
     if Qgis.QGIS_VERSION_INT >= 33800:
         return layer.serverProperties().attribution()
     return layer.attribution()
@@ -82,7 +82,7 @@ def attribution(layer: QgsMapLayer) -> str:
 def field(name: str, kind: str) -> QgsField:
     """Attribute of a layer; ``kind`` is text, integer, number, yes_no or time."""
     there, before = _KINDS[kind]
-    # From 3.38 on, fields have Qt 6's types, under Qt 5, too.
+    # Since 3.38, fields take Qt 6's types, under Qt 5 as well.
     if Qgis.QGIS_VERSION_INT >= 33800:
         return QgsField(name, getattr(QtCore.QMetaType.Type, there))
     return QgsField(name, getattr(QtCore.QVariant, before))

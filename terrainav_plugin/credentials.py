@@ -1,4 +1,4 @@
-"""Keys and passwords, which are in QGIS's authentication database and nowhere else."""
+"""Keys and passwords, kept in QGIS's authentication database only."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from qgis.core import QgsApplication, QgsAuthMethodConfig
 
 from .i18n import tr
 
-#: Methods of authentication whose configurations hold something that can be a key.
+#: Authentication methods whose configurations can hold a key.
 _BASIC, _HEADER = "Basic", "APIHeader"
 
 
 def read_key(authcfg: str) -> str | None:
-    """API key: the password of a Basic configuration, or the value of an API header; None where there is none.
+    """API key: the password of a Basic configuration, or the value of an API header; None if there is none.
 
-    Asks for the master password where QGIS has not been given it; on the main thread.
+    Main thread only: QGIS may ask for the master password.
     """
     if not authcfg:
         return None
@@ -27,14 +27,14 @@ def read_key(authcfg: str) -> str | None:
 
 
 def credential_problem(authcfg: str, is_key: bool) -> str:
-    """Reason why a run cannot use a configuration; empty for none. On the main thread.
+    """Reason why a run cannot use a configuration; empty if it can. Main thread only.
 
     Parameters
     ----------
     authcfg : str
         Empty where none is chosen.
     is_key : bool
-        Whether a key is to be had of it; otherwise requests are authenticated by it.
+        Whether the configuration must hold a key; otherwise it authenticates requests.
     """
     manager = QgsApplication.authManager()
     if not authcfg:
@@ -43,7 +43,7 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
         return tr("QGIS's authentication database cannot be used: {reason}").format(reason=manager.disabledMessage())
     if authcfg not in manager.configIds():
         return tr("authentication configuration {id} is not there (any more): choose another").format(id=authcfg)
-    # Where QGIS has to ask for it, this is the moment: once the run goes on nobody may be there.
+    # Let QGIS ask for the master password now: nobody may be there once the run is under way.
     if not manager.setMasterPassword(True):
         return tr("QGIS's authentication database is locked: press Capture again and enter its master password")
     if is_key and read_key(authcfg) is None:
@@ -54,9 +54,9 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
 
 
 def store_key(title: str, key: str) -> str:
-    """Keep a key in QGIS's authentication database; returns the id of its configuration, empty where it is not let.
+    """Store a key in QGIS's authentication database; returns the configuration's id, empty if the user refuses.
 
-    Asks for the master password where QGIS has not been given it; on the main thread.
+    Main thread only: QGIS may ask for the master password.
     """
     manager = QgsApplication.authManager()
     if manager.isDisabled() or not manager.setMasterPassword(True):

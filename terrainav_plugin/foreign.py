@@ -1,4 +1,4 @@
-"""Files that somebody else may have made, checked before QGIS opens them: it follows whatever GDAL takes them for."""
+"""Check files of unknown origin before QGIS opens them: GDAL detects formats by content and follows references."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .i18n import tr, translate
 
 
 def check_vector(path: Path) -> None:
-    """Refuse a file that QGIS would not read as GeoJSON which leads nowhere; on any thread.
+    """Refuse a file unless QGIS would read it as GeoJSON without references; on any thread.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def check_vector(path: Path) -> None:
 
 
 def check_raster(path: Path) -> None:
-    """Refuse a file that QGIS would read as anything but a picture on this machine; on any thread.
+    """Refuse a file unless QGIS would read it as a local image; on any thread.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def check_raster(path: Path) -> None:
 
 
 def check_driver(path: Path) -> None:
-    """Refuse a file of checked GeoJSON that QGIS would open as something else, or in whose place another file."""
+    """Refuse a checked GeoJSON file that QGIS would open with another driver, or whose path it reads as another."""
     _check_path("ogr", path)
     _check_kind(path, gdal.OF_VECTOR, ["GeoJSON"])
 

@@ -1,4 +1,4 @@
-"""The guide: in a window where it is installed with the plugin, otherwise at the project's homepage."""
+"""The guide: a window if it is installed with the plugin, otherwise the project's homepage."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from .tasks import single_shot
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
-#: The window while it is open: Qt alone does not keep what Python has added to it.
+#: The open window: Qt alone does not keep attributes added by Python.
 _OPEN: list[GuideWindow] = []
 
 
 def help_url(topic: str = "") -> QUrl:
-    """Where the guide is: a file of the plugin, in the user's language where there is one, or the homepage.
+    """Address of the guide: the plugin's file, in the user's language if there is one, or the homepage.
 
     Parameters
     ----------
     topic : str
-        Heading to go to, as it is written in links; empty for the beginning.
+        Heading to scroll to, as links name it; empty for the beginning.
     """
     for name in (f"{_GUIDE}.{language()}.md", f"{_GUIDE}.md"):
         path = _PLUGIN / "docs" / name
@@ -37,7 +37,7 @@ def help_url(topic: str = "") -> QUrl:
 
 
 def homepage() -> str:
-    """Address of the project's page."""
+    """Address of the project's homepage."""
     metadata = ConfigParser(interpolation=None)
     metadata.read(_PLUGIN / "metadata.txt", encoding="utf-8")
     return metadata["general"]["homepage"]
@@ -53,19 +53,19 @@ def show_help(topic: str = "") -> None:
 
 
 def close_help() -> None:
-    """Close the guide where it is open."""
+    """Close the guide if it is open."""
     GuideWindow.close_all()
 
 
 def add_help_button(buttons: QDialogButtonBox, topic: str) -> None:
-    """Add a button to a dialog's that opens the guide at a topic, a heading in the user's language."""
+    """Add a button that opens the guide at a topic: a heading in the user's language."""
     button = buttons.addButton(QDialogButtonBox.StandardButton.Help)
     button.setToolTip(tr("Open the guide"))
     buttons.helpRequested.connect(lambda: show_help(topic))
 
 
 class GuideWindow(QTextBrowser):
-    """Shows the guide; links to the guide's headings and pages are followed here, others by the user's browser."""
+    """Show the guide; follow links within it, and open others in the browser."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -89,7 +89,7 @@ class GuideWindow(QTextBrowser):
 
             _OPEN.append(cls(iface.mainWindow()))
         window = _OPEN[0]
-        # Shown first: only then it has the width that pictures and headings take their places by.
+        # Show first: only then is the width final by which pictures and headings are laid out.
         window.show()
         window.load(Path(url.toLocalFile()))
         window.show_heading(url.fragment())
@@ -98,12 +98,12 @@ class GuideWindow(QTextBrowser):
 
     @classmethod
     def close_all(cls) -> None:
-        """Close it where it is open."""
+        """Close the window if it is open."""
         while _OPEN:
             _OPEN[0].close()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Be forgotten."""
+        """Drop the reference to the window."""
         super().closeEvent(event)
         if self in _OPEN:
             _OPEN.remove(self)
@@ -112,9 +112,9 @@ class GuideWindow(QTextBrowser):
         """Show a page."""
         self._path = path
         self._fitted_px = self.viewport().width()
-        # Pictures are named by their place beside the page.
+        # Picture paths are relative to the page.
         self.setSearchPaths([str(path.parent)])
-        # A new one each time: the formats of what a document held before would go over to what comes.
+        # A new document each time: it would inherit the formats of the previous contents.
         document, before = QTextDocument(self), self._shown
         document.setDefaultFont(self.font())
         document.setMarkdown(path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub)
@@ -132,12 +132,12 @@ class GuideWindow(QTextBrowser):
         # 12 px of margins, and the 40 px by which Qt indents lists, which may hold images.
         size, room = reader.size(), self.viewport().width() - 12 - 40
         if size.width() > room > 0:
-            # Readers of JPEG scale while they read, in a fraction of the time.
+            # JPEG readers scale while they read, in a fraction of the time.
             reader.setScaledSize(size * (room / size.width()))
         return reader.read()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the pictures to another width, once it stays."""
+        """Fit the pictures once the new width stays."""
         super().resizeEvent(event)
         if self._path.is_file():
             self._fit_soon.start()
@@ -151,7 +151,7 @@ class GuideWindow(QTextBrowser):
         bar.setValue(round(share * bar.maximum()))
 
     def show_heading(self, topic: str) -> None:
-        """Scroll to a heading, named as links name it; to the beginning where there is none."""
+        """Scroll to a heading, named as in links; to the beginning if there is none."""
         block = self.document().begin()
         while block.isValid():
             if block.blockFormat().headingLevel() and _anchor(block.text()) == topic:
@@ -180,5 +180,5 @@ class GuideWindow(QTextBrowser):
 
 
 def _anchor(heading: str) -> str:
-    """Name of a heading in links."""
+    """Name of a heading, as links have it."""
     return re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.strip().lower()))

@@ -1,4 +1,4 @@
-"""Translation of what users read: the plugin's own texts, and the messages of the core."""
+"""Translation of user-visible texts: the plugin's, and the core's messages."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from ..core.errors import Message
 
 _FOLDER = RESOURCES / "i18n"
-#: Contexts of the translation files: texts of the plugin, and of the core.
+#: Contexts in the translation files: texts of the plugin and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
-#: Options in advice of the core that the panel has an entry for under the declared title.
+#: Options named in the core's advice, which the panel shows under their declared titles.
 _ENTERED = (
     "error_budget",
     "accept_error",
@@ -40,12 +40,12 @@ _ENTERED = (
 
 
 def tr(text: str) -> str:
-    """Text in the user's language; placeholders are filled in afterwards, with ``str.format``."""
+    """Text in the user's language; fill in placeholders afterwards with ``str.format``."""
     return QCoreApplication.translate(_PLUGIN, text)
 
 
 def install_translator() -> QTranslator | None:
-    """Have Qt speak the user's language from now on; None where there is no translation, or English will do."""
+    """Install the user's language in Qt; None if there is no translation or none is needed."""
     path = _FOLDER / f"terrainav_{language()}.qm"
     if not path.is_file():
         return None
@@ -63,10 +63,10 @@ def remove_translator(translator: QTranslator | None) -> None:
 
 
 def translate(message: object) -> str:
-    """Message, error or word of the core in the user's language, its numbers as the user writes them.
+    """Message, error or word of the core in the user's language, with numbers as the user writes them.
 
-    Options are called what the panel calls them. An advice that names one which the panel has no entry for is left
-    out, and so is a message within another that does. A plain string is looked up as a whole.
+    Options are named as in the panel. Advice that names an option without an entry there is left out, and so is a
+    nested message that does. A plain string is looked up as a whole.
     """
     from ..core.errors import Message, TerrAInavError
 
@@ -76,7 +76,7 @@ def translate(message: object) -> str:
             parts.append(message.remedy)
         return "; ".join(map(translate, parts))
     template = message.template if isinstance(message, Message) else str(message)
-    # Half of a character, which a user can paste, is none of Qt's.
+    # Users can paste half a surrogate pair, which Qt cannot convert.
     template = QCoreApplication.translate(_CORE, template.encode("utf-8", "replace").decode())
     if not isinstance(message, Message):
         return template
@@ -86,7 +86,7 @@ def translate(message: object) -> str:
 
 
 def option_label(name: str) -> str:
-    """The panel's name of an option of a mission, quoted; empty where it has no entry for it."""
+    """The panel's name of a mission option, quoted; empty if it has no entry."""
     if name == "max_images":
         return tr("“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file")
     from ..core.fields import declared_fields
@@ -101,7 +101,7 @@ def option_label(name: str) -> str:
 
 
 def begun(text: str) -> str:
-    """Text with a capital at its beginning, after the mark of a key."""
+    """Text with its first letter, after any mnemonic mark, in upper case."""
     at = 1 if text.startswith("&") else 0
     return text[:at] + text[at : at + 1].upper() + text[at + 1 :]
 
@@ -109,32 +109,32 @@ def begun(text: str) -> str:
 def number_text(value: float, form: str = ",") -> str:
     """Return a number as the user writes it.
 
-    Thousands are always kept apart: these are figures to be read, whatever QGIS does in fields to be typed into.
+    Thousands are always grouped: these figures are for reading, unlike those in entries.
 
     Parameters
     ----------
     form : str
-        As for ``format``.
+        Format specification, as for ``format``.
     """
     return localized(format(value, form))
 
 
 def localized(number: str) -> str:
-    """Number that Python has written, as the user writes it."""
+    """A number formatted by Python, as the user writes it."""
     locale = QLocale()
     written = {",": locale.groupSeparator(), ".": decimal_sign()}
     return "".join(written.get(sign, sign) for sign in number)
 
 
 def plain_number(text: str) -> float:
-    """Read a number with decimals behind a point, a comma or the user's own sign; a Unicode minus is understood.
+    """Read a number with a point, a comma or the locale's sign as decimal mark, and ASCII or Unicode minus.
 
     Raises
     ------
     ValueError
-        Where there is no number.
+        The text is not a number.
     """
-    # QGIS loads this module at its start, and the core only when it is used.
+    # QGIS imports this module at start-up; the core is imported on first use.
     from ..core.numbers import real_number
 
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
@@ -147,22 +147,22 @@ def plain_number(text: str) -> float:
 
 
 def decimal_sign() -> str:
-    """Decimal mark of the user's language."""
+    """Decimal mark of the user's locale."""
     return str(QLocale().decimalPoint())
 
 
 def language() -> str:
-    """Code of the application's language without that of a country: ``es`` for ``es_MX`` or ``es-419``."""
+    """Language code of the application without a country: ``es`` for ``es_MX`` or ``es-419``."""
     return re.split("[_.@-]", _locale())[0].lower()
 
 
 def _locale() -> str:
-    # What it was started with counts before what is set; without windows there is only the latter.
+    # The locale QGIS was started with overrides the setting; without windows only the setting exists.
     return QgsApplication.instance().translation() or QgsApplication.locale()
 
 
 class _Formatter(Formatter):
-    """Fills values into a message; numbers come out as the user writes them."""
+    """Fill values into a message, with numbers as the user writes them."""
 
     def convert_field(self, value: Any, conversion: str) -> Any:
         converted = super().convert_field(value, conversion)
@@ -177,7 +177,7 @@ _FORMATTER = _Formatter()
 
 
 def _shown(value: object) -> object:
-    """Value of a message as it is put into the translation."""
+    """Value of a message as the translation shows it."""
     from ..core.errors import Message, OptionName, TerrAInavError
 
     if isinstance(value, OptionName):
@@ -191,18 +191,18 @@ def _shown(value: object) -> object:
 
 
 def _layer_title(found: re.Match[str]) -> str:
-    """Title of a layer that a source is named by, in place of QGIS's identifier."""
+    """Title of the layer that a source names by QGIS's identifier."""
     from qgis.core import QgsProject
 
     if QThread.currentThread() != QCoreApplication.instance().thread():
-        # The project is the main thread's.
+        # Only the main thread may use the project.
         return tr("a layer of the project")
     layer = QgsProject.instance().mapLayer(found["id"])
     return tr("a layer that is not in the project") if layer is None else f"“{layer.name()}”"
 
 
 def _names_no_entry(message: Message) -> bool:
-    """Whether a message names an option that the panel has no entry for."""
+    """Whether a message names an option that has no entry in the panel."""
     from ..core.errors import OptionName
 
     return any(isinstance(value, OptionName) and not option_label(value.name) for value in message.values)

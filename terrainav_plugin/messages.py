@@ -1,4 +1,4 @@
-"""Messages to the user: the message bar, and a log for the details."""
+"""Messages to the user: in the message bar, with details in the log."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from .i18n import tr
 from .plain import escaped
 
 TITLE = "TerrAInav"
-#: Characters that two lines of the bar have room for beside its buttons, and those that end a part of a sentence.
+#: Characters that fit in two lines of the bar beside its buttons.
 _MOST_LETTERS = 140
 
 
 def _masked(text: str, most: int) -> str:
-    """Text without the credentials of an address in it, of so many characters at most."""
-    # Of the core, which is loaded when it is first used.
+    """Text of at most ``most`` characters, without credentials of addresses."""
+    # The core is imported on first use.
     from ..core.addresses import without_credentials
     from ..core.text.plain import shortened
 
@@ -40,14 +40,14 @@ def _masked(text: str, most: int) -> str:
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
-    """Write a line to the log panel's TerrAInav tab, as it is."""
+    """Write a line to the log panel's TerrAInav tab, verbatim."""
     text = _masked(text, 16384)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
 
 class LogPanelHandler(logging.Handler):
-    """Hands warnings and errors of the core, with their traces, to the log panel; from any thread."""
+    """Write the core's warnings and errors, with tracebacks, to the log panel; from any thread."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -60,7 +60,7 @@ class LogPanelHandler(logging.Handler):
         log(self.format(record), Qgis.MessageLevel.Critical if is_error else Qgis.MessageLevel.Warning)
 
     def close(self) -> None:
-        """Hear no more."""
+        """Stop receiving records."""
         self._logger.removeHandler(self)
         super().close()
 
@@ -76,27 +76,27 @@ def show_log(iface: QgisInterface) -> None:
 
 
 class Messages(QObject):
-    """Messages of one session; `close` takes back those still shown."""
+    """Messages of one session; `close` removes those still shown."""
 
     def __init__(self, iface: QgisInterface) -> None:
         super().__init__()
         self._iface = iface
         self._shown: list[QgsMessageBarItem] = []
-        #: Refusal that is shown, if any: the next one takes its place.
+        #: The refusal shown, if any: the next one replaces it.
         self._refusal: QgsMessageBarItem | None = None
-        #: What is said while something is waited for.
+        #: Shown while the user waits.
         self._waiting: QgsMessageBarItem | None = None
-        #: Items by what they are about.
+        #: Items by topic.
         self._topics: dict[str, list[QgsMessageBarItem]] = {}
-        # The bar says when an item goes. What an item calls as it is destroyed may be gone already itself.
+        # The bar reports removed items: what an item calls on its destruction may be gone already.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
     def info(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Say what happened."""
+        """Show information."""
         self._show(text, Qgis.MessageLevel.Info, action)
 
     def success(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
-        """Say that what was asked for is done."""
+        """Report that a request was carried out."""
         self._show(text, Qgis.MessageLevel.Success, action)
 
     def warning(
@@ -106,16 +106,16 @@ class Messages(QObject):
         action: tuple[str, Callable[[], None]] | None = None,
         other: tuple[str, Callable[[], None]] | None = None,
     ) -> None:
-        """Say what went wrong, or partly wrong, and offer one or two ways on."""
+        """Report a full or partial failure, with one or two actions."""
         self._show(text, Qgis.MessageLevel.Warning, action, details, other=other)
 
     def refused(self, reason: str, what: str) -> None:
-        """Say why something asked for was not done, the reason first; the refusal before it goes.
+        """Report why a request was refused; replaces the previous refusal.
 
         Parameters
         ----------
         what : str
-            What there is not because of it, as a sentence.
+            What is missing as a result, as a sentence.
         """
         self.withdraw_refusal()
         text = f"{reason[:1].upper()}{reason[1:].rstrip('.')}. {what}"
@@ -123,46 +123,46 @@ class Messages(QObject):
         self._refusal = self._show(short, Qgis.MessageLevel.Warning, details="" if short == text else text, logged=text)
 
     def withdraw_refusal(self) -> None:
-        """Take back the refusal that is shown, if any."""
+        """Remove the refusal shown, if any."""
         if self._refusal is not None:
             self._iface.messageBar().popWidget(self._refusal)
 
     def error(self, text: str, details: str = "") -> None:
-        """Say that something failed that should not have."""
+        """Report an unexpected failure."""
         self._show(text, Qgis.MessageLevel.Critical, details=details)
 
     def failed(self, text: str, trace: str) -> None:
-        """Say why work has ended early; of an error that should not have been, ``trace`` says where it came from."""
+        """Report why work ended early; ``trace`` is the traceback of an unexpected error, else empty."""
         if trace:
             self.error(text, trace)
         else:
             self.warning(text)
 
     def wait(self, text: str) -> None:
-        """Say what is waited for, until `stop_waiting`."""
+        """Show a text until `stop_waiting`."""
         self.stop_waiting()
         self._waiting = self._show(text, Qgis.MessageLevel.Info, lasts=True)
 
     def stop_waiting(self) -> None:
-        """Take back what was waited for."""
+        """Remove the text shown by `wait`."""
         if self._waiting is not None:
             self._iface.messageBar().popWidget(self._waiting)
 
     @contextmanager
     def about(self, topic: str) -> Iterator[None]:
-        """Note what the messages shown inside are about, for `withdraw`."""
+        """Assign a topic to the messages shown inside, for `withdraw`."""
         before = len(self._shown)
         yield
         self._topics.setdefault(topic, []).extend(self._shown[before:])
 
     def withdraw(self, topic: str) -> None:
-        """Take back what is still shown about something: it no longer holds."""
+        """Remove the messages of a topic: it no longer holds."""
         for item in self._topics.pop(topic, []):
             if item in self._shown:
                 self._iface.messageBar().popWidget(item)
 
     def close(self) -> None:
-        """Take back what is still shown, for good."""
+        """Remove all messages, and show no more."""
         self._iface.messageBar().widgetRemoved.disconnect(self._forget)
         for item in list(self._shown):
             self._iface.messageBar().popWidget(item)
@@ -180,7 +180,7 @@ class Messages(QObject):
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        # Some lines on any map; Qt takes minutes to lay out a million characters.
+        # A few lines on any screen; Qt takes minutes to lay out a million characters.
         shown = escaped(_masked(text, 2000))
         item = QgsMessageBarItem(
             TITLE,
@@ -210,7 +210,7 @@ class Messages(QObject):
         action()
 
     def _forget(self, item: QgsMessageBarItem) -> None:
-        """Let go of an item: the bar deletes it, and its wrapper must not be used after that."""
+        """Drop an item: the bar deletes it, and its wrapper must not be used afterwards."""
         if item in self._shown:
             self._shown.remove(item)
         if item is self._refusal:
@@ -223,15 +223,15 @@ class Messages(QObject):
 
 
 class _Fitting(QObject):
-    """Fits a message to the map: as wide as that is, and as high as its lines.
+    """Fit a message to the map: its width to the canvas, its height to its lines.
 
-    QGIS gives every text the height of one or two lines. And its bar asks for the width that text and buttons have by
-    themselves: beside a panel, on a small screen, that takes the layers' panel its own, and gives nothing back.
+    QGIS gives every text the height of one or two lines, and its bar asks for the full width of text and buttons: on a
+    small screen that takes space from the panels beside it and never returns it.
 
     Attributes
     ----------
     buttons : QBoxLayout
-        For the message's buttons.
+        Layout of the message's buttons.
     """
 
     def __init__(self, item: QgsMessageBarItem) -> None:
@@ -255,7 +255,7 @@ class _Fitting(QObject):
             if watched is self._text:
                 self._fit_text(event.size().width())
             else:
-                # In a narrow message the buttons stand below each other, to leave the text room.
+                # In a narrow message, stack the buttons to leave room for the text.
                 narrow = event.size().width() < 700
                 down, along = QBoxLayout.Direction.TopToBottom, QBoxLayout.Direction.LeftToRight
                 self.buttons.setDirection(down if narrow else along)
@@ -270,7 +270,7 @@ class _Fitting(QObject):
 
 
 def shortened(text: str) -> str:
-    """Text that the bar shows whole: as many parts of its sentences as there is room for."""
+    """As many parts of the text's sentences as fit in the bar."""
     if len(text) <= _MOST_LETTERS:
         return text
     room = text[:_MOST_LETTERS]

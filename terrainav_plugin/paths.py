@@ -1,4 +1,4 @@
-"""Where the plugin's own files are, and the user's."""
+"""Paths of the plugin's files and of the user's."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pathlib import Path
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices, QIcon
 
-#: Folder of the user's profile with what was copied of datasets at addresses.
+#: Folder of the user's profile for copies of remote datasets.
 COPIES = "TerrAInav/addresses"
-#: Folder of the user's profile with notes of captures that have not ended.
+#: Folder of the user's profile for notes on unfinished captures.
 UNFINISHED = "TerrAInav/unfinished"
-#: Where Linux lists what is mounted, and kinds of file systems there that another machine serves.
+#: Linux's list of mounts, and the types of network file systems in it.
 _MOUNTS = Path("/proc/self/mounts")
 _SERVED = (
     "nfs",
@@ -35,7 +35,7 @@ RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 
 def entered_folder(text: str) -> Path:
-    """Folder that a user has entered; one that begins with nobody's ``~name`` is taken as it stands."""
+    """Folder that a user has entered; ``~name`` of an unknown user is taken literally."""
     path = Path(text.strip())
     try:
         return path.expanduser()
@@ -44,12 +44,12 @@ def entered_folder(text: str) -> Path:
 
 
 def is_remote(folder: str | os.PathLike[str]) -> bool:
-    """Whether another machine has a folder, by what is known here: that machine is asked nothing."""
+    """Whether a folder is on another machine, found without asking that machine."""
     text = str(folder).replace("\\", "/")
     if "://" in text or text.startswith("//"):
         return True
     if sys.platform == "win32":
-        # DRIVE_REMOTE: a drive of another machine.
+        # DRIVE_REMOTE: a network drive.
         return bool(ctypes.windll.kernel32.GetDriveTypeW(f"{Path(folder).drive}\\") == 4)
     try:
         mounts = [line.split(" ") for line in _MOUNTS.read_text("utf-8", "replace").splitlines()]
@@ -62,7 +62,7 @@ def is_remote(folder: str | os.PathLike[str]) -> bool:
 
 
 def path_key(path: Path) -> str:
-    """Key of a path, the same for all ways of writing it."""
+    """Key of a path, the same for all its spellings."""
     return os.path.normcase(os.path.realpath(path))
 
 
@@ -72,7 +72,7 @@ def icon(name: str) -> QIcon:
 
 
 def symbol(name: str) -> str:
-    """Path of an image that a place is marked by on the map."""
+    """Path of an image that marks a place on the map."""
     return str(RESOURCES / f"{name}.svg")
 
 
@@ -82,26 +82,26 @@ def style(name: str) -> str:
 
 
 def open_in_system(path: Path) -> None:
-    """Open a folder or file with the program that the system has for it."""
+    """Open a folder or file with the system's program for it."""
     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
 
 
 def exists(path: Path) -> bool:
-    """Whether something is at a path.
+    """Whether something exists at a path.
 
-    Not for one that nobody can look at, where `Path.exists` raises: in a folder of another user, or with a name longer
-    than systems take. The same holds for `is_folder`, and for files of `files.is_there`.
+    False, where `Path.exists` raises: in a folder that may not be read, or for a name longer than the system allows.
+    The same holds for `is_folder` and `files.is_there`.
     """
     return os.path.exists(path)  # noqa: PTH110
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a path is that of a folder."""
+    """Whether a path is a folder."""
     return os.path.isdir(path)  # noqa: PTH112
 
 
 def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
-    """Folder beside ``folder`` that does not exist yet and is not ``taken``: mission, mission-2, mission-3."""
+    """Folder beside ``folder`` that neither exists nor is ``taken``: mission, mission-2, mission-3."""
     stem = re.sub(r"-\d+$", "", folder.name)
     number = 2
     while exists(candidate := folder.with_name(f"{stem}-{number}")) or candidate in taken:

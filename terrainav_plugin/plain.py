@@ -1,4 +1,4 @@
-"""Text of others, shown as it is: Qt takes whatever looks like HTML for that, and opens the files it names."""
+"""Foreign text shown verbatim: Qt takes whatever looks like HTML for HTML, and opens the files it names."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from qgis.PyQt.QtWidgets import QLabel, QWidget
 
 
 def plain_label(text: str = "", parent: QWidget | None = None) -> QLabel:
-    """Label that shows any text as it is."""
+    """Label that shows any text verbatim."""
     label = QLabel(parent)
     label.setTextFormat(Qt.TextFormat.PlainText)
     label.setText(text)
@@ -17,22 +17,22 @@ def plain_label(text: str = "", parent: QWidget | None = None) -> QLabel:
 
 
 def escaped(text: str) -> str:
-    """Text for what is always read as HTML."""
+    """Text escaped for widgets that always read HTML."""
     return html.escape(text, quote=False)
 
 
 def shown_plain(text: str) -> str:
-    """Text for what finds out by itself whether it is HTML: tooltips and message boxes."""
+    """Text for widgets that detect HTML: tooltips and message boxes."""
     return f"<qt>{escaped(text)}</qt>".replace("\n", "<br>") if "<" in text else text
 
 
 def escaped_field(name: str) -> str:
-    """Value of a field in the HTML of a map tip."""
+    """Value of a field, in the HTML of a map tip."""
     return f"[% {_escaped_value(name)} %]"
 
 
 def image_in_tip(name: str, width_px: int) -> str:
-    """Image in the HTML of a map tip, by the field of its path; nothing where that is no file: a pipe has no end."""
+    """Image in a map tip, by the field with its path; empty unless that is a regular file (a pipe never ends)."""
     start, end = '<img src="file:///', f'" width="{width_px}"/><br/>'
     return f"[% if(is_file(\"{name}\"), '{start}' || {_escaped_value(name)} || '{end}', '') %]"
 
@@ -45,19 +45,19 @@ def _escaped_value(name: str) -> str:
 
 
 def path_inside(folder: str, name: str, ending: str) -> str:
-    """Return an expression for the path of a file in a folder; NULL where a field's value is no name of a file.
+    """Return an expression for the path of a file in a folder; NULL if a field's value is not a plain file name.
 
-    Such as one that leads elsewhere, as an address, by ``..`` or by signs that addresses are read with.
+    Refused are addresses, ``..`` and other characters that lead out of the folder.
 
     Parameters
     ----------
     folder : str
-        An expression.
+        Expression for the folder.
     name : str
-        The field.
+        Field with the name.
     ending : str
-        Of the file's name.
+        Ending of the file's name.
     """
-    # Backslashes of the pattern are doubled for the expression's own text.
+    # Backslashes of the pattern are doubled inside the expression's string.
     refused = r"[/\\\\:%?#<>|*\\x00-\\x1f]|^\\.*$"
     return f"if(regexp_match(\"{name}\", '{refused}'), NULL, {folder} || '/' || \"{name}\" || '{ending}')"

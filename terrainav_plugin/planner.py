@@ -1,4 +1,4 @@
-"""Working out plans in the background while the user types: the last change wins."""
+"""Plan in the background while the user types: the latest change wins."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
 
-#: Pause in typing after which a plan is worked out.
+#: Pause in typing before planning starts.
 _PAUSE_MS = 150
 
 
 class PlannedMission(NamedTuple):
-    """A mission worked out."""
+    """A mission and its plan."""
 
     mission: Mission
     plan: Plan
@@ -31,14 +31,14 @@ class PlannedMission(NamedTuple):
 
 
 class Planner(QObject):
-    """Plans one mission at a time on a thread; requests overtaken by newer ones are dropped.
+    """Plan one mission at a time on a thread, and drop requests overtaken by newer ones.
 
     Signals
     -------
     planned(object)
         `PlannedMission`, of the latest request.
     costed(object, object)
-        The same, and what its methods were timed at; after `planned`.
+        The plan as above, and the timing of its methods; after `planned`.
     refused(object)
         The error of the latest request.
     """
@@ -56,11 +56,11 @@ class Planner(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an answer is still to come."""
+        """Whether an answer is due."""
         return self._wanted is not None or self._worker.busy
 
     def request(self, mission: Mission, at_once: bool = False, timed: bool = True) -> None:
-        """Ask for a plan; the answer comes by `planned` or `refused`, and by `costed` where it is to be timed."""
+        """Request a plan: emits `planned` or `refused`, then `costed` if ``timed``."""
         from .sources import grid_finder
 
         self._worker.forget()
@@ -68,13 +68,13 @@ class Planner(QObject):
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
-        """Drop the request under way."""
+        """Drop the pending request."""
         self._worker.forget()
         self._wanted = None
         self._pause.stop()
 
     def close(self) -> None:
-        """End the thread; no answer comes any more."""
+        """End the thread; emits no more answers."""
         self.forget()
         self._worker.close()
 
@@ -90,7 +90,7 @@ class Planner(QObject):
 
 
 def _plan(mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]) -> PlannedMission | None:
-    """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
+    """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
     from .sources import request_costs, worked_out
 
@@ -101,7 +101,7 @@ def _plan(mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Calla
 
 
 def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
-    """Time the methods of a plan, last of all. Runs on the planner's thread."""
+    """Time the methods of a plan. Runs on the planner's thread."""
     from ..core.picture.cost import timed_cost
     from .sources import mission_bands
 
@@ -109,6 +109,6 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     # Time only images that take a few seconds and little memory.
     if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > 4_000_000:
         return tr("not timed, as the images are large")
-    # A copy: what the plan keeps of its views belongs to whoever captures it.
+    # A copy: the views that the plan caches belong to the capture.
     bands = mission_bands(planned.mission)
     return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))

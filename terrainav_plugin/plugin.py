@@ -1,4 +1,4 @@
-"""The plugin's entrance: toolbar and menu. Everything else is loaded when it is first used."""
+"""The plugin's entry point: toolbar and menu. Everything else is loaded on first use."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from .session import Session
 
 MENU = "TerrAInav"
-#: Names the provider of algorithms, as in ``terrainav:plan``.
+#: Name of the algorithm provider, as in ``terrainav:plan``.
 PROVIDER = "terrainav"
-#: Actions that look as they do everywhere in QGIS.
+#: Actions with icons of QGIS.
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
-#: By which QGIS finds the page to open its options at.
+#: Key of the plugin's page in QGIS's options.
 PAGE = "terrainav_options"
 
 
@@ -54,13 +54,13 @@ class TerrAInavPlugin:
         self._path_finder = ""
 
     def initProcessing(self) -> None:
-        """Add the provider of algorithms; QGIS itself calls this where it has no windows (``qgis_process``)."""
+        """Add the provider of algorithms; QGIS calls this itself without windows (``qgis_process``)."""
         from .processing.provider import Provider
 
         registry = QgsApplication.processingRegistry()
         if registry.providerById(PROVIDER) is None:
             self._translate()
-            # The registry owns it, but without this its Python half would be forgotten.
+            # The registry owns the provider; this reference keeps its Python half.
             self._provider = Provider()
             registry.addProvider(self._provider)
 
@@ -71,7 +71,7 @@ class TerrAInavPlugin:
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
-        # Not QGIS's own menu for a plugin, which stays behind when its last entry is removed.
+        # Not QGIS's plugin menu, which stays after its last entry is removed.
         self._menu = QMenu(f"&{MENU}", self.iface.rasterMenu())
         self._menu.setObjectName("terrainav_menu")
         self._menu.setIcon(icon("icon"))
@@ -100,24 +100,24 @@ class TerrAInavPlugin:
         self._path_finder = QgsPathResolver.setPathPreprocessor(_found)
         self.iface.projectRead.connect(self._project_read)
         self.iface.newProjectCreated.connect(self._project_begun)
-        # QGIS need not wait for it while it starts: nothing is run before there is a window.
+        # Do not delay QGIS's start: nothing runs before it has a window.
         self._processing_soon = QTimer(self.iface.mainWindow())
         self._processing_soon.setSingleShot(True)
         self._processing_soon.timeout.connect(self.initProcessing)
         self._processing_soon.start(0)
         self._unfinished_soon = QTimer(self.iface.mainWindow())
-        # Look twice a second whether QGIS has its window.
+        # Check twice a second whether QGIS has its window.
         self._unfinished_soon.setInterval(500)
         self._unfinished_soon.timeout.connect(self._offer_unfinished)
         self._unfinished_soon.start()
 
     def unload(self) -> None:
-        """Take everything away again."""
+        """Remove everything again."""
         for timer in filter(None, (self._processing_soon, self._unfinished_soon)):
             timer.stop()
             timer.deleteLater()
         self._processing_soon = self._unfinished_soon = None
-        # By name: the registry may have deleted it already, with its algorithms.
+        # By name: the registry may have deleted the provider with its algorithms.
         QgsApplication.processingRegistry().removeProvider(PROVIDER)
         self._provider = None
         if self._toolbar is not None:
@@ -126,7 +126,7 @@ class TerrAInavPlugin:
         self._translator = None
 
     def _translate(self) -> None:
-        """Speak the user's language from now on; once, with windows or without."""
+        """Install the user's language; once, with or without windows."""
         if self._translator is None:
             self._translator = install_translator()
 
@@ -162,7 +162,7 @@ class TerrAInavPlugin:
 
     @property
     def session(self) -> Session | None:
-        """The plugin at work; made at the first call, None where something it needs is missing."""
+        """The session, created at the first call; None if a package it needs is missing."""
         if self._session is None and self._can_work():
             from .session import Session
 
@@ -184,7 +184,7 @@ class TerrAInavPlugin:
         action.setToolTip(tr("TerrAInav: {text}").format(text=text.replace("&", "")))
         action.setCheckable(checkable)
         action.triggered.connect(slot)
-        # Without a shortcut until the user sets one, among QGIS's own.
+        # No shortcut until the user sets one among QGIS's.
         self.iface.registerMainWindowAction(action, "")
         if in_toolbar:
             self._toolbar.addAction(action)
@@ -192,7 +192,7 @@ class TerrAInavPlugin:
         self.actions[name] = action
 
     def _wire(self, session: Session) -> None:
-        """Let the toolbar follow what is going on."""
+        """Keep the toolbar's state up to date."""
         session.box_tool.setAction(self.actions["draw_box"])
         session.areas.polygon_tool.setAction(self.actions["draw_polygon"])
         session.point_tool.setAction(self.actions["test_shot"])
@@ -214,7 +214,7 @@ class TerrAInavPlugin:
 
     def _toggle_box_tool(self, on: bool) -> None:
         self._use(lambda session: session.draw_box() if on else session.box_tool.stop())
-        # An empty map shows imagery first; the tool presses the button once it has begun.
+        # On an empty map, imagery is shown first; the tool presses the button once it starts.
         if self._session is not None:
             self.actions["draw_box"].setChecked(self._session.box_tool.isActive())
 
@@ -229,7 +229,7 @@ class TerrAInavPlugin:
     def _toggle_view_tool(self, on: bool) -> None:
         self._use(lambda session: session.viewing.start() if on else session.viewing.stop())
         if self._session is not None:
-            # Not taken up where there is nothing to view.
+            # Stays up if there is nothing to view.
             self.actions["view_images"].setChecked(self._session.viewing.tool.isActive())
 
     def _toggle_preview(self, on: bool) -> None:
@@ -254,12 +254,12 @@ class TerrAInavPlugin:
             self._use(lambda session: session.missions.restore())
 
     def _project_begun(self) -> None:
-        # QGIS begins with a new project, too: entries of the session before are kept then.
+        # QGIS also starts with a new project: keep the entries of the last session then.
         if self._session is not None and self.iface.mainWindow().isVisible():
             self._session.project_begun()
 
     def _offer_unfinished(self) -> None:
-        """Offer what a session before has not ended, once there is a window; of all others nothing is loaded."""
+        """Offer captures left unfinished, once there is a window; loads nothing for other users."""
         if not self.iface.mainWindow().isVisible():
             return
         self._unfinished_soon.stop()
@@ -267,7 +267,7 @@ class TerrAInavPlugin:
             self._use(lambda session: session.runs.offer_unfinished())
 
     def _can_work(self) -> bool:
-        """Whether the needed packages are there; says which are not."""
+        """Whether the needed packages are installed; reports those that are not."""
         missing = [package for module, package in NEEDED.items() if not _importable(module)]
         if missing:
             self.messages.warning(
@@ -279,12 +279,12 @@ class TerrAInavPlugin:
 
 
 class OptionsFactory(QgsOptionsWidgetFactory):
-    """Makes the page.
+    """Create the plugin's options page.
 
     Parameters
     ----------
     applied : callable
-        Called after settings were kept.
+        Called after the settings are saved.
     """
 
     def __init__(self, applied: Callable[[], None]) -> None:
@@ -292,7 +292,7 @@ class OptionsFactory(QgsOptionsWidgetFactory):
         self._applied = applied
 
     def createWidget(self, parent: QWidget | None = None) -> OptionsPage:
-        """Make the page, each time the options are opened."""
+        """Create the page each time the options are opened."""
         from .panel.options_page import OptionsPage
 
         page = OptionsPage(parent, self._applied)
@@ -301,7 +301,7 @@ class OptionsFactory(QgsOptionsWidgetFactory):
 
 
 def _found(source: str) -> str:
-    """Where a file of a project is, of a dataset that was copied from an address; any other as it is."""
+    """Local copy of a project's file that belongs to a remote dataset; other files unchanged."""
     if COPIES not in source.replace("\\", "/"):
         return source
     from .remote.copies import found_copy

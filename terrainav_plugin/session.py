@@ -1,4 +1,4 @@
-"""The plugin at work: makes what the rooms hold, and joins it by signals and callables."""
+"""The running plugin: creates the objects of the rooms, and connects them by signals and callables."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ if TYPE_CHECKING:
 
 
 class Session(QObject):
-    """The plugin at work; made when it is first used.
+    """The running plugin; created on first use.
 
     Signals
     -------
     preview_shown(bool)
-        The preview has come or gone, or its layers have in the layer tree.
+        The preview appears or disappears, or its layers do in the layer tree.
     """
 
     preview_shown = pyqtSignal(bool)
@@ -109,7 +109,7 @@ class Session(QObject):
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
 
-    # --- what toolbar and panel ask for
+    # --- requests of toolbar and panel
 
     def state(self) -> FormState:
         """State of the panel's entries."""
@@ -117,7 +117,7 @@ class Session(QObject):
 
     @property
     def planned(self) -> PlannedMission | None:
-        """Plan of what is entered; None while it makes none."""
+        """Plan of what is entered; None while there is none."""
         return self.planning.latest
 
     def show_dock(self, visible: bool) -> None:
@@ -125,29 +125,29 @@ class Session(QObject):
         self.dock.setUserVisible(visible)
 
     def draw_box(self) -> None:
-        """Let the user draw the area."""
+        """Let the user draw a box."""
         self.dock.setUserVisible(True)
         self._draw(self.box_tool.start)
 
     def draw_polygon(self) -> None:
-        """Let the user draw the area corner by corner."""
+        """Let the user draw a polygon."""
         self.dock.setUserVisible(True)
         self._draw(self.areas.polygon_tool.start)
 
     def take_test_shot(self) -> None:
-        """Let the user click where one picture is to be taken."""
+        """Let the user click where one image is to be taken."""
         self.dock.setUserVisible(True)
         self.point_tool.start()
 
     def set_preview(self, on: bool) -> None:
-        """Show the preview and zoom to it, or take it away."""
+        """Show the preview and zoom to it, or remove it."""
         self.dock.setUserVisible(True)
         if not on:
             self.preview.remove()
             self._show_preview_state(False)
             return
         self._zoom_to_preview = True
-        # Layers may be there, and hidden.
+        # The layers may exist but be hidden.
         self.preview.set_footprints_visible(True)
         self._show_preview_state(True)
         if not self.planning.plan(at_once=True):
@@ -155,7 +155,7 @@ class Session(QObject):
             self.planning.refuse(tr("No preview yet."))
 
     def capture(self, only_failed: bool = False) -> None:
-        """Capture the mission that is entered, as it is now; or of it only what has failed."""
+        """Capture the mission as entered now, or only its failed images."""
         self.dock.setUserVisible(True)
         state = self.state()
         if self.runs.can_start(state):
@@ -167,16 +167,16 @@ class Session(QObject):
             )
 
     def make_benchmark(self) -> None:
-        """Ask for the rest of a benchmark whose queries are the views of the mission that is entered."""
+        """Ask for the settings of a benchmark whose queries are the views of the mission entered."""
         self.dock.setUserVisible(True)
         self.planning.use_plan(lambda planned: self.benchmarks.make(planned.mission), tr("No benchmark yet."))
 
     def show_on_map(self) -> None:
-        """Add the source as background and zoom to the area."""
+        """Add the source as background, and zoom to the area."""
         self.source_on_map.show()
 
     def group(self) -> MissionGroup:
-        """Group of the mission that is entered."""
+        """Layer tree group of the mission entered."""
         return self.open_project.mission_group(entered_folder(self.state().folder))
 
     def zoom_to_box(self, box: Box) -> None:
@@ -184,7 +184,7 @@ class Session(QObject):
         self._on_map(lambda: self.background.zoom_to_box(box))
 
     def settings_changed(self) -> None:
-        """Take up what the user has set among QGIS's options."""
+        """Apply the settings changed in QGIS's options."""
         units = self.dock.form.findChild(QComboBox, "agl_unit")
         if self._units != self.settings.units:
             self._units = self.settings.units
@@ -193,13 +193,13 @@ class Session(QObject):
         self.planning.plan()
 
     def project_begun(self) -> None:
-        """Begin a mission with a new project, unless captures are under way."""
+        """Start a new mission with a new project, unless captures are under way."""
         if self.runs.idle:
             self.missions.begin_anew()
 
     def close(self) -> None:
-        """Leave nothing behind."""
-        # One that stays open would be deleted with the dock while it still runs.
+        """Remove everything the session has made."""
+        # An open dialog would be deleted with the dock while it is running.
         for dialog in self.dock.findChildren(QDialog):
             dialog.reject()
         self.memory.write()
@@ -229,7 +229,7 @@ class Session(QObject):
         self.iface.removeDockWidget(self.dock)
         self.dock.deleteLater()
 
-    # --- how the rooms are joined
+    # --- connections
 
     def _join_panel(self) -> None:
         dock, form = self.dock, self.dock.form
@@ -244,7 +244,7 @@ class Session(QObject):
         dock.test_shot_clicked.connect(self.take_test_shot)
         dock.hint_followed.connect(self._follow_hint)
         dock.capture_clicked.connect(self.capture)
-        # What is in the panel has been chosen or entered here, or agreed to.
+        # Sources entered in the panel were chosen here or agreed to.
         self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
         self.planning.planned.connect(self._preview_plan)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
@@ -283,7 +283,7 @@ class Session(QObject):
     def _restore(self) -> None:
         state = FormState.from_json(self.settings.form)
         if not self.settings.form and self._units == "ft":
-            # About the default height, in feet.
+            # On the default height, in feet.
             state = replace(state, agl_unit="ft", agl=400.0)
         if not state.folder:
             first = self.settings.missions / "mission-1"
@@ -304,12 +304,12 @@ class Session(QObject):
             self._on_map(lambda: self._zoom_if_out_of_sight(planned.mission.area.bounds))
 
     def _show_preview_again(self) -> None:
-        """Show the preview of a mission that has been opened."""
+        """Show the preview of an opened mission."""
         self._show_preview_state(True)
         self.planning.plan(at_once=True)
 
     def _show_preview_state(self, on: bool) -> None:
-        """Keep a preview from now on, or none; the buttons are pressed while it is to be seen."""
+        """Note whether a preview is shown; its buttons are pressed while it is visible."""
         self._previewing = on
         seen = on and self.preview.visible
         self.areas.show_previewed(seen)
@@ -321,7 +321,7 @@ class Session(QObject):
         self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
 
     def _hide_planned(self, folder: Path) -> None:
-        """Hide the planned images of a mission whose images are there; those of the one planned after it stay."""
+        """Hide the planned images of a captured mission, but not those of the mission planned after it."""
         from ..core.capture.folder import holds_mission
 
         planned = self.planned
@@ -334,7 +334,7 @@ class Session(QObject):
     # --- smaller reactions
 
     def _datasets(self) -> list[Path]:
-        """Folders of the datasets captured last, and of the mission in the panel, unless it can only be looked at."""
+        """Folders of the latest datasets, and that of the panel's mission unless it is read-only."""
         in_panel = entered_folder(self.state().folder)
         return [*reversed(self.runs.folders), *([] if why_unchangeable(in_panel) else [in_panel])]
 
@@ -349,7 +349,7 @@ class Session(QObject):
 
     def _key_chosen(self, authcfg: str) -> None:
         self.settings.set_authcfg(self.state().source_name, authcfg)
-        # What was said about it no longer holds.
+        # Remove messages about the previous choice.
         self.planning.plan()
 
     def _on_map(self, zoom: Callable[[], None]) -> None:
@@ -359,14 +359,14 @@ class Session(QObject):
             self.messages.warning(translate(wrong))
 
     def _draw(self, begin: Callable[[], None]) -> None:
-        """Begin drawing; on an empty map, whose places nobody can tell, once the selected imagery is shown."""
+        """Begin drawing; on an empty map, after showing the selected imagery."""
         if self.project.mapLayers():
             begin()
         else:
             self.source_on_map.show(then=begin)
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
-        """Move the map only where the preview could not be seen: users keep the view they chose."""
+        """Move the map only if the preview is out of sight: keep the user's view."""
         if not is_in_sight(self.iface.mapCanvas(), self.background.rectangle(box)):
             self.background.zoom_to_box(box)
 

@@ -1,4 +1,4 @@
-"""Settings that the plugin keeps between sessions, as typed properties over QGIS's settings."""
+"""Persistent settings of the plugin, as typed properties over QGIS's settings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
 
 
 class _Text:
-    """A setting that is a text; ``choices`` are those it may be, empty for any."""
+    """A text setting; ``choices`` are the values allowed, empty for any."""
 
     def __init__(self, default: str = "", choices: tuple[str, ...] = ()) -> None:
         self.default = default
@@ -47,7 +47,7 @@ class _Text:
 
 
 class _Whole:
-    """A setting that is a whole number of a range; what is not, in the file of settings, counts as the default."""
+    """A setting that is an integer in a range; anything else in the settings file counts as the default."""
 
     def __init__(self, default: int, least: int, most: int) -> None:
         self.default, self.least, self.most = default, least, most
@@ -73,8 +73,7 @@ class _Whole:
 class Settings:
     """The plugin's settings.
 
-    An API key itself is never here: it lives in QGIS's authentication database, and only the id of its
-    configuration is kept.
+    API keys are in QGIS's authentication database; only the ids of their configurations are kept here.
     """
 
     form = _Text()
@@ -84,42 +83,42 @@ class Settings:
     """Mission files and datasets opened last, as JSON."""
 
     agreed = _Text()
-    """Servers and files that the user has agreed to, as JSON; see `remote.trust`."""
+    """Servers and files the user has agreed to, as JSON; see `remote.trust`."""
 
     suggested_folder = _Text()
-    """Folder that the panel has proposed last: it counts on where it is taken, and nobody is asked."""
+    """Folder proposed last by the panel, which is numbered on without asking if it is taken."""
 
     missions_folder = _Text()
-    """Where missions are captured to by default; empty for a folder of the user's home."""
+    """Default folder for missions; empty for one in the user's home."""
 
     backgrounds_folder = _Text()
-    """Where rendered backgrounds are kept; empty for a folder of the user's profile."""
+    """Folder for rendered backgrounds; empty for one in the user's profile."""
 
     cache_folder = _Text()
-    """Where tiles are kept for later runs; empty for the platform's own place."""
+    """Folder for cached tiles; empty for the platform's default."""
 
     cache_limit_mb = _Whole(4_000, 10, 10_000_000)
-    """Most that the cache may take, in megabytes."""
+    """Largest size of the cache, in megabytes."""
 
     connections = _Whole(8, 1, 64)
-    """Requests under way at once, where the provider allows so many."""
+    """Most concurrent requests, as far as the provider allows."""
 
     plan_ending = _Text()
-    """Ending of the plan that was exported last; empty for none yet."""
+    """File ending of the latest plan export; empty for none yet."""
 
     placeholders = _Text()
-    """SHA-256 of tiles that count as missing, with spaces between them."""
+    """SHA-256 of tiles that count as missing, separated by spaces."""
 
     units = _Text("m", UNITS)
-    """Unit of heights in a mission that begins: m or ft."""
+    """Unit of heights in a new mission: m or ft."""
 
     def authcfg(self, source: str) -> str:
-        """Id of the authentication configuration of a source; empty for none."""
+        """Id of a source's authentication configuration; empty for none."""
         name = credential_name(source)
         return str(QgsSettings().value(f"{_KEYS}/{name}", "") or "") if name else ""
 
     def set_authcfg(self, source: str, authcfg: str) -> None:
-        """Remember which authentication configuration is a source's; empty for none."""
+        """Set a source's authentication configuration; empty for none."""
         name = credential_name(source)
         if name and authcfg:
             QgsSettings().setValue(f"{_KEYS}/{name}", authcfg)
@@ -127,7 +126,7 @@ class Settings:
             QgsSettings().remove(f"{_KEYS}/{name}")
 
     def authcfgs(self) -> dict[str, str]:
-        """Ids of authentication configurations by what `credential_name` calls their sources."""
+        """Ids of authentication configurations by `credential_name` of their sources."""
         settings = QgsSettings()
         settings.beginGroup(_KEYS)
         names = settings.childKeys()
@@ -137,27 +136,27 @@ class Settings:
 
     @property
     def missing_tiles(self) -> tuple[str, ...]:
-        """SHA-256, or first digits of it, of tiles that count as missing; what is none, in the file, is left out."""
+        """SHA-256 digests, or first digits, of tiles that count as missing; malformed entries are ignored."""
         return tuple(_DIGEST.findall(self.placeholders.lower()))
 
     def treat_as_missing(self, digest: str) -> None:
-        """Have a tile count as missing from now on."""
+        """Count a tile as missing from now on."""
         self.placeholders = " ".join(dict.fromkeys((*self.missing_tiles, digest)))
 
     @property
     def missions(self) -> Path:
-        """Folder below which missions are captured."""
+        """Folder that contains the missions."""
         chosen = self.missions_folder
         return Path(chosen).expanduser() if chosen else self.home
 
     @property
     def home(self) -> Path:
-        """Folder for missions where none is chosen."""
+        """Default folder for missions."""
         return Path.home() / "TerrAInav"
 
     @property
     def profile(self) -> Path:
-        """Folder for rendered backgrounds where none is chosen."""
+        """Default folder for rendered backgrounds."""
         return Path(QgsApplication.qgisSettingsDirPath()) / "TerrAInav" / "backgrounds"
 
     @property
@@ -168,27 +167,27 @@ class Settings:
 
     @property
     def cache(self) -> Path | None:
-        """Folder of the tile cache; None for the platform's own, or that of the environment."""
+        """Folder of the tile cache; None for the default of the platform or environment."""
         chosen = self.cache_folder
         return Path(chosen).expanduser() if chosen and not os.environ.get("TERRAINAV_CACHE_DIR") else None
 
     @property
     def cache_limit_bytes(self) -> int:
-        """Most that the cache may take."""
+        """Largest size of the cache."""
         return int(self.cache_limit_mb) * 1_000_000
 
     def tile_cache(self) -> TileCache:
-        """Cache of tiles."""
+        """Tile cache with these settings."""
         from ..core.imagery.cache.tile_cache import TileCache
 
         return TileCache(self.cache, self.cache_limit_bytes)
 
 
 def credential_name(source: str) -> str:
-    """Name that a source's credentials go by.
+    """Name under which a source's credentials are stored.
 
-    Addresses go by their host, so that credentials given for one are not sent to another. Layers of the project, files
-    and connections of QGIS have none here.
+    Addresses use their host, so that credentials for one host are not sent to another. Project layers, files and QGIS
+    connections have none.
     """
     address = _ADDRESS.search(source)
     if address:
@@ -202,7 +201,7 @@ def credential_name(source: str) -> str:
 
 
 def credential_home(source: str) -> tuple[str, str]:
-    """Scheme and host that a source's credentials are for; empty for a source that is no address."""
+    """Scheme and host that a source's credentials are for; empty unless the source is an address."""
     address = _ADDRESS.search(source)
     if address is None:
         return "", ""
@@ -210,7 +209,7 @@ def credential_home(source: str) -> tuple[str, str]:
 
 
 def recent() -> list[Path]:
-    """Those that are still there, the latest first."""
+    """Recent missions and datasets that still exist, latest first."""
     try:
         paths = parse_json(Settings().recent or "[]")
     except InvalidInput:
@@ -219,6 +218,6 @@ def recent() -> list[Path]:
 
 
 def remember(path: Path) -> None:
-    """Put a file or folder to the front."""
+    """Put a file or folder first among the recent ones."""
     others = [other for other in recent() if other != path]
     Settings().recent = json.dumps([str(path), *map(str, others)][:8])

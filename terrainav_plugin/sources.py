@@ -1,4 +1,4 @@
-"""Sources to plan with, to capture from and to show, and what their terms say."""
+"""Sources for planning, capturing and display, and their terms."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
     from .network.transport import QgisTransport
 
 WORLD = "world"
-#: Public tiles of heights.
+#: Public elevation tiles.
 TERRARIUM = "terrarium"
 
 
 def mission_grid(mission: Mission) -> PixelGrid:
-    """Pixel grid of a mission's source, on the main thread where QGIS draws it.
+    """Pixel grid of a mission's source; on the main thread if QGIS draws it.
 
     Raises
     ------
     FormError
-        For the field ``source``, ``date`` or ``crs``, where there is no such source; ``bands`` or ``stretch``, where it
-        has none.
+        Field ``source``, ``date`` or ``crs``: there is no such source. Field ``bands`` or ``stretch``: the source does
+        not have them.
     """
     from ..core.imagery.systems import refused
 
@@ -62,7 +62,7 @@ def mission_grid(mission: Mission) -> PixelGrid:
 
 
 def mission_bands(mission: Mission) -> Bands:
-    """Bands of the images of a mission whose source is known; what QGIS draws or brings is red, green and blue."""
+    """Bands of the images of a mission with a known source; red, green and blue if QGIS draws or fetches it."""
     from ..core.bands import RGB
 
     if is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source):
@@ -71,7 +71,7 @@ def mission_bands(mission: Mission) -> Bands:
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
-    """Return what gives `mission_grid` on any thread; made on the main thread, which the project's layers belong to."""
+    """Return a function that gives `mission_grid` on any thread; call this on the main thread, as layers require."""
     if not (is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source)):
         return lambda: mission_grid(mission)
     try:
@@ -87,12 +87,12 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 
 def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
-    """Plan of a mission, over its relief where it has one; on any thread.
+    """Plan of a mission, over relief if it has one; on any thread.
 
     Raises
     ------
     InvalidInput, SourceError
-        As `plan` does, and where its heights cannot be had.
+        As `plan`, and if its heights cannot be read.
     """
     from ..core.mission.plan import plan
 
@@ -101,12 +101,12 @@ def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
 
 
 def mission_heights(mission: Mission) -> Heights | None:
-    """Heights of a mission's relief, on any thread; None where it has none.
+    """Heights of a mission's relief, on any thread; None if it has no relief.
 
     Raises
     ------
     InvalidInput, SourceError
-        Where they cannot be had.
+        The heights cannot be read.
     """
     sources = (*mission.terrain.elevation, *mission.terrain.surface)
     if not sources:
@@ -136,13 +136,13 @@ def request_costs(name: str) -> Costs:
     source = _named(name)
     if source.is_local:
         return FROM_FILE if source_kind(name).is_file else OFFLINE
-    # The terms of a service are in its capabilities, which planning has read and an estimate does not read again.
+    # The terms of a service are in its capabilities, which planning reads and an estimate does not read again.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)
 
 
 def source_policy(name: str) -> Policy | None:
-    """Terms of a source's provider; None where there is none, or only the network could tell."""
+    """Terms of a source's provider; None if there are none, or only the network has them."""
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
     source = _named(name)
@@ -150,12 +150,12 @@ def source_policy(name: str) -> Policy | None:
 
 
 def mission_snapshot(mission: Mission) -> Snapshot | None:
-    """Snapshot of the layers that QGIS draws for a mission; on the main thread. None for every other source.
+    """Snapshot of the layers that QGIS draws for a mission; None for other sources. Main thread only.
 
     Raises
     ------
     InvalidInput
-        Where the project has no such layer.
+        The project has no such layer.
     """
     return take_snapshot(mission.imagery.source, QgsProject.instance()) if is_of_qgis(mission.imagery.source) else None
 
@@ -170,7 +170,7 @@ def open_for_capture(
 ) -> Source:
     """Source of a mission, ready to fetch; raises InvalidInput or SourceError.
 
-    Tiles that are ``placeholders`` by their SHA-256 count as missing, and so do those of the settings.
+    Tiles whose SHA-256 is among ``placeholders`` or those of the settings count as missing.
     """
     if snapshot is not None:
         return LayerSource(snapshot)
@@ -185,14 +185,14 @@ def open_for_capture(
 
 
 def source_transport(source: str, connections: int | None = None) -> QgisTransport:
-    """Way to the network for a source, with the authentication that the user has chosen for it.
+    """Transport for a source, with the authentication the user has chosen for it.
 
     Parameters
     ----------
     source : str
-        As a mission names it.
+        As named in a mission.
     connections : int or None
-        None for those of the settings.
+        Most connections; None for that of the settings.
 
     Raises
     ------
@@ -210,24 +210,24 @@ def source_transport(source: str, connections: int | None = None) -> QgisTranspo
 
 
 def authcfg_of_requests(source: str) -> str:
-    """Id of the configuration that a source's requests are authenticated by; empty where it is for its key alone."""
+    """Id of the configuration that authenticates a source's requests; empty if it only holds the key."""
     return "" if needs_key(source) else Settings().authcfg(source)
 
 
 def source_key(source: str) -> str | None:
-    """API key that the user has chosen for a source; on the main thread. None where it needs none."""
+    """API key the user has chosen for a source; None if it needs none. Main thread only."""
     return read_key(Settings().authcfg(source)) if needs_key(source) else None
 
 
 def credentials_problem(source: str) -> str:
-    """Reason why a run cannot use the key or the authentication of a source; empty for none.
+    """Reason why a run cannot use a source's key or authentication; empty if it can.
 
-    On the main thread: QGIS asks for its master password where it has not been given it.
+    Main thread only: QGIS may ask for its master password.
     """
     if is_connection(source):
         return credential_problem(connection(source).authcfg, is_key=False)
     authcfg, is_key = Settings().authcfg(source), needs_key(source)
-    # The command's way to hand a key over holds here as well, for hosts that the user has named with it.
+    # The command's way to pass a key works here too, for hosts the user has named with it.
     if is_key and not authcfg:
         try:
             if _named(source).environment_key():
@@ -238,7 +238,7 @@ def credentials_problem(source: str) -> str:
 
 
 def needs_key(source: str) -> bool:
-    """Whether a source's addresses have a key in them; no network is asked."""
+    """Whether a source's addresses contain a key; makes no request."""
     if is_connection(source) or is_of_qgis(source):
         return False
     try:
@@ -248,7 +248,7 @@ def needs_key(source: str) -> bool:
 
 
 def _options(mission: Mission, **how: Any) -> SourceOptions:
-    """Options to open a mission's source with."""
+    """Options for opening a mission's source."""
     from ..core.imagery.opening import SourceOptions
 
     return SourceOptions(
@@ -265,7 +265,7 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
 
 
 def _check_bands(mission: Mission) -> None:
-    """Refuse bands and a stretch where QGIS draws the pixels, or a connection of it brings them."""
+    """Refuse bands and a stretch if QGIS draws the pixels or a QGIS connection fetches them."""
     from ..core.imagery.opening import check_colours
 
     imagery = mission.imagery
@@ -274,7 +274,7 @@ def _check_bands(mission: Mission) -> None:
 
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
-    """Source of a name, or of a connection of QGIS."""
+    """Source of a name, or of a QGIS connection."""
     from ..core.imagery.opening import DescribedSource, SourceOptions, named_source
 
     options = options or SourceOptions()
@@ -285,7 +285,7 @@ def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
 
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
-    """What the source's terms say against a run, as HTML, and whether agreeing is enough; None where nothing."""
+    """Terms that forbid a run, as HTML, and whether accepting them is enough; None if they allow it."""
     from ..core.imagery.catalogue import alternatives
     from ..core.imagery.policy import TermsError
 
@@ -324,7 +324,7 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
     Raises
     ------
     InvalidInput
-        Where the source cannot be shown as such a layer.
+        The source cannot be shown as a tile layer.
     """
     known = connection(name) if is_connection(name) else None
     entry = _named(name).entry
@@ -365,14 +365,14 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
     }
     for placeholder, value in filled.items():
         url = url.replace(placeholder, value)
-    # QGIS takes braces as they are, and unpacks the rest once.
+    # QGIS takes braces literally, and decodes the rest once.
     address = quote(url, safe=":/{}?=,;@+$!*'()~")
     uri = f"type=xyz&url={address}&zmin={grid.min_zoom}&zmax={grid.max_zoom}&tilePixelRatio={grid.scale}"
     return uri + _authenticated(name, known)
 
 
 def _authenticated(name: str, known: Connection | None) -> str:
-    """Authentication in a layer's data source: the id of a configuration, and no secret."""
+    """Authentication in a layer's data source: a configuration's id, without secrets."""
     authcfg = authcfg_of_requests(name) if known is None else known.authcfg
     referer = "" if known is None else known.headers.get("Referer", "")
     known_by = f"&authcfg={authcfg}" if authcfg else ""

@@ -1,12 +1,12 @@
-"""Work beside the main thread: QGIS tasks, threads that Python has made, and the latest of several requests.
+"""Work off the main thread: QGIS tasks, Python threads, and the latest of several requests.
 
-pyproj (3.5 to 3.7 at least) holds PROJ's context of a thread twice: a variable of the thread points to it, and
-Python's storage for the thread owns it. On a thread that Python has not made, that storage is emptied whenever a call
-into Python returns, while the variable stays: the next call on the same thread of QGIS's pool uses a context that is
-gone, and QGIS ends with it.
+pyproj (3.5 to 3.7 at least) holds a thread's PROJ context twice: a thread-local variable points to it, and Python's
+thread-local storage owns it. On a thread that Python did not create, this storage is cleared whenever a call into
+Python returns, while the variable stays: the next call on the same thread of QGIS's pool uses a freed context and
+crashes QGIS.
 
-QGIS itself (3.22 to 3.44) shares among its threads what the first of them has read of a CRS, and the projection is lost
-with that thread: transformations from this CRS then return coordinates as they were, until QGIS is closed.
+QGIS itself (3.22 to 3.44) shares a CRS between threads as the first of them read it, and the projection dies with that
+thread: transformations from this CRS then return coordinates unchanged until QGIS is restarted.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .compat import TASK_FLAGS
 from .i18n import tr
 
 Result = TypeVar("Result")
-#: CRSs of layers that TerrAInav opens and makes, beside those that imagery has of its own.
+#: CRSs of layers that TerrAInav opens and creates, beside those of the imagery.
 CRS_IDS = ("EPSG:3857", "EPSG:4326")
 
 
@@ -36,67 +36,67 @@ class Task(QgsTask):
     Signals
     -------
     ended(object)
-        The task itself, on the main thread, whatever became of it.
+        The task, on the main thread, whatever its end.
 
     Attributes
     ----------
     error : str
         Why it ended early; empty otherwise.
     trace : str
-        Where an error came from that should not have been.
+        Traceback of an unexpected error.
     """
 
     ended = pyqtSignal(object)
 
     def __init__(self, description: str) -> None:
         hold_crs()
-        # QGIS shows it in a tooltip, which finds out by itself whether it is HTML.
+        # QGIS shows the description in a tooltip, which may take it for HTML.
         super().__init__(description.replace("<", "‹"), TASK_FLAGS)
         self.error: str = ""
         self.trace = ""
 
     def work(self) -> None:
-        """Do it, on a thread beside the main one; raises `Cancelled` where it was stopped on the way."""
+        """Do the work, off the main thread; raises `Cancelled` if stopped."""
         raise NotImplementedError
 
     def begin(self, ended: Callable[[Any], None]) -> None:
-        """Hand it to QGIS's task manager, and call ``ended`` with it on the main thread, whatever becomes of it."""
+        """Pass the task to QGIS's task manager; ``ended`` is called with it on the main thread, whatever its end."""
         self.ended.connect(ended)
         QgsApplication.taskManager().addTask(self)
 
     def go_on(self, share: float) -> bool:
-        """Show how much is done, 0 to 1; returns whether to go on."""
+        """Report the share done, 0 to 1; returns whether to continue."""
         self.setProgress(100.0 * share)
         return not self.isCanceled()
 
     def abandon(self) -> None:
-        """End it early, and tell nobody."""
+        """Cancel the task without emitting `ended`."""
         self.ended.disconnect()
         self.cancel()
 
     def run(self) -> bool:
-        """Work; an error ends the task and is kept."""
+        """Run `work`; keep its error, which ends the task."""
         try:
             on_python_thread(self.work)
         except Cancelled:
-            # Asked for: QGIS would say that the task has failed.
+            # Cancelled by the user: QGIS would report a failure.
             return True
         except TerrAInavError as wrong:
             self.error = Message(wrong)
-        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+        except Exception as wrong:  # noqa: BLE001  an exception from run() would end QGIS; reported instead
             self.error = tr("unexpected error: {error}").format(error=repr(wrong))
             self.trace = traceback.format_exc()
         return not self.error
 
     def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
-        """Tell; on the main thread."""
-        # QGIS adds its own words right after this, which would lie on top of those of the plugin.
+        """Emit `ended`, on the main thread."""
+        # QGIS adds a notice right after this, which would cover the plugin's.
         QTimer.singleShot(0, partial(withdraw_notice, self.description()))
         self.ended.emit(self)
 
 
 def withdraw_notice(description: str) -> None:
-    """Take back QGIS's "Task complete" about a task, also a cancelled one: before 3.26 no flag keeps it away."""
+    """Remove QGIS's "Task complete" of a task, cancelled or not: before 3.26 no flag suppresses it."""
     from qgis.utils import iface
 
     if iface is None:
@@ -109,19 +109,19 @@ def withdraw_notice(description: str) -> None:
 
 
 class LatestWorker(QObject):
-    """One piece of work at a time on a thread: the last one asked for wins.
+    """Do one piece of work at a time on a thread: the latest request wins.
 
-    Answers and errors of work that is overtaken are dropped, and so is work that has not begun by then.
+    Overtaken work is dropped: not begun if it is still waiting, its answer or error ignored otherwise.
 
     Parameters
     ----------
     name : str
-        Of the thread.
+        Name of the thread.
 
     Signals
     -------
     failed(object)
-        The error of the last work asked for.
+        The error of the latest request.
     """
 
     failed = pyqtSignal(object)
@@ -137,23 +137,23 @@ class LatestWorker(QObject):
 
     @property
     def closed(self) -> bool:
-        """Whether it has ended: work under way may stop."""
+        """Whether the worker is closed: work under way may stop."""
         return self._closed
 
     @property
     def busy(self) -> bool:
-        """Whether work is under way or waits, overtaken or not."""
+        """Whether work is under way or waiting, overtaken or not."""
         return self._open > 0
 
     def ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
-        """Have something done.
+        """Request some work.
 
         Parameters
         ----------
         work : callable
-            Called on the worker's thread with what says, at any time, whether nobody waits for it any more.
+            Called on the worker's thread with a function that returns whether the request is overtaken.
         answer : callable
-            Called with what the work gave, on the thread of the caller.
+            Called with the result of the work, on the caller's thread.
         """
         self.forget()
         self._open += 1
@@ -167,11 +167,11 @@ class LatestWorker(QObject):
         )
 
     def forget(self) -> None:
-        """Wait for nothing any more: what has been asked for is overtaken."""
+        """Overtake whatever has been requested."""
         self._latest += 1
 
     def close(self) -> None:
-        """End the thread; no answer comes any more."""
+        """End the thread; gives no more answers."""
         self.forget()
         self._closed = True
         self._pool.shutdown(wait=True, cancel_futures=True)
@@ -188,12 +188,12 @@ class LatestWorker(QObject):
 
 
 def failure_reason(error: BaseException) -> str:
-    """Why work has failed: in words, or as Python has it where that should not have happened."""
+    """Why work has failed: the message of an expected error, the representation of others."""
     return Message(error) if isinstance(error, TerrAInavError) else repr(error)
 
 
 def single_shot(act: Callable[[], None], parent: QObject, pause_ms: int = 0) -> QTimer:
-    """Timer that has something done once, a while after it was started last."""
+    """Timer that calls ``act`` once, ``pause_ms`` after its latest start."""
     timer = QTimer(parent)
     timer.setSingleShot(True)
     timer.setInterval(pause_ms)
@@ -202,7 +202,7 @@ def single_shot(act: Callable[[], None], parent: QObject, pause_ms: int = 0) -> 
 
 
 class PythonThread(Generic[Result]):
-    """A thread of Python's own that does some work, from now on, and what comes of it."""
+    """A Python thread that starts some work at once, and its result."""
 
     def __init__(self, work: Callable[[], Result], name: str) -> None:
         self._results: list[Result] = []
@@ -212,18 +212,18 @@ class PythonThread(Generic[Result]):
 
     @property
     def works(self) -> bool:
-        """Whether it is at work."""
+        """Whether the work is under way."""
         return self._thread.is_alive()
 
     def wait(self) -> None:
-        """Wait until it has ended."""
+        """Wait for the end of the work."""
         self._thread.join()
 
     def result(self) -> Result:
-        """Wait, and return or raise what the work does; once."""
+        """Wait, and return the result or raise the error; once."""
         self.wait()
         if self._failures:
-            # Held by nothing but the exception on its way: its trace holds what belongs to the main thread.
+            # Only the exception under way may hold this: its traceback refers to objects of the main thread.
             raise self._failures.pop()
         return self._results.pop()
 
@@ -235,27 +235,27 @@ class PythonThread(Generic[Result]):
 
 
 def crs_named(text: str) -> QgsCoordinateReferenceSystem:
-    """CRS of a code or of a WKT; the first time on the main thread, see above."""
+    """CRS of a code or WKT; see above: read it first on the main thread."""
     if text.count(":") == 1 and "[" not in text:
         return QgsCoordinateReferenceSystem(text)
     return QgsCoordinateReferenceSystem.fromWkt(text)
 
 
 def required_crs(crs: QgsCoordinateReferenceSystem, layer_name: str) -> QgsCoordinateReferenceSystem:
-    """CRS of a layer; raises InvalidInput where it has none."""
+    """CRS of a layer; raises InvalidInput if it has none."""
     if not crs.isValid():
         raise InvalidInput(tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer_name))
     return crs
 
 
 def hold_crs() -> None:
-    """Read the CRSs of TerrAInav's layers on the main thread, before work on another one does."""
+    """Read the CRSs of TerrAInav's layers on the main thread before another thread does."""
     for identifier in CRS_IDS:
         QgsCoordinateReferenceSystem(identifier)
 
 
 def held_crs(text: str) -> bool:
-    """Have the main thread read a CRS, a code or WKT, before this one does; False where it had no time for that."""
+    """Have the main thread read a CRS (a code or WKT) before this one; False if it did not in time."""
     if text in CRS_IDS:
         return True
     if QThread.currentThread() == QgsApplication.instance().thread():
@@ -265,7 +265,7 @@ def held_crs(text: str) -> bool:
 
 
 class _Reading(QObject):
-    """A CRS that the main thread is to read as soon as it comes to it."""
+    """A CRS for the main thread to read as soon as it can."""
 
     _asked = pyqtSignal()
 
@@ -277,9 +277,9 @@ class _Reading(QObject):
         self._asked.connect(self._read, Qt.ConnectionType.QueuedConnection)
 
     def wait(self) -> bool:
-        """Wait for it, but no longer than a user would: the main thread may wait for this one."""
+        """Wait, but no longer than a user would: the main thread may wait for this one."""
         self._asked.emit()
-        # Wait up to 3 s for the main thread to read another CRS.
+        # Wait up to 3 s for the main thread to read the CRS.
         return self._read_there.wait(3.0)
 
     @pyqtSlot()
@@ -289,12 +289,12 @@ class _Reading(QObject):
 
 
 def is_foreign() -> bool:
-    """Whether the current thread is one that Python has not made."""
+    """Whether Python did not create the current thread."""
     return isinstance(threading.current_thread(), threading._DummyThread)  # noqa: SLF001  (no other way to tell)
 
 
 def on_python_thread(work: Callable[[], Result]) -> Result:
-    """Result of ``work``, which runs here if Python has made this thread, and else on one of its own meanwhile."""
+    """Result of ``work``, run on this thread if Python created it, and otherwise on a new Python thread."""
     if not is_foreign():
         return work()
     return PythonThread(work, "terrainav-task").result()

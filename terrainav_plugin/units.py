@@ -1,4 +1,4 @@
-"""Lengths, areas and durations in words: in metres, or in feet with what goes with them."""
+"""Lengths, areas and durations as text, in metric units or in feet and related units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
 
 
 def length_text(value_m: float, unit: str) -> str:
-    """Length in the unit that suits it: of kilometres to millimetres, or of miles, feet and inches."""
+    """Length in a suitable unit: kilometres to millimetres, or miles, feet and inches."""
     if unit != FEET:
         return translate(metric_length_text(value_m))
     feet = value_m / M_PER_FT
@@ -24,7 +24,7 @@ def length_text(value_m: float, unit: str) -> str:
 
 
 def gsd_text(value_m: float, unit: str) -> str:
-    """Ground sample distance: in inches with feet, however many."""
+    """Ground sample distance; with feet, in inches up to a mile."""
     if unit != FEET:
         return translate(metric_length_text(value_m))
     inches = value_m / M_PER_FT * _INCHES_PER_FT

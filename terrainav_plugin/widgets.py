@@ -1,4 +1,4 @@
-"""Widgets that forms are made of, and what is said at their fields."""
+"""Widgets of forms, and the messages at their fields."""
 
 from __future__ import annotations
 
@@ -58,12 +58,12 @@ from .plain import plain_label, shown_plain
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, distinct to colour-blind people.
 WRONG_COLOUR = "#D55E00"
-#: Share of that colour behind the text of a spin box.
+#: Share of that colour in the background of a spin box.
 _TINT = 0.3
 _WRONG = "terrainavWrong"
-#: Entries that have room beside them for what is wrong.
+#: Entries with room beside them for a message.
 _BESIDE = "terrainavBeside"
-#: Numbers of no more decimals are shown as they are, as they may have been typed; of others these many digits.
+#: Decimals up to which a number is shown as typed; significant digits of others.
 _TYPED_DECIMALS, _READ_DIGITS = 6, 5
 STYLE_SHEET = f"""
 QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
@@ -73,27 +73,27 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
-#: What people let an entry add up or multiply.
+#: Characters of a formula that an entry evaluates.
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
-#: Characters of a text that its tooltip shows, and of one that is measured: screens are no wider.
+#: Characters of a text shown in its tooltip, and measured for its width: screens are no wider.
 _MOST_TIP, _MOST_MEASURED = 200, 10_000
-#: A text with an underlined letter, and what gives it another.
+#: A text with an underlined letter, and a function that sets its text.
 _Text = tuple[str, Callable[[str], None]]
 _Made = TypeVar("_Made", bound=QWidget)
 _Box = TypeVar("_Box", bound="NumberBox")
 
 
 def named(widget: _Made, name: str, tip: str = "") -> _Made:
-    """Widget with the name that it is found by, and with its tip."""
+    """Set a widget's object name and tooltip; returns it."""
     widget.setObjectName(name)
     widget.setToolTip(tip)
     return widget
 
 
 def box_contents(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
-    """Widget for all that a group box holds.
+    """Widget for the contents of a group box.
 
-    Unfolding a group shows all that is right inside it, also what is to be hidden.
+    Unfolding a group shows all of its direct children, including those to stay hidden.
     """
     contents = QWidget(box)
     around = QVBoxLayout(box)
@@ -103,30 +103,30 @@ def box_contents(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
 
 
 def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
-    """Layout of labelled entries for a group box."""
+    """Form layout for a group box."""
     form = growing_form(box_contents(box))
     form.setVerticalSpacing(4)
-    # With large letters, a label stands above its entry where there is no room for both.
+    # With a large font, a label goes above its entry if both do not fit.
     form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
     return form
 
 
 def growing_form(parent: QWidget | None = None) -> QFormLayout:
-    """Layout of labelled entries that grow with the window."""
+    """Form layout whose entries grow with the window."""
     form = QFormLayout(parent)
     form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
     return form
 
 
 def show_row(form: QFormLayout, field: QWidget, shown: bool) -> None:
-    """Show or hide a row of a form, by its entry."""
+    """Show or hide the row of a form that holds an entry."""
     for part in (field, form.labelForField(field)):
         if part is not None:
             part.setVisible(shown)
 
 
 def scrolled(contents: QWidget) -> QScrollArea:
-    """Widget in an area that is scrolled where it is too small for it."""
+    """Scroll area around a widget."""
     scroll = QScrollArea()
     scroll.setWidgetResizable(True)
     scroll.setFrameShape(QFrame.Shape.NoFrame)
@@ -147,7 +147,7 @@ def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
 
 
 def wrapped_label(name: str) -> QLabel:
-    """Label of any text, in as many lines as that takes, for users to copy from."""
+    """Label of plain text, wrapped and selectable."""
     label = named(plain_label(), name)
     label.setWordWrap(True)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -155,14 +155,14 @@ def wrapped_label(name: str) -> QLabel:
 
 
 def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> QPushButton:
-    """Button that no other key than its own presses."""
+    """Button that Enter in another entry does not press."""
     made = named(QPushButton(text) if image is None else QPushButton(image, text), name, tip)
     made.setAutoDefault(False)
     return made
 
 
 def tool_button(name: str, image: QIcon, tip: str, text: str = "") -> QToolButton:
-    """Button with an image, and with a text beside it where there is one."""
+    """Button with an image and, if given, a text beside it."""
     made = named(QToolButton(), name, tip)
     made.setIcon(image)
     if text:
@@ -172,21 +172,21 @@ def tool_button(name: str, image: QIcon, tip: str, text: str = "") -> QToolButto
 
 
 def line_edit(name: str, tip: str, placeholder: str = "") -> QLineEdit:
-    """Entry for a text, and what it shows while it is empty."""
+    """Text entry, with a placeholder shown while it is empty."""
     made = named(QLineEdit(), name, tip)
     made.setPlaceholderText(placeholder)
     return made
 
 
 class ShortLine(QLineEdit):
-    """Entry for a text that is shown shorter than it is, and stays whole until it is edited.
+    """Text entry that shows a shortened text, and keeps the whole until it is edited.
 
-    Where not all of it can be seen, the tooltip begins with it.
+    If not all of it is visible, the tooltip begins with it.
 
     Parameters
     ----------
     shorten : callable
-        Text as people read it.
+        Returns the text to show.
     """
 
     def __init__(self, shorten: Callable[[str], str]) -> None:
@@ -197,31 +197,31 @@ class ShortLine(QLineEdit):
         self.textChanged.connect(self._show_tip)
 
     def setToolTip(self, tip: str) -> None:
-        """Say what the entry is for."""
+        """Set the tooltip, after the text if that is cut."""
         self._tip = tip
         self._show_tip()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Show the first digits of what was typed."""
+        """Shorten what was typed."""
         super().focusOutEvent(event)
         self.setCursorPosition(0)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """See whether all of the text is to be seen."""
+        """Update the tooltip: the text may be cut now."""
         super().resizeEvent(event)
         self._show_tip()
 
     def whole(self) -> str:
-        """Return what is entered."""
+        """Return the whole text."""
         return self._whole if self._whole and self.text() == self._shown else self.text()
 
     def enter(self, text: str) -> None:
-        """Enter a text; one that is there already stays as it was typed."""
+        """Enter a text; if it is already entered, keep it as typed."""
         if text == self.whole():
             return
         self._whole, self._shown = text, self._shorten(text)
         self.setText(self._shown)
-        # Long numbers show their first digits.
+        # Show the first digits of long numbers.
         self.setCursorPosition(0)
 
     def _forget(self) -> None:
@@ -240,14 +240,14 @@ class ShortLine(QLineEdit):
 
 
 class ElidedLabel(QLabel):
-    """A line that is cut where the panel is narrow; the tooltip has all of it.
+    """A line that is elided in a narrow panel; the tooltip has all of it.
 
     Parameters
     ----------
     mode : Qt.TextElideMode
-        Where it is cut.
+        Where it is elided.
     least : int
-        Characters that there is always room for.
+        Characters that always fit.
     """
 
     def __init__(self, mode: Qt.TextElideMode, least: int) -> None:
@@ -256,18 +256,18 @@ class ElidedLabel(QLabel):
         self.setTextFormat(Qt.TextFormat.PlainText)
 
     def say(self, text: str) -> None:
-        """Show a text."""
+        """Set the text."""
         self.setText(text)
         self.setToolTip(shown_plain(text))
 
     def minimumSizeHint(self) -> QSize:
-        """Room for some characters."""
+        """Room for ``least`` characters."""
         metrics = self.fontMetrics()
         wide = min(metrics.averageCharWidth() * self._least, metrics.horizontalAdvance(self.text()))
         return QSize(wide, super().minimumSizeHint().height())
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw what there is room for."""
+        """Draw as much text as fits."""
         painter = QPainter(self)
         text = self.fontMetrics().elidedText(self.text(), self._mode, self.width())
         alignment = int(Qt.AlignmentFlag.AlignLeft) | int(Qt.AlignmentFlag.AlignVCenter)
@@ -277,11 +277,11 @@ class ElidedLabel(QLabel):
 
 
 def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
-    """Entry for a folder, which a dialog of that title is there to choose."""
+    """Folder entry with a button for a dialog titled ``title``."""
     made = named(QgsFileWidget(), name, tip)
     made.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
     made.setDialogTitle(title)
-    # A label's key goes to what is typed into.
+    # A label's key focuses the text entry.
     made.setFocusProxy(made.lineEdit())
     return made
 
@@ -296,7 +296,7 @@ def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
 
 
 def first_problem(form: QWidget) -> str:
-    """Return what is wrong with the first entry of a number that counts, and go there; empty where all are right."""
+    """Problem of the first invalid number box, which is focused; empty if all are valid."""
     for box in form.findChildren(NumberBox):
         if box.isEnabled() and box.isVisibleTo(form) and box.problem():
             box.setFocus()
@@ -306,14 +306,14 @@ def first_problem(form: QWidget) -> str:
 
 
 class Chooser(QComboBox):
-    """A chooser that a wheel turns only when it has been entered: otherwise the panel is scrolled."""
+    """A combo box that the mouse wheel changes only while focused: otherwise the panel scrolls."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Choose, or leave the wheel to the panel."""
+        """Change the choice, or leave the wheel to the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -321,7 +321,7 @@ class Chooser(QComboBox):
 
 
 def combo(name: str, items: Sequence[tuple[str, str]], tip: str) -> QComboBox:
-    """Chooser of (value, label) pairs."""
+    """Combo box of (value, label) pairs."""
     combo = named(Chooser(), name, tip)
     combo.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
     combo.setMinimumContentsLength(3)
@@ -331,52 +331,51 @@ def combo(name: str, items: Sequence[tuple[str, str]], tip: str) -> QComboBox:
 
 
 def tick(name: str, text: str, tip: str) -> QCheckBox:
-    """Box to tick."""
+    """Check box."""
     return named(QCheckBox(text), name, tip)
 
 
 class NumberBox(QgsDoubleSpinBox):
-    """A spin box that takes every text as it is typed, and shows no zeros a person would not write.
+    """A spin box that accepts any text while typing, and shows no superfluous zeros.
 
-    A text that is no number of its range stays, for its user to be told: nothing is read out of it, and nothing else
-    put in its place.
+    A text that is not a number of the range stays visible and is reported: it is neither read nor replaced.
 
     Signals
     -------
     judged()
-        The text is no number any more, another one that is none, or a number again.
+        The text becomes invalid, another invalid text, or valid.
 
     Attributes
     ----------
     times : float
-        What the dock's state is multiplied by to be shown: 100 for a share in percent.
+        Factor from the value in the form's state to that shown: 100 for a share in percent.
     may_be_left_out : bool
-        Whether the least value stands for no number.
+        Whether the least value stands for "not set".
     """
 
     judged = pyqtSignal()
     times: float = 1.0
     may_be_left_out: bool = False
-    #: While it is made, and while a number is entered, what it shows is nothing that was typed.
+    #: While the box is set up or a number is entered, its text was not typed.
     _is_typed_into: bool = False
 
     def __init__(self) -> None:
         super().__init__()
         self._judged: str | None = None
-        #: Text that was looked at last, and what came of it: forms ask for all their entries at every key.
+        #: Text checked last, and the result: forms read all their entries at every key.
         self._checked_features: tuple[str, str | None] = ("", None)
         self._is_typed_into = True
         self.lineEdit().textChanged.connect(self._judge)
         self.editingFinished.connect(self.say_problem)
 
     def let_be_left_out(self, below: float) -> None:
-        """Have a value below all that is right stand for no number, and be shown as such."""
+        """Let a value below the range stand for "not set", shown as such."""
         self.may_be_left_out = True
         self.setMinimum(below)
         self.setSpecialValueText(tr("not set"))
 
     def unread(self) -> str | None:
-        """Return a text that is no number of the range; None where it is one."""
+        """Return the text if it is not a number of the range; None otherwise."""
         if not self._is_typed_into:
             return None
         shown = self.lineEdit().text()
@@ -386,7 +385,7 @@ class NumberBox(QgsDoubleSpinBox):
         return self._checked_features[1]
 
     def problem(self) -> str:
-        """Say what is wrong with what is typed; empty where it is a number of the range."""
+        """Return what is wrong with the text; empty if it is a number of the range."""
         text = self.unread()
         if text is None:
             return ""
@@ -404,31 +403,31 @@ class NumberBox(QgsDoubleSpinBox):
         return right.format(text=text, least=least, most=most)
 
     def say_problem(self) -> None:
-        """Say what is wrong where no form has room for it beside the entry."""
+        """Show the problem in a tooltip, for forms without room beside the entry."""
         if self.problem() and not self.property(_BESIDE):
             QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), shown_plain(self.problem()), self)
 
     def validate(self, text: str, *position: int) -> tuple[Any, ...]:
-        """Let everything be typed."""
+        """Accept any text."""
         if position:
             return QValidator.State.Acceptable, text, *position
-        # QGIS hands over no position, and wants it back: behind the prefix that Qt has put before what was typed.
+        # QGIS passes no position but expects one: the cursor is after the prefix that Qt inserts before the text typed.
         line = self.lineEdit()
         before = 0 if line.text().startswith(self.prefix()) else len(self.prefix())
         return QValidator.State.Acceptable, line.cursorPosition() + before
 
     def setValue(self, value: float) -> None:
-        """Enter a number, in place of whatever has been typed."""
+        """Set a number, replacing what was typed."""
         with self._entering():
             super().setValue(value)
 
     def stepBy(self, steps: int) -> None:
-        """Step from the last number that was read."""
+        """Step from the last valid number."""
         with self._entering():
             super().stepBy(steps)
 
     def textFromValue(self, value: float) -> str:
-        """Text of a number; where something else is typed, that."""
+        """Text of a number; an invalid text stays as typed."""
         typed = self.unread() if self._is_typed_into else None
         if typed is not None and value == self.value():
             return typed
@@ -437,7 +436,7 @@ class NumberBox(QgsDoubleSpinBox):
         return text.rstrip("0").rstrip(point) if point in text else text
 
     def valueFromText(self, text: str) -> float:
-        """Number of a text; of one that is none the last number, but never one that says that there is none."""
+        """Number of a text; the last number if it is invalid, unless that stands for "not set"."""
         value = self._read(self._typed(text))
         if value is not None:
             return value
@@ -445,35 +444,35 @@ class NumberBox(QgsDoubleSpinBox):
         return self.minimum() + 1.0 if left_out else self.value()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Step only where the box has been entered: otherwise the panel is scrolled."""
+        """Step only while the box is focused: otherwise the panel scrolls."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
             event.ignore()
 
     def number(self) -> float | int | None:
-        """Number entered, an int where no decimals are taken; None where there is none."""
+        """Number entered, an int if there are no decimals; None if not set."""
         if self.may_be_left_out and (self.value() == self.minimum() or self.unread() is not None):
             return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
     def enter(self, number: float | None) -> None:
-        """Show what `number` returns then, to the decimals there are and the digits that people read."""
+        """Enter a number as `number` returns it, rounded to the decimals of the box and to readable digits."""
         self.setValue(self.minimum() if number is None else short_number(number * self.times))
 
     def _typed(self, text: str) -> str:
-        """Text without what stands before and behind it by itself, and a unit that was typed all the same."""
+        """Text without prefix and suffix, and without a unit that was typed."""
         prefix, suffix = self.prefix().strip(), self.suffix().strip()
         text = text.strip().removeprefix(prefix).removesuffix(suffix).strip()
         return text.removesuffix(suffix).strip()
 
     def _read(self, text: str) -> float | None:
-        """Number of a text, in the range and to the decimals there are; None where it is none."""
+        """Number of a text, in the range and rounded to the decimals; None if there is none."""
         if self.may_be_left_out and text in ("", self.specialValueText()):
             return self.minimum()
         value = self._number(text)
         if value is not None and self.decimals():
-            # What is not shown does not count.
+            # Digits that are not shown do not count.
             value = round(value, self.decimals())
         if value is None or not self.minimum() <= value <= self.maximum():
             return None
@@ -481,9 +480,9 @@ class NumberBox(QgsDoubleSpinBox):
         return None if left_out or (not self.decimals() and value != int(value)) else value
 
     def _number(self, text: str) -> float | None:
-        """Number of a text, or what a sum of numbers comes to; None where it is neither."""
+        """Number of a text, or the value of a formula; None if it is neither."""
         if not self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator:
-            # Where QGIS keeps thousands apart in what it shows, they are when that is read.
+            # Remove group separators, which QGIS also shows.
             value, is_number = self.locale().toDouble(text)
             if is_number:
                 return value
@@ -502,7 +501,7 @@ class NumberBox(QgsDoubleSpinBox):
             self._judge()
 
     def _judge(self, *_: object) -> None:
-        """Tell whether what is typed is a number, where that has changed."""
+        """Emit `judged` if the validity of the text has changed."""
         unread = self.unread()
         if unread != self._judged:
             self._judged = unread
@@ -512,15 +511,15 @@ class NumberBox(QgsDoubleSpinBox):
 
 
 class WholeBox(NumberBox):
-    """A spin box of whole numbers."""
+    """A spin box of integers."""
 
     def value(self) -> int:
-        """Return what is entered."""
+        """Return the value."""
         return int(super().value())
 
 
 def _result(text: str) -> float | None:
-    """Result of a sum of numbers, as QGIS works it out; None for none."""
+    """Value of a formula, as QGIS evaluates it; None if it has none."""
     from qgis.core import QgsExpression
 
     value = QgsExpression(text).evaluate()
@@ -528,7 +527,7 @@ def _result(text: str) -> float | None:
 
 
 def short_number(value: float) -> float:
-    """Number with the digits that people read, where it has more than they type: 330.26666… is shown as 330.27."""
+    """Number rounded to readable digits if it has more decimals than people type: 330.26666… becomes 330.27."""
     if not math.isfinite(value) or round(value, _TYPED_DECIMALS) == value:
         return value
     before = math.floor(math.log10(abs(value))) + 1
@@ -536,7 +535,7 @@ def short_number(value: float) -> float:
 
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:
-    """Entry for a number with a unit."""
+    """Spin box of a number with a unit."""
     made = _number_box(named(NumberBox(), name, tip), least, most, decimals)
     made.setSuffix(suffix)
     made.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
@@ -544,14 +543,14 @@ def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: 
 
 
 def whole_spin(name: str, least: int, most: int, tip: str) -> WholeBox:
-    """Entry for a whole number of a range."""
+    """Spin box of an integer in a range."""
     return _number_box(named(WholeBox(), name, tip), least, most, 0)
 
 
 def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
     made.setDecimals(decimals)
     made.setRange(least, most)
-    # Shows a number from the start: what an empty entry shows would be taken for typed.
+    # Show a number from the start: an empty text would count as typed.
     made.setValue(made.value())
     made.setShowClearButton(False)
     made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -559,20 +558,20 @@ def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
 
 
 def choose(combo: QComboBox, value: object) -> None:
-    """Select the item with this data; an unknown one leaves the first."""
+    """Select the item with this data, or the first if it is unknown."""
     combo.setCurrentIndex(max(combo.findData(value), 0))
 
 
 class FieldMessage(QLabel):
-    """Text as high as its lines need; layouts forget about that where widgets are nested."""
+    """Text as high as its lines; nested layouts do not ask for the height."""
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Make room for the lines there are at this width."""
+        """Fit the height to the lines at this width."""
         super().resizeEvent(event)
         self._fit()
 
     def say(self, text: str) -> None:
-        """Show a text, or nothing."""
+        """Set the text; hidden if empty."""
         self.setTextFormat(Qt.TextFormat.PlainText)
         # A few lines below a field.
         self.setText(shortened(text, 1000))
@@ -584,27 +583,27 @@ class FieldMessage(QLabel):
 
 
 class FieldMarks:
-    """The named fields of a form; marks those that hold a bad value, in words below the field."""
+    """The named fields of a form; marks those with bad values, and shows why below them."""
 
     def __init__(self) -> None:
         self._fields: dict[str, tuple[QWidget, FieldMessage]] = {}
 
     def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
-        """Widget, or ``shown`` which holds it, with the room for its message, to put into a layout."""
+        """Widget for a layout: ``shown``, or ``widget`` itself, above the label for its message."""
         holder = QWidget()
         layout = QVBoxLayout(holder)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(shown or widget)
         layout.addWidget(self.label(name, widget))
-        # Qt lets a label's key go only to what takes the keyboard; Tab passes over what has a proxy. Set before that,
-        # which would get this policy, too.
+        # Qt gives a label's key only to widgets that take the keyboard focus; Tab skips those with a proxy. Set the
+        # policy before the proxy, which would get it too.
         holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         holder.setFocusProxy(shown or widget)
         return holder
 
     def label(self, name: str, widget: QWidget) -> FieldMessage:
-        """Label for the message of a field, where it cannot stand right below."""
+        """Label for the message of a field, if it cannot be right below it."""
         label = named(FieldMessage(), f"{name}_message")
         label.setProperty("terrainavMark", "true")
         label.setWordWrap(True)
@@ -614,7 +613,7 @@ class FieldMarks:
         return label
 
     def show(self, messages: dict[str, str]) -> None:
-        """Mark the fields in ``messages`` and unmark all others."""
+        """Mark the fields in ``messages``, and unmark all others."""
         for name, (widget, label) in self._fields.items():
             text = messages.get(name, "")
             label.say(text)
@@ -622,30 +621,30 @@ class FieldMarks:
                 _mark(widget, bool(text))
 
     def message(self, name: str) -> str:
-        """Return what is said about a field; empty where it is right."""
+        """Message at a field; empty if it is valid."""
         return self._fields[name][1].text()
 
     def hidden(self) -> tuple[str, ...]:
-        """Return the fields whose rows are hidden, wherever the form is folded."""
+        """Fields whose rows are hidden, apart from folding."""
         return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
 
     def out_of_sight(self, messages: dict[str, str]) -> str:
-        """Return what is said in ``messages`` about fields that nobody can see; empty for nothing."""
+        """Messages at hidden fields; empty if there are none."""
         hidden = self.hidden()
         texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
         return "\n".join(texts)
 
     def fields(self) -> list[tuple[QWidget, QLabel]]:
-        """Fields and the labels for their messages."""
+        """Fields, and the labels for their messages."""
         return list(self._fields.values())
 
     def first_message(self) -> str:
-        """Return what is wrong with the first field that is marked; empty where none is."""
+        """Message at the first marked field; empty if none is marked."""
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
 
 
 def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
-    """Take back the letters of a panel that open a menu, which plugins and languages add to, or that come twice."""
+    """Remove a panel's mnemonics that open a menu (plugins and languages add some) or appear twice."""
     taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
     for text, change in list(_texts(panel)):
         letter = mnemonic_key(text)
@@ -655,24 +654,24 @@ def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
 
 
 def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
-    """Add a window over the map's corner, whole on the screen."""
+    """Add a dock widget floating over the map's corner, within the screen."""
     window = iface.mainWindow()
     free_of_menus(panel, window.menuBar())
-    # Floating before it is added: a wide one would widen the panels that it is put beside for good.
+    # Float it before adding: a wide one would permanently widen the panels beside it.
     panel.setParent(window)
     panel.setFloating(True)
     iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
-    # A little into the map.
+    # Slightly inside the map.
     corner = iface.mapCanvas().mapToGlobal(QPoint(12, 36))
     screen = window.screen().availableGeometry()
     wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
     left = max(min(corner.x(), screen.right() - wide), screen.left())
-    # The window's own title comes on top.
+    # Room for the title bar.
     panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
 
 
 def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
-    """Add a window to those on the right of the map, in front of one by name: no part of the map is covered."""
+    """Add a dock widget to those on the right, as a tab on the one named ``beside``."""
     window = iface.mainWindow()
     free_of_menus(panel, window.menuBar())
     iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, panel)
@@ -684,12 +683,12 @@ def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
 
 
 def mnemonic_key(text: str) -> str:
-    """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
+    """Shortcut of a text's underlined letter, as ``Alt+F``; empty if it has none."""
     return QKeySequence.mnemonic(text).toString()
 
 
 def _is_hidden(part: QWidget) -> bool:
-    """Whether a part of a form is hidden, or something that it is in: not where it is only folded with its group."""
+    """Whether a widget of a form, or a parent, is hidden, other than by folding its group."""
     around = part.parentWidget()
     while around is not None and not isinstance(around, QgsCollapsibleGroupBoxBasic):
         if part.isHidden():
@@ -701,7 +700,7 @@ def _is_hidden(part: QWidget) -> bool:
 def _mark(widget: QWidget, wrong: bool) -> None:
     widget.setProperty(_WRONG, "true" if wrong else "")
     if isinstance(widget, QAbstractSpinBox):
-        # A frame by style sheet would spoil the arrows.
+        # A border by style sheet would spoil the arrows.
         palette = QPalette()
         if wrong:
             palette.setColor(QPalette.ColorRole.Base, _tinted(palette.color(QPalette.ColorRole.Base)))
@@ -713,7 +712,7 @@ def _mark(widget: QWidget, wrong: bool) -> None:
 
 
 def _tinted(base: QColor) -> QColor:
-    """Colour on the way from a theme's own to that of what is wrong."""
+    """A theme's colour blended with that of errors."""
     wrong = QColor(WRONG_COLOUR)
     parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
     return QColor(*(round((1.0 - _TINT) * own + _TINT * other) for own, other in parts))

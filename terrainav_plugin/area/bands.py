@@ -1,4 +1,4 @@
-"""An area drawn over the canvas, and what is said at the pointer."""
+"""Rubber bands of an area, and text at the pointer."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from .outline import AreaOutline, Corner, count_turns
 
 
 class BandColours(NamedTuple):
-    """Colours and pattern of a band."""
+    """Colours and brush style of a band."""
 
     line: QColor
     fill: QColor
     brush: Qt.BrushStyle = Qt.BrushStyle.SolidPattern
 
 
-#: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
+#: Vermillion of the Okabe-Ito palette and its tint, which colour-blind people distinguish.
 AREA_COLOURS = BandColours(QColor(213, 94, 0), QColor(213, 94, 0, 40))
-#: The images inside are looked at in their own colours.
+#: Without a fill, which would tint the images inside.
 OUTLINE_COLOURS = AREA_COLOURS._replace(fill=QColor(0, 0, 0, 0))
-#: Red as on flight maps, hatched, so that what is below stays in sight.
+#: Red as on flight maps, hatched to leave the map below visible.
 NO_FLY_COLOURS = BandColours(QColor(190, 0, 30), QColor(190, 0, 30, 200), Qt.BrushStyle.BDiagPattern)
 _HANDLE_PX = 9
-#: Width and height of the plugin's symbols, which are drawn as large as they are.
+#: Width and height of the plugin's symbols, drawn at their natural size.
 _SYMBOL_PX = 24
-#: The readout stands this far from the pointer, so that it hides nothing of what is aimed at.
+#: Distance of the readout from the pointer, to leave the target visible.
 _ASIDE_PX = 16
-#: Over maps of any colour, in themes that paint no background of labels: the readout brings its own.
+#: Legible over any map; some themes paint no background for labels.
 _READOUT_STYLE = "QLabel { background-color: #202020; color: #ffffff; border-radius: 3px; padding: 3px; }"
 
 
@@ -46,12 +46,12 @@ class AreaMark(QObject):
     ----------
     colours : BandColours
     symbol : str
-        Path of an image that points are shown by; a dot without one.
+        Path of an image that marks points; without one, a dot.
 
     Attributes
     ----------
     area : Box, Polygon, Polygons, Points or None
-        What is outlined while the mark is shown.
+        Area outlined while the mark is shown.
     is_shown : bool
     """
 
@@ -66,30 +66,30 @@ class AreaMark(QObject):
         canvas.extentsChanged.connect(self._follow)
 
     def close(self) -> None:
-        """Take it away for good."""
+        """Remove the mark for good."""
         self._canvas.extentsChanged.disconnect(self._follow)
         self._canvas.destinationCrsChanged.disconnect(self._draw)
         self._bands.clear()
 
     def set_area(self, area: Area | None) -> None:
-        """Take another area; None for none."""
+        """Set the area; None for none."""
         if area != self.area:
             self.area = area
             self._draw()
 
     def set_shown(self, shown: bool) -> None:
-        """Draw it, or take it away."""
+        """Show or hide the mark."""
         if shown != self.is_shown:
             self.is_shown = shown
             self._draw()
 
     def _follow(self) -> None:
-        """Draw degrees on the turn that is in view."""
+        """Redraw geographic maps on the turn that is in view."""
         if self._turn() != self._drawn_on:
             self._draw()
 
     def _turn(self) -> int:
-        """Turns around the Earth between the area and the middle of the view; 0 in maps without such turns."""
+        """Turns around the Earth from the area to the middle of the view; 0 on projected maps."""
         if self.area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
         return count_turns(self.area, self._canvas.extent().center().x())
@@ -111,7 +111,7 @@ class AreaBands:
         self._bands: list[QgsRubberBand] = []
 
     def show(self, outline: AreaOutline, with_handles: bool, picked: Corner | None = None) -> None:
-        """Draw an outline in place of the one before, with one of its corners filled."""
+        """Replace the outline drawn; the corner ``picked`` is filled."""
         if not self._bands:
             icons = QgsRubberBand.IconType
             self._bands = [
@@ -132,11 +132,11 @@ class AreaBands:
         shape = outline.shape
         if not shape.isEmpty():
             band = points if shape.type() == POINT else area
-            # The canvas's own coordinates: nothing is to be transformed.
+            # These are canvas coordinates: transform nothing.
             band.setToGeometry(shape, None)
         if with_handles:
             _show_points(handles, [*outline.handles.values(), *outline.corners.values()])
-            # Edges shorter than this on the screen have no handle in their middle.
+            # An edge shorter than this on the screen has no handle in its middle.
             least = 40.0 * self._canvas.mapUnitsPerPixel()
             long = (
                 corner
@@ -147,7 +147,7 @@ class AreaBands:
             _show_points(chosen, [outline.corners[picked]] if picked in outline.corners else [])
 
     def clear(self) -> None:
-        """Take it away."""
+        """Remove the bands."""
         for band in self._bands:
             self._canvas.scene().removeItem(band)
         self._bands = []
@@ -161,7 +161,7 @@ class PointerText:
         self._label: QLabel | None = None
 
     def say(self, text: str, at: QPoint) -> None:
-        """Show a text beside a pixel, inside the canvas."""
+        """Show a text beside a pixel, within the canvas."""
         if self._label is None:
             self._label = plain_label(parent=self._canvas.viewport())
             self._label.setObjectName("terrainav_readout")
@@ -179,7 +179,7 @@ class PointerText:
         label.setVisible(bool(text))
 
     def clear(self) -> None:
-        """Take it away."""
+        """Remove the text."""
         if self._label is not None:
             self._label.hide()
             self._label.setParent(None)
@@ -188,7 +188,7 @@ class PointerText:
 
 
 def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
-    """Make a band for an area, or for points of it."""
+    """Create a band for an area, or for its points."""
     band = QgsRubberBand(canvas, kind)
     band.setStrokeColor(colours.line)
     band.setFillColor(colours.fill)
@@ -198,7 +198,7 @@ def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = 
 
 
 def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
-    """Make a band for handles, white inside to stand out from their line."""
+    """Create a band for handles, white inside to stand out from their line."""
     band = area_band(canvas, POINT, colours)
     band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
     band.setIconSize(_HANDLE_PX)
@@ -208,7 +208,7 @@ def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> Qg
 
 
 def _show_points(band: QgsRubberBand, points: list[QgsPointXY]) -> None:
-    """Fill a band of points: all at once, as each that is added has all of them looked at."""
+    """Set a band's points all at once: adding one by one takes quadratic time."""
     if points:
         band.setToGeometry(QgsGeometry.fromMultiPointXY(points), None)
 

@@ -1,4 +1,4 @@
-"""Where areas come from and go to: the menu, the map's tools, and the form."""
+"""Connect the sources of areas (the menu and the map tools) to the form."""
 
 from __future__ import annotations
 
@@ -53,19 +53,19 @@ from .tools import AreaTool, BoxTool, PointTool
 
 
 class AreaControl(QObject):
-    """Takes areas from wherever a person has them into the form, one undoable step each.
+    """Enter areas into the form, each as one undoable step.
 
     Parameters
     ----------
     iface : QgisInterface
     panel : QgsDockWidget
-        That the entries are part of; the area is marked on the map while it is to be seen.
+        Panel with the entries; the area is marked on the map while it is visible.
     entries : AreaEntries
     editing : AreaEditing
     messages : Messages
     box_tool : BoxTool
     draw : callable
-        Has something that begins drawing done, as soon as the map shows something to draw on.
+        Calls a function that begins drawing, once the map has something to draw on.
 
     Attributes
     ----------
@@ -74,13 +74,13 @@ class AreaControl(QObject):
     polygon_tool, hole_tool, part_tool, no_fly_tool : PolygonTool
         Draw the area, a hole in it, one more polygon of it, and a no-fly area.
     takeoff_tool : PointTool
-        Takes the take-off point.
+        Picks the take-off point.
     single_tool, orbit_tool : PointTool
-        Take the place of a single capture, and the centre of an orbit.
+        Pick the place of a single capture, and the centre of an orbit.
     mark : AreaMark
-        Shows the area on the map as long as neither that tool nor a preview does.
+        Marks the area on the map while neither ``tool`` nor a preview shows it.
     no_fly_mark, takeoff_mark : AreaMark
-        Show the no-fly areas and the take-off point.
+        Mark the no-fly areas and the take-off point.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class AreaControl(QObject):
         self._entries, self._editing, self._box_tool = entries, editing, box_tool
         self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
         self._task: ReadTask | None = None
-        #: Layer of which a selected polygon is waited for.
+        #: Layer in which the user is to select a polygon.
         self._selecting: QgsVectorLayer | None = None
         keys = self._editing.undo_keys
         self.tool = AreaTool(self._canvas, keys)
@@ -111,7 +111,7 @@ class AreaControl(QObject):
         self.mark, self._previewed = AreaMark(self._canvas), False
         self.no_fly_mark = AreaMark(self._canvas, NO_FLY_COLOURS)
         self.takeoff_mark = AreaMark(self._canvas, symbol=symbol("takeoff"))
-        # After a pause in typing, the map moves to an area that is out of sight.
+        # After a pause in typing, move the map to the area if it is out of sight.
         self._pause = single_shot(self._go_to_typed, self, 600)
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
@@ -122,7 +122,7 @@ class AreaControl(QObject):
         self._editing.noted.connect(self._follow)
         self._editing.coordinates_entered.connect(self._pause.start)
         self._editing.history.stepped.connect(self._pause.start)
-        # Whoever moves the map meanwhile looks at something else.
+        # Not if the user moves the map meanwhile.
         self._canvas.extentsChanged.connect(self._pause.stop)
         self._canvas.mapToolSet.connect(self._show_mark)
         panel.visibilityChanged.connect(self._show_mark)
@@ -151,7 +151,7 @@ class AreaControl(QObject):
         }
 
     def close(self) -> None:
-        """Leave nothing behind."""
+        """Remove everything made here."""
         if self._task is not None:
             self._task.abandon()
             self._task = None
@@ -173,7 +173,7 @@ class AreaControl(QObject):
         return self.takeoff_tool, self.single_tool, self.orbit_tool
 
     def _join_tools(self) -> None:
-        """Have what the map's tools tell entered."""
+        """Enter the areas from the map tools."""
         tool = self.tool
         tool.dragging.connect(self._show_dragged)
         tool.changed.connect(self._take_changed)
@@ -189,7 +189,7 @@ class AreaControl(QObject):
         self.no_fly_tool.drawn.connect(self._take_no_fly)
         for drawing in self._polygon_tools():
             drawing.refused.connect(self._refuse_drawn)
-            # What was wrong with an outline is of no interest once another tool is taken up.
+            # A refused outline no longer matters once another tool is chosen.
             drawing.deactivated.connect(self._messages.withdraw_refusal)
         self.takeoff_tool.clicked.connect(self._take_takeoff)
         self.single_tool.clicked.connect(self._take_single)
@@ -197,10 +197,10 @@ class AreaControl(QObject):
         for point in self._point_tools():
             point.refused.connect(self._messages.warning)
 
-    # --- ways to an area
+    # --- origins of an area
 
     def take_canvas(self) -> None:
-        """Take what the map shows."""
+        """Enter the extent of the canvas."""
         settings = self._canvas.mapSettings()
         self._enter(
             lambda: rectangle_area(settings.visibleExtent(), settings.destinationCrs(), self._project),
@@ -208,7 +208,7 @@ class AreaControl(QObject):
         )
 
     def paste(self) -> None:
-        """Take the coordinates on the clipboard."""
+        """Enter the coordinates on the clipboard."""
         text = QApplication.clipboard().text()
         if not text.strip():
             self._refuse(tr("the clipboard holds no text; copy coordinates first"))
@@ -219,12 +219,12 @@ class AreaControl(QObject):
             self._refuse(translate(wrong))
 
     def read(self, step: str, reading: Callable[[], Reading], take: Callable[[Found, str], None] | None = None) -> None:
-        """Read an area on a thread, and enter it when it is there; a reading under way is dropped.
+        """Read an area on a thread, then enter it; drops a reading under way.
 
         Parameters
         ----------
         take : callable or None
-            What becomes of what was found, with the name of the step; None for the mission's area.
+            Receives the area found and the name of the step; None enters it as the mission's area.
         """
         try:
             task = ReadTask(step, reading())
@@ -256,7 +256,7 @@ class AreaControl(QObject):
         self._open(dialog, lambda: self._read_polygon(dialog.chosen(), dialog.only_selected()))
 
     def _let_select(self, dialog: PolygonDialog) -> None:
-        """Let the user select a polygon by QGIS's own tool; the selection becomes the area."""
+        """Let the user select a polygon with QGIS's tool; the selection becomes the area."""
         layer = dialog.chosen()
         dialog.reject()
         self._stop_selecting()
@@ -274,7 +274,7 @@ class AreaControl(QObject):
             self._read_polygon(layer)
 
     def _stop_selecting(self, *_: object) -> None:
-        """Take no selection any more."""
+        """Stop waiting for a selection."""
         layer, self._selecting = self._selecting, None
         if layer is not None:
             layer.selectionChanged.disconnect(self._take_selected)
@@ -386,7 +386,7 @@ class AreaControl(QObject):
         settings = self._canvas.mapSettings()
         dialog = PosesDialog(window, path, self._editing.state())
         with suppress(TerrAInavError):
-            # Beyond the CRS of an empty map there is no such place.
+            # An empty map's CRS may have no such place.
             dialog.set_origin(
                 *canvas_lon_lat(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
             )
@@ -399,7 +399,7 @@ class AreaControl(QObject):
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
 
-    # --- into the form
+    # --- entering
 
     def _take(self, name: str) -> None:
         self._ways[name]()
@@ -439,7 +439,7 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _polygons(self) -> Polygon | Polygons:
-        """Polygons that the area is; raises InvalidInput where it is none."""
+        """Polygons of the area; raises InvalidInput if it has none."""
         area = entered_area(self._editing.state())
         found = None if area is None else as_polygons(area)
         if found is None:
@@ -462,7 +462,7 @@ class AreaControl(QObject):
         self._show_on_canvas(found.area)
 
     def _add_no_fly(self, added: tuple[Polygon, ...], step: str) -> None:
-        """Add no-fly areas, each once."""
+        """Add no-fly areas, without repeating any."""
         self._editing.set_no_fly(tuple(dict.fromkeys((*entered_no_fly(self._editing.state()), *added))), step)
 
     def _take_takeoff(self, lat_deg: float, lon_deg: float) -> None:
@@ -504,7 +504,7 @@ class AreaControl(QObject):
         self.takeoff_mark.set_area(_takeoff_place(state))
 
     def show_previewed(self, previewed: bool) -> None:
-        """Take up whether a preview shows the area."""
+        """Note whether a preview shows the area."""
         self._previewed = previewed
         self._show_mark()
 
@@ -519,7 +519,7 @@ class AreaControl(QObject):
             self._show_on_canvas()
 
     def _show_dragged(self, area: Area) -> None:
-        """Show the numbers of what is still being dragged."""
+        """Show the coordinates of an area while it is dragged."""
         state = self._editing.state()
         self._entries.show_edges(replace_area(state, area))
         self._entries.show_words(
@@ -529,7 +529,7 @@ class AreaControl(QObject):
         )
 
     def _show_on_canvas(self, area: Area | None = None) -> None:
-        """Move the map only where an area, otherwise that of the mission, could not be seen."""
+        """Move the map only if an area, by default the mission's, is out of sight."""
         area = entered_area(self._editing.state()) if area is None else area
         if area is None:
             return
@@ -540,11 +540,11 @@ class AreaControl(QObject):
             self._messages.warning(translate(wrong))
             return
         if not (is_in_sight(self._canvas, rectangle) and self._is_any_visible(area)):
-            # Show half as much again around the area.
+            # Leave a margin around the area.
             show_extent(self._canvas, rectangle, 1.5)
 
     def _is_any_visible(self, area: Area) -> bool:
-        """Whether any point is in view, which may lie between points; areas of ground are where their bounds are."""
+        """Whether any point is in view: the view may lie between them; for other areas, their bounds decide."""
         if area.covers_ground:
             return True
         view = self._canvas.extent()
@@ -554,10 +554,10 @@ class AreaControl(QObject):
 
 
 def _takeoff_place(state: FormState) -> Points | None:
-    """Take-off point that is entered; None for none, or no sound one."""
+    """Take-off point entered; None if there is none or it is invalid."""
     try:
         place = takeoff(state)
     except TerrAInavError:
         return None
-    # Its height is of no use here.
+    # The mark needs no height.
     return None if place is None else Points(((*place, 1.0),))

@@ -12,14 +12,14 @@ from ..compat import POLYGON
 from ..i18n import tr
 from .outline import Corner, area_rings, kept_lat, polygon_geometry
 
-#: A ring has no fewer corners.
+#: Fewest corners of a ring.
 LEAST_CORNERS = 3
-#: Of degrees, a centimetre on the ground: a pointer is no nearer, and the panel's entries show them all.
+#: Decimals of degrees, about a centimetre on the ground: finer than pointing, and all shown in the entries.
 DECIMALS = 7
 
 
 def as_polygons(area: Area) -> Polygon | Polygons | None:
-    """Polygons that have the ground of an area; None for points, and for boxes half around the Earth."""
+    """An area as polygons; None for points, and for boxes of half a turn or more."""
     if isinstance(area, Box):
         if area.span_deg >= 180.0:
             return None
@@ -29,12 +29,12 @@ def as_polygons(area: Area) -> Polygon | Polygons | None:
 
 
 def pointed(lon_deg: float, lat_deg: float) -> Position:
-    """Place that was pointed at, with the digits that mean something."""
+    """Position of the pointer, rounded to the decimals in use."""
     return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
 
 
 def move_corner(area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float) -> Polygon | Polygons:
-    """Area with one corner moved by degrees, no further than images go."""
+    """Area with one corner moved by degrees, within the latitudes of images."""
 
     def move(ring: list[Position]) -> None:
         lon, lat = ring[corner.at]
@@ -44,7 +44,7 @@ def move_corner(area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_
 
 
 def insert_corner(area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_deg: float) -> Polygon | Polygons:
-    """Area with another corner on the edge after one."""
+    """Area with a new corner on the edge after ``corner``."""
 
     def add(ring: list[Position]) -> None:
         ring.insert(corner.at + 1, pointed(_nearest_turn(lon_deg, ring[corner.at][0]), lat_deg))
@@ -58,7 +58,7 @@ def without_corner(area: Polygon | Polygons, corner: Corner) -> Polygon | Polygo
     Raises
     ------
     InvalidInput
-        It has only three on that ring, or its outline would cross itself.
+        Its ring has only three, or the outline would cross itself.
     """
     if len(area_rings(area)[corner.part][corner.ring]) <= LEAST_CORNERS:
         raise InvalidInput(tr("a polygon needs at least 3 corners"))
@@ -83,14 +83,14 @@ def cut_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
 
 
 def without_hole(area: Polygon | Polygons, part: int, hole: int) -> Polygon | Polygons:
-    """Area without one of its holes, which are numbered as rings are, from 1."""
+    """Area without one of its holes, which count from 1 as rings do."""
     shapes = area_rings(area)
     del shapes[part][hole]
     return _area(shapes)
 
 
 def join_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygons:
-    """Area with one more polygon; those that it overlaps are joined with it."""
+    """Area with one more polygon, merged with those it overlaps."""
     shapes, outline = [], [list(ring) for ring in polygon.rings]
     for rings in area_rings(area):
         joined = _joined(rings, _on_turn_of(rings, outline))
@@ -109,7 +109,7 @@ def without_polygon(area: Polygons, part: int) -> Polygon | Polygons:
 
 
 def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tuple[int, int] | None:
-    """Polygon that a place is in, and the ring around it: 0 on its ground, from 1 in a hole; None outside of all."""
+    """Polygon that contains a place, and the ring around it: 0 on its ground, from 1 in a hole; None outside all."""
     for part, rings in enumerate(area_rings(area)):
         west = min(lon for lon, _ in rings[0])
         at = QgsPointXY(west + (lon_deg - west) % 360.0, lat_deg)
@@ -121,12 +121,12 @@ def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tu
 
 
 def checked(before: Polygon | Polygons, after: Polygon | Polygons) -> Polygon | Polygons:
-    """Return what a change has made of an area.
+    """Return the changed area.
 
     Raises
     ------
     InvalidInput
-        Outlines cross that did not before.
+        Outlines cross that did not cross before.
     """
     if is_sound(before) and not is_sound(after):
         raise InvalidInput(tr("the outline would cross itself"))
@@ -152,9 +152,9 @@ def _area(shapes: Sequence[Sequence[Sequence[Position]]]) -> Polygon | Polygons:
 
 
 def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[list[Position]] | None:
-    """Rings of two polygons in one; None where they share no ground."""
+    """Rings of the union of two polygons; None if they do not overlap."""
     one, other = polygon_geometry(rings), polygon_geometry(others)
-    # Square degrees that two areas may share without overlapping: a square micrometre on the ground.
+    # Square degrees that polygons may share without overlapping: a square micrometre on the ground.
     if one.intersection(other).area() <= 1e-22:
         return None
     joined = one.combine(other)
@@ -167,11 +167,11 @@ def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[l
 
 
 def _on_turn_of(rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]) -> list[list[Position]]:
-    """Rings of another polygon, their longitudes on the turn of the world of a polygon."""
+    """Rings with their longitudes on the same turn as those of another polygon."""
     turn = _nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
 
 
 def _nearest_turn(lon_deg: float, other_deg: float) -> float:
-    """Longitude on the turn that is nearest to another."""
+    """Longitude on the turn nearest to another longitude."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)

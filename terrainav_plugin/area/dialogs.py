@@ -1,4 +1,4 @@
-"""Questions about the layer, or the file of poses, that an area is taken from."""
+"""Dialogs on the layer or pose file from which an area is taken."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, show_
 from .layers import PointFields
 
 _MOST, _MOST_INTERVAL = 1e9, 1e6
-#: Seconds from image to image, where nothing else is entered.
+#: Default seconds between images.
 _INTERVAL_S = 2.0
-#: Digits of degrees that are shown: a centimetre.
+#: Decimals of degrees: about a centimetre.
 DEGREES = 7
 
 
 class LayerDialog(QDialog):
-    """Asks for a layer.
+    """Ask for a layer.
 
     Parameters
     ----------
     active : QgsMapLayer or None
-        Chosen at first, where it is one of those to choose from.
+        Selected initially, if the dialog offers it.
     """
 
     def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object = None) -> None:
@@ -63,7 +63,7 @@ class LayerDialog(QDialog):
         if active is not None:
             self.layer.setLayer(active)
         if self.layer.currentLayer() is None and self.layer.count():
-            # The active layer is none of those to choose from.
+            # The dialog does not offer the active layer.
             self.layer.setCurrentIndex(0)
         self.words = named(plain_label(), "words")
         self.words.setWordWrap(True)
@@ -77,17 +77,17 @@ class LayerDialog(QDialog):
         self.show_layer(self.layer.currentLayer())
 
     def chosen(self) -> QgsMapLayer | None:
-        """Return the layer."""
+        """Return the layer chosen."""
         return self.layer.currentLayer()
 
     def show_layer(self, layer: QgsMapLayer | None) -> None:
-        """Show what can be taken from a layer."""
+        """Describe the area that a layer gives."""
         ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         ok.setEnabled(layer is not None)
         self.words.setText(self._words(layer) if layer is not None else tr("The project has no such layer."))
 
     def _add_entries(self) -> None:
-        """Add what else is asked for."""
+        """Add further entries."""
 
     def _words(self, layer: QgsMapLayer) -> str:
         return tr(
@@ -97,12 +97,12 @@ class LayerDialog(QDialog):
 
 
 class PolygonDialog(LayerDialog):
-    """Asks for a layer of polygons, and whether all of them are meant or those selected.
+    """Ask for a polygon layer, and whether to use all polygons or the selected ones.
 
     Attributes
     ----------
     select : QPushButton
-        Closes the dialog for polygons of the layer to be selected on the map.
+        Closes the dialog so that the user selects polygons on the map.
     """
 
     def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None) -> None:
@@ -113,11 +113,11 @@ class PolygonDialog(LayerDialog):
             self.layer.setLayer(ready)
 
     def only_selected(self) -> bool:
-        """Return whether features that are not selected are left out."""
+        """Return whether to use selected features only."""
         return self.selected.isChecked()
 
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Show how many polygons a layer has, and how many of them are selected."""
+        """Show the numbers of polygons and of selected polygons in a layer."""
         count = 0 if layer is None else layer.selectedFeatureCount()
         self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
         self.selected.setEnabled(count > 0)
@@ -152,14 +152,14 @@ class PolygonDialog(LayerDialog):
 
 
 def _says_which(layer: QgsVectorLayer | None) -> bool:
-    """Whether a layer says which of its polygons is meant."""
+    """Whether it is clear which polygons of a layer to use."""
     return layer is not None and (layer.selectedFeatureCount() > 0 or layer.featureCount() == 1)
 
 
 class PointsDialog(LayerDialog):
-    """Asks for a layer of points, and where their heights, attitudes and times come from.
+    """Ask for a point layer, and the sources of heights, attitudes and times.
 
-    Fields of usual names are chosen at first.
+    Fields with common names are selected initially.
     """
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None, agl: float, agl_unit: str) -> None:
@@ -167,7 +167,7 @@ class PointsDialog(LayerDialog):
         super().__init__(parent, tr("Points of a layer"), active, POINT_LAYERS)
 
     def fields(self) -> PointFields:
-        """Return where heights, attitudes and times come from."""
+        """Return the sources of heights, attitudes and times."""
         m_per_unit = LENGTHS_M[self.unit.currentData()]
         return PointFields(
             self.agl.value() * m_per_unit,
@@ -180,11 +180,11 @@ class PointsDialog(LayerDialog):
         )
 
     def only_selected(self) -> bool:
-        """Return whether features that are not selected are left out."""
+        """Return whether to use selected features only."""
         return self.selected.isChecked()
 
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Show the fields of a layer, and how many points are selected."""
+        """Show the fields of a layer and the number of selected points."""
         count = 0 if layer is None else layer.selectedFeatureCount()
         self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
         self.selected.setEnabled(count > 0)
@@ -256,7 +256,7 @@ class PointsDialog(LayerDialog):
         self.form.addRow("", self.tilt_is)
         self.form.addRow(tr("&Roll from field"), self.roll_field)
         self.form.addRow(tr("Ti&me from field"), self.time_field)
-        # Buttons of one parent are one choice unless they are in groups.
+        # Radio buttons of one parent form one choice unless grouped.
         for pair in ((self.all, self.selected), (self.by_value, self.by_field)):
             choice = QButtonGroup(self)
             for button in pair:
@@ -271,12 +271,12 @@ class PointsDialog(LayerDialog):
 
 
 class LineDialog(LayerDialog):
-    """Asks for a layer of lines, and how they are flown.
+    """Ask for a line layer, and how to fly its lines.
 
     Parameters
     ----------
     state : FormState
-        Of which the height, its unit and the airspeed are those entered at first.
+        Gives the initial height, unit and airspeed.
     """
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
@@ -284,7 +284,7 @@ class LineDialog(LayerDialog):
         super().__init__(parent, tr("Line of a layer"), active, LINE_LAYERS)
 
     def flight(self) -> LineFlight:
-        """Return how the lines are flown; raises InvalidInput."""
+        """Return how to fly the lines; raises InvalidInput."""
         return LineFlight(
             self.speed.value(),
             bank_deg=self.bank.value(),
@@ -297,7 +297,7 @@ class LineDialog(LayerDialog):
         return in_metres(self.agl.value(), LENGTHS_M[self.unit.currentData()])
 
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Show which lines are flown, and how they are turned."""
+        """Show which lines are flown, and the radius of turns."""
         super().show_layer(layer)
         if layer is None:
             self.words.setText(tr("The project has no layer of lines: add one, or draw a box instead."))
@@ -352,7 +352,7 @@ class LineDialog(LayerDialog):
 
 
 def number_entry(field: Field, name: str = "") -> NumberBox:
-    """Entry for a number as it is declared, in the range that is right of it."""
+    """Number box for a declared field, with its range."""
     decimals = 0 if field.kind is int else field.unit.decimals
     least = field.least if field.least is not None else 10.0**-decimals
     most = field.most if field.most is not None else _MOST
@@ -360,14 +360,14 @@ def number_entry(field: Field, name: str = "") -> NumberBox:
 
 
 class PosesDialog(QDialog):
-    """Asks for what a trajectory or a flight log does not say itself, by its format.
+    """Ask for what a trajectory or flight log leaves open, depending on its format.
 
     Parameters
     ----------
     path : str
-        Of the file: its ending or first line gives the format chosen at first.
+        Path of the file; its ending or first line determines the initial format.
     state : FormState
-        Of which the height, its unit and the start are those entered at first.
+        Gives the initial height, unit and start.
     """
 
     def __init__(self, parent: QWidget, path: str, state: FormState) -> None:
@@ -389,12 +389,12 @@ class PosesDialog(QDialog):
         self._show_format()
 
     def set_origin(self, lon_deg: float, lat_deg: float) -> None:
-        """Begin with a local frame at a place."""
+        """Set the initial origin of a local frame."""
         self.origin_lat.setValue(lat_deg)
         self.origin_lon.setValue(lon_deg)
 
     def how(self) -> PoseFile:
-        """Return how the file is read; raises InvalidInput."""
+        """Return how to read the file; raises InvalidInput."""
         file_format = self.format.currentData()
         is_local, by_value = file_format in LOCAL_FORMATS, self.by_value.isChecked()
         interval = self.interval_in.currentData()
@@ -413,7 +413,7 @@ class PosesDialog(QDialog):
         )
 
     def _show_format(self) -> None:
-        """Ask for what the chosen format leaves open, and for no more."""
+        """Show the entries that the chosen format needs."""
         file_format = self.format.currentData()
         is_local, is_log = file_format in LOCAL_FORMATS, file_format in LOG_FORMATS
         for row_of in (self._origin, self.body, self.world):
@@ -431,7 +431,7 @@ class PosesDialog(QDialog):
         self.words.setText(self._words(file_format))
 
     def _show_times(self, file_format: str) -> None:
-        """Offer the units that times may be in, where the file does not state one."""
+        """Offer units of time if the file does not state one."""
         has_times = file_format != "kitti"
         self.times.clear()
         self.times.addItem(tr("as in the file"), "")
@@ -526,7 +526,7 @@ class PosesDialog(QDialog):
 
 def _fields(name: str, tip: str, more: QgsFieldProxyModel.Filter | None = None) -> QgsFieldComboBox:
     fields = named(QgsFieldComboBox(), name, tip)
-    # Numbers may stand in fields of text.
+    # Text fields may contain numbers.
     kinds = QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String
     fields.setFilters(kinds if more is None else kinds | more)
     return fields

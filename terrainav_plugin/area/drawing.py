@@ -33,30 +33,30 @@ _FINISH = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class PolygonTool(TemporaryTool):
-    """Draws a polygon: a click for each corner; a double click, a right click or Enter finishes.
+    """Draw a polygon: a click sets a corner; a double click, a right click or Enter finishes.
 
-    Backspace takes the last corner back. Outlines that cross themselves are refused, and drawing goes on.
+    Backspace removes the last corner. Corners that make the outline cross itself are refused; drawing continues.
 
     Parameters
     ----------
     colours : BandColours
-        That it is drawn in.
+        Colours of the polygon.
     hint : str
-        What is drawn, said at the pointer until the first click.
+        Shown at the pointer until the first click.
 
     Signals
     -------
     drawn(object)
-        The `Polygon`, once the canvas has been given back.
+        The `Polygon`, after the tool has left the canvas.
     refused(str)
-        Why a corner or an outline cannot be.
+        Why a corner or an outline is invalid.
 
     Attributes
     ----------
     length_unit : str
-        Of the sizes that are said at the pointer.
+        Unit of sizes shown at the pointer.
     accept : callable
-        Takes the polygon before the tool ends; raises InvalidInput where it cannot be, and drawing goes on.
+        Called with the polygon before the tool ends; if it raises InvalidInput, drawing continues.
     """
 
     drawn = pyqtSignal(object)
@@ -68,7 +68,7 @@ class PolygonTool(TemporaryTool):
         self.length_unit = METRES
         self.accept: Callable[[Polygon], object] = lambda _polygon: None
         self._hint, self._colours = hint, colours
-        #: In the canvas's CRS, which edges are straight in.
+        #: In the canvas's CRS, in which edges are straight.
         self._corners: list[QgsPointXY] = []
         self._crs = QgsCoordinateReferenceSystem()
         self._at: QPoint | None = None
@@ -77,7 +77,7 @@ class PolygonTool(TemporaryTool):
         self._is_down = self._leaving = self._last_refused = False
         self._finished: Polygon | None = None
 
-    # --- taking over and giving back
+    # --- starting and stopping
 
     def activate(self) -> None:
         """Begin."""
@@ -88,7 +88,7 @@ class PolygonTool(TemporaryTool):
         canvas.extentsChanged.connect(self._draw)
 
     def deactivate(self) -> None:
-        """Leave no half-drawn polygon."""
+        """Discard an unfinished polygon."""
         canvas = self.canvas()
         canvas.extentsChanged.disconnect(self._draw)
         canvas.destinationCrsChanged.disconnect(self._follow_crs)
@@ -98,12 +98,12 @@ class PolygonTool(TemporaryTool):
         super().deactivate()
 
     def give_up(self) -> None:
-        """Drop what is drawn, and leave the tool."""
+        """Discard the drawing and leave the tool."""
         self._clear()
         self._leave()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take corners back and finish by keys, also by those that are shortcuts of the window."""
+        """Remove corners and finish by key, even by keys that are shortcuts of the window."""
         if isinstance(event, QKeyEvent) and event.key() in (
             Qt.Key.Key_Backspace,
             Qt.Key.Key_Delete,
@@ -124,11 +124,11 @@ class PolygonTool(TemporaryTool):
     # --- the mouse
 
     def canvasPressEvent(self, _event: QgsMapMouseEvent) -> None:
-        """Take up that a button is down."""
+        """Note that a button is down."""
         self._is_down = True
 
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
-        """Have the outline follow."""
+        """Update the outline."""
         self._at = event.pos()
         self._draw()
 
@@ -136,7 +136,7 @@ class PolygonTool(TemporaryTool):
         """Set a corner, or finish."""
         self._is_down = False
         if self._leaving:
-            # Another tool would take the button let go for its own.
+            # Another tool would receive this release.
             self._leave()
         elif event.button() == Qt.MouseButton.LeftButton:
             self._add(event.pos())
@@ -144,17 +144,17 @@ class PolygonTool(TemporaryTool):
             self._finish()
 
     def canvasDoubleClickEvent(self, event: QgsMapMouseEvent) -> None:
-        """Finish; the first of the two clicks has set the last corner."""
+        """Finish; the first of the two clicks set the last corner."""
         self._is_down = True
         if event.button() == Qt.MouseButton.LeftButton and not self._last_refused:
             self._finish()
 
-    # --- inside
+    # --- implementation
 
     def _add(self, at: QPoint) -> None:
         self._at, self._last_refused = at, False
         point = self.toMapCoordinates(at)
-        # Corners nearer to the one before than this are the same: the two clicks of a double click.
+        # A corner nearer than this to the last one is the same: the second click of a double click.
         if self._corners and self._pixels(self._corners[-1], point) < 2.0:
             return
         if point_lon_lat(point, self._crs, QgsProject.instance()) is None:
@@ -177,7 +177,7 @@ class PolygonTool(TemporaryTool):
         self._leave()
 
     def _leave(self) -> None:
-        """Give the canvas back once no button is down, and tell the polygon."""
+        """Leave the canvas once no button is down, then emit the polygon."""
         self._leaving = self._is_down
         if self._leaving:
             return
@@ -187,7 +187,7 @@ class PolygonTool(TemporaryTool):
             self.drawn.emit(polygon)
 
     def _polygon(self, corners: list[QgsPointXY]) -> Polygon:
-        """Polygon of corners, whose edges are where they are drawn; raises InvalidInput where they make none."""
+        """Polygon with the edges as drawn; raises InvalidInput if the corners form none."""
         if len(corners) < LEAST_CORNERS:
             raise InvalidInput(tr("a polygon needs at least 3 corners"))
         ring = [*corners, corners[0]]
@@ -200,13 +200,13 @@ class PolygonTool(TemporaryTool):
         return polygon
 
     def _tolerance_m(self, point: QgsPointXY) -> float:
-        """Metres on the ground that half a pixel of the screen shows."""
+        """Metres on the ground of half a pixel on the screen."""
         unit = self.canvas().mapUnitsPerPixel()
-        # Edges of the polygon are at most half a pixel off those that are drawn.
+        # Edges of the polygon deviate from those drawn by at most half a pixel.
         return 0.5 * self._length_m(point, QgsPointXY(point.x() + unit, point.y()))
 
     def _length_m(self, start: QgsPointXY, end: QgsPointXY) -> float:
-        """Metres on the ground; 0 where the CRS has no such place."""
+        """Length on the ground in metres; 0 outside the domain of the CRS."""
         places = [point_lon_lat(point, self._crs, QgsProject.instance()) for point in (start, end)]
         if None in places:
             return 0.0
@@ -223,7 +223,7 @@ class PolygonTool(TemporaryTool):
         self.refused.emit(reason)
 
     def _draw(self) -> None:
-        """Draw the outline up to the pointer, and say its size there."""
+        """Draw the outline up to the pointer, and show its size there."""
         if self._leaving:
             return
         pointer = [] if self._at is None else [self.toMapCoordinates(self._at)]
@@ -244,7 +244,7 @@ class PolygonTool(TemporaryTool):
             self._readout.say(self._words(pointer[0]), self._at)
 
     def _words(self, pointer: QgsPointXY) -> str:
-        """Length of the edge that is drawn, and the size of what it encloses."""
+        """Length of the current edge, and the size of the polygon."""
         if not self._corners:
             return self._hint
         corners = [*self._corners, pointer]
@@ -258,7 +258,7 @@ class PolygonTool(TemporaryTool):
         return f"{length}, {size}"
 
     def _follow_crs(self) -> None:
-        """Keep the corners where they are on the ground; drop them where the new CRS has no such places."""
+        """Keep the corners in place on the ground; discard them if they are outside the new CRS's domain."""
         before, self._crs = self._crs, self.canvas().mapSettings().destinationCrs()
         transform = QgsCoordinateTransform(before, self._crs, QgsProject.instance())
         try:
@@ -276,7 +276,7 @@ class PolygonTool(TemporaryTool):
 
 
 def _is_simple(corners: list[QgsPointXY]) -> bool:
-    """Whether a line through corners nowhere meets itself."""
+    """Whether a line through the corners does not touch itself."""
     return len(corners) <= LEAST_CORNERS - 1 or QgsGeometry.fromPolylineXY(corners).isSimple()
 
 

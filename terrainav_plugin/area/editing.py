@@ -26,7 +26,7 @@ from .history import AreaHistory, UndoKeys, step_names
 
 
 class AreaEditing(QObject):
-    """Makes every change of the area one step that can be undone, and says what the area is.
+    """Make every change of the area an undoable step, and describe the area.
 
     Parameters
     ----------
@@ -37,16 +37,16 @@ class AreaEditing(QObject):
     Signals
     -------
     typed()
-        An edge is no longer what it was; the form has changed.
+        An edge has been edited; the form has changed.
     coordinates_entered()
-        The area has been typed or pasted, in part or whole.
+        The area has been typed or pasted, partly or completely.
     noted()
-        The form has changed, and with it perhaps the area.
+        The form, and perhaps the area, has changed.
 
     Attributes
     ----------
     wrong : dict of str to str
-        What is wrong with coordinates pasted into an edge, by its field; empty once an edge changes.
+        Errors of coordinates pasted into an edge, by field; empty once an edge changes.
     """
 
     typed = pyqtSignal()
@@ -66,12 +66,12 @@ class AreaEditing(QObject):
         self.history = AreaHistory(read, write, self)
         self.undo_keys = UndoKeys(self.history)
         self._shape_lost = False
-        #: An area in a unit and its words, so that large shapes are looked at once.
+        #: An area in a unit, and its description: measure large shapes only once.
         self._worded: tuple[Area | None, str, str] = (None, "", "")
         entries.connect_history(self.history)
         entries.box_wanted.connect(self.make_box)
         entries.no_fly_cleared.connect(self.clear_no_fly)
-        # Text fields take the keys before the panel does.
+        # Text fields receive keys before the panel does.
         for widget in (parent, *entries.edges.values()):
             widget.installEventFilter(self.undo_keys)
         for name, edit in entries.edges.items():
@@ -79,21 +79,21 @@ class AreaEditing(QObject):
             edit.editingFinished.connect(partial(self._take_left, name))
 
     def state(self) -> FormState:
-        """State of the form that the area is part of."""
+        """State of the form."""
         return self._read()
 
     def set_area(self, area: Area, step: str, agl_m: float | None = None, joined: bool = False) -> None:
-        """Enter an area as one step; ``joined`` makes one step of those of its name that follow each other.
+        """Enter an area as one step; ``joined`` merges it with a preceding step of the same name.
 
         Raises
         ------
         InvalidInput
-            An area with values outside their domain.
+            The area has values outside their domain.
         """
         self._set(replace_area(self._read(), area, agl_m), step, joined)
 
     def set_coordinates(self, text: str) -> None:
-        """Enter coordinates in words; raises FormError for the field ``north``."""
+        """Enter coordinates from text; raises FormError for the field ``north``."""
         self._set(paste_coordinates(self._read(), text), tr("paste coordinates"))
         self.coordinates_entered.emit()
 
@@ -102,21 +102,21 @@ class AreaEditing(QObject):
         self._set(replace(self._read(), no_fly=no_fly_text(polygons)), step)
 
     def clear_no_fly(self) -> None:
-        """Forget all no-fly areas."""
+        """Remove all no-fly areas."""
         self.set_no_fly((), tr("clear the no-fly areas"))
 
     def set_takeoff(self, text: str, step: str) -> None:
-        """Enter a take-off point as one step; an empty text for none."""
+        """Enter a take-off point as one step; an empty text removes it."""
         self._set(replace(self._read(), takeoff=text), step)
 
     def make_box(self) -> None:
-        """Enter the box around a polygon or points."""
+        """Replace a polygon or points by their bounding box."""
         area = entered_area(self._read())
         if area is not None:
             self.set_area(area.bounds, tr("make it a box"))
 
     def note(self) -> None:
-        """Take up that the form has changed."""
+        """Handle a change of the form."""
         self.history.note()
         state = self._read()
         area = entered_area(state)
@@ -133,9 +133,9 @@ class AreaEditing(QObject):
         self._write(state)
 
     def _take_typed(self, name: str, text: str) -> None:
-        """Spread coordinates pasted into one edge over all of them; an edge typed makes the area a box."""
+        """Spread coordinates pasted into one edge over all edges; a typed edge makes the area a box."""
         self.wrong = {}
-        # In mid-typing nothing else is touched: three numbers may become an angle, or four.
+        # Leave the other edges alone while typing: three numbers may become an angle, or four numbers.
         if self._entries.edges[name].is_pasted() and self._is_spread(name, text):
             return
         self._shape_lost = self._shape_lost or bool(self._entries.shape)
@@ -145,13 +145,13 @@ class AreaEditing(QObject):
         self.coordinates_entered.emit()
 
     def _take_left(self, name: str) -> None:
-        """Spread coordinates typed into one edge, now that it is left."""
+        """Spread coordinates typed into one edge when it loses the focus."""
         text = self._entries.edges[name].text()
         if not self.wrong and looks_like_coordinates(text) and not self._is_spread(name, text):
             self.typed.emit()
 
     def _is_spread(self, name: str, text: str) -> bool:
-        """Spread coordinates over all edges; False where a text holds none, which is then said where they are wrong."""
+        """Spread coordinates over all edges, or note their errors; False if the text has no coordinates."""
         if not looks_like_coordinates(text):
             return False
         try:

@@ -1,4 +1,4 @@
-"""The entries of the area: four edges around a button, as on a map, and what the area is."""
+"""Entries of the area: four edges around a button, as on a map, and a description."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .no_fly import NoFlyMenu
 
 
 class EdgeLine(ShortLine):
-    """Entry for an edge, which can tell a text that is pasted from one that is being typed."""
+    """Entry for an edge, which distinguishes pasting from typing."""
 
     def __init__(self) -> None:
         super().__init__(short_degrees)
@@ -41,7 +41,7 @@ class EdgeLine(ShortLine):
         self._before = self.text()
 
     def is_pasted(self) -> bool:
-        """Whether more than one character has come at once since this was asked last."""
+        """Whether several characters arrived at once since the last call."""
         before, self._before = self._before, self.text()
         return inserted(before, self._before) > 1
 
@@ -52,15 +52,15 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     box_wanted()
-        A box is wanted instead of polygons or points.
+        The user asks for a box instead of polygons or points.
     no_fly_cleared()
-        All no-fly areas are to go.
+        The user removes all no-fly areas.
 
     Attributes
     ----------
     edges : dict of str to EdgeLine
     shape, no_fly : str
-        Of polygons or points, and of no-fly areas, as `FormState` has them.
+        Polygons or points, and no-fly areas, as in `FormState`.
     draw_box, draw_polygon, edit : QPushButton
     area_from : AreaMenu
     no_fly_from : NoFlyMenu
@@ -112,7 +112,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self._lay_out(marks)
 
     def values(self) -> dict[str, str]:
-        """Return what is entered, by field."""
+        """Return the entries by field."""
         return {
             **{name: edit.whole() for name, edit in self.edges.items()},
             "shape": self.shape,
@@ -120,25 +120,25 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         }
 
     def set_state(self, state: FormState) -> None:
-        """Enter the fields of a state, telling nobody."""
+        """Enter the fields of a state without emitting signals."""
         self.show_edges(state)
         self.shape, self.no_fly = state.shape, state.no_fly
 
     def show_edges(self, state: FormState) -> None:
-        """Show edges, for one while they are dragged, telling nobody."""
+        """Show the edges, for example while dragging, without emitting signals."""
         for name, edit in self.edges.items():
             with QSignalBlocker(edit):
                 edit.enter(getattr(state, name))
 
     def show_words(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
-        """Say what the area is; empty for none.
+        """Describe the area; empty for none.
 
         Parameters
         ----------
         is_ground : bool
-            Whether it is a box or polygons.
+            Whether the area is a box or polygons.
         is_shape, was_shape : bool
-            Whether it is no box, and whether it was none before the last change.
+            Whether it is something other than a box, now and before the last change.
         """
         words = html.escape(text)
         if is_shape:
@@ -155,7 +155,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.edit.setEnabled(bool(text))
 
     def show_no_fly(self, count: int) -> None:
-        """Say how many no-fly areas there are."""
+        """Show the number of no-fly areas."""
         words = tr("1 no-fly area") if count == 1 else tr("{n} no-fly areas").format(n=number_text(count))
         if count:
             words = f'{html.escape(words)} (<a href="remove">{html.escape(tr("remove"))}</a>)'
@@ -163,9 +163,9 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.no_fly_words.setVisible(count > 0)
 
     def connect_history(self, history: AreaHistory) -> None:
-        """Let the buttons and the fields' keys undo and redo."""
+        """Connect the buttons and the fields' keys to undo and redo."""
         stack = history.stack
-        # Methods of this group are disconnected with it; the stack outlives the buttons, and names its end too.
+        # Bound methods are disconnected with this group; the stack outlives the buttons and emits names at its end.
         for button, act, can, text_changed, name in (
             (self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged, self._name_undo),
             (self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged, self._name_redo),
@@ -217,7 +217,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
 
 def _native(keys: str) -> str:
-    """Keys as the platform writes them."""
+    """Keys as the platform names them."""
     return QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
 
 
@@ -244,6 +244,6 @@ def _edge(name: str) -> EdgeLine:
     edit.setPlaceholderText(tr("degrees"))
     # Room for five digits and a sign.
     edit.setMinimumWidth(70)
-    # Room to paste tens of thousands of lines; Qt's default cuts after about a thousand.
+    # Allow pasting tens of thousands of lines; Qt's default cuts after about a thousand.
     edit.setMaxLength(1_000_000)
     return edit

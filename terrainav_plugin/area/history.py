@@ -21,8 +21,8 @@ def same_area(one: FormState, other: FormState) -> bool:
 
 
 def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
-    """Entries beside the area in which two states differ, with those that go with them."""
-    # The height comes with pasted coordinates; no-fly areas and take-off are drawn on the map.
+    """Entries other than the area in which two states differ, with related ones."""
+    # Pasted coordinates set the height; no-fly areas and take-off are drawn on the map.
     return tuple(
         name
         for names in (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
@@ -32,7 +32,7 @@ def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
 
 
 class _Step(QUndoCommand):
-    """One change, which is already made when it is pushed."""
+    """One change, already made when pushed."""
 
     def __init__(self, name: str, kind: int, before: FormState, after: FormState, history: AreaHistory) -> None:
         super().__init__(name)
@@ -40,20 +40,20 @@ class _Step(QUndoCommand):
         self._done = True
 
     def id(self) -> int:
-        """Steps of one kind in a row are one."""
+        """Kind of step: consecutive steps of a kind are merged."""
         return self._kind
 
     def mergeWith(self, other: QUndoCommand) -> bool:
-        """Take up the step after this one."""
+        """Absorb the following step."""
         self.after = other.after
         return True
 
     def undo(self) -> None:
-        """Go back."""
+        """Restore the earlier state."""
         self._history.enter(self._before, self.after)
 
     def redo(self) -> None:
-        """Go forward again."""
+        """Restore the later state."""
         if self._done:
             self._done = False
             return
@@ -61,7 +61,7 @@ class _Step(QUndoCommand):
 
 
 class AreaHistory(QObject):
-    """Steps of the area in one form.
+    """Undo stack of the area in one form.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ class AreaHistory(QObject):
         self._entering = False
 
     def name(self, step: str, joined: bool = False) -> None:
-        """Name the change that comes next; ``joined`` makes one step of those that follow each other."""
-        # Qt joins no steps of kind -1.
+        """Name the next change; ``joined`` merges it with a preceding one of the same name."""
+        # Qt never merges steps of kind -1.
         kind = self._kinds.setdefault(step, len(self._kinds)) if joined else -1
         self._step = step, kind
 
     def note(self) -> None:
-        """Take up what is entered now; an area that comes without a name is that of another mission."""
+        """Record the current entries; an unnamed change of the area means another mission."""
         before, self._last = self._last, self._read()
         step, self._step = self._step, None
         if self._entering:
@@ -108,7 +108,7 @@ class AreaHistory(QObject):
             self.stack.push(_Step(*step, before, self._last, self))
 
     def enter(self, wanted: FormState, present: FormState) -> None:
-        """Enter the area of a state, and what the step changed beside it."""
+        """Enter the area of a state, and the other entries that the step changed."""
         names = _AREA + _changed_entries(wanted, present)
         self._entering = True
         try:
@@ -119,14 +119,14 @@ class AreaHistory(QObject):
 
 
 class UndoKeys(QObject):
-    """Gives the keys of undo and redo to a history, in the widgets it is installed on."""
+    """Pass undo and redo keys to a history, in the widgets it is installed on."""
 
     def __init__(self, history: AreaHistory) -> None:
         super().__init__(history)
         self._stack = history.stack
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Undo or redo, before the window's own actions and the text field do."""
+        """Undo or redo, before the window's actions and the text field react."""
         if event.type() in (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress):
             act = self._act(event)
             if act is not None:
@@ -147,7 +147,7 @@ class UndoKeys(QObject):
 
 
 def step_names() -> dict[str, str]:
-    """Names of the steps that typing makes, by field."""
+    """Names of the steps made by typing, by field."""
     return {
         "north": tr("type the northern edge"),
         "west": tr("type the western edge"),

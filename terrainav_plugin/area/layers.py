@@ -49,8 +49,8 @@ from ..map.canvas import LON_LAT, check_earthly, rectangle_box
 from ..tasks import Task, required_crs
 from .xml import xml_elements
 
-#: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
-#: pixel of the sharpest imagery there is.
+#: Deviation in metres allowed when an edge or curve of a layer becomes straight lines in degrees: about a pixel of the
+#: sharpest imagery.
 EDGE_TOLERANCE_M = 0.1
 #: Between the places that are looked at an edge may be off by more than there; by less than twice that, as it bends
 #: one way where the places are this near.
@@ -60,28 +60,28 @@ _HALF_TURN_DEG = 180.0
 
 
 class Found(NamedTuple):
-    """An area that was read, the height of its first point in metres where it has one, and what there is to say."""
+    """An area that was read, the height of its first point in metres if it has one, and a note for the user."""
 
     area: Area
     agl_m: float | None = None
     note: str = ""
 
 
-#: Reads an area, given the task to report progress to and ask whether to go on.
+#: Reads an area, given the task that takes progress and cancels.
 Reading = Callable[[Task], Found]
 
 
 class PointFields(NamedTuple):
-    """Where heights, attitudes and times of points come from.
+    """Sources of the heights, attitudes and times of points.
 
     Parameters
     ----------
     agl_m : float
-        Height of all points, where ``agl_field`` is empty.
+        Height of all points if ``agl_field`` is empty.
     agl_field, yaw_field, tilt_field, gimbal_pitch_field, roll_field, time_field : str
-        Names of attributes; empty for none. A gimbal's pitch, of -90 straight down, stands for a tilt.
+        Names of attributes; empty for none. A gimbal pitch (-90 is straight down) replaces a tilt.
     m_per_unit : float
-        Of the heights in that attribute.
+        Unit of the heights in ``agl_field``.
     """
 
     agl_m: float
@@ -100,17 +100,17 @@ def read_polygons(
     context: QgsCoordinateTransformContext,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Polygon | Polygons:
-    """Polygons of all features and of all their parts, on WGS84; those that touch each other are one.
+    """Polygons of all features and their parts, on WGS84; polygons that touch are merged.
 
-    Edges that are straight in the layer's CRS get corners in between, so that what is straight between degrees is
-    within `EDGE_TOLERANCE_M` of them; curves become edges within the same tolerance.
+    Edges that are straight in the layer's CRS get intermediate corners, so that edges straight in degrees stay within
+    `EDGE_TOLERANCE_M` of them; curves become edges within the same tolerance.
 
     Raises
     ------
     InvalidInput
-        No feature, or one without a sound polygon, or with a hole around a pole; its number is named.
+        There is no feature; or one has no valid polygon, or a hole around a pole (the message names it).
     Cancelled
-        Once ``cancelled`` says so.
+        ``cancelled`` has returned True.
     """
     found: list[QgsGeometry] = []
     shapes: list[list[list[QgsPointXY]]] = []
@@ -146,17 +146,17 @@ def polygon_of_rings(
     name: str,
     tolerance_m: float = EDGE_TOLERANCE_M,
 ) -> Polygon:
-    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `read_polygons`.
+    """Polygon of closed rings, the outer one first, with its edges in place; see `read_polygons`.
 
     Parameters
     ----------
     tolerance_m : float
-        Metres that edges may be off on the ground.
+        Deviation of edges allowed, in metres on the ground.
 
     Raises
     ------
     InvalidInput
-        Naming the rings' feature: a place that the CRS has not, an edge through a pole, or a hole around one.
+        A place is outside the CRS, an edge passes through a pole, or a hole surrounds one; the message has ``name``.
     """
     place = _Places(crs, context, name, tolerance_m)
     return Polygon(tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings)))
@@ -169,20 +169,20 @@ def read_points(
     fields: PointFields,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Points:
-    """Points of all features, each part of one a point; in the order of their times, where they have such.
+    """Points of all features and their parts, in order of time if they have times.
 
     Raises
     ------
     InvalidInput
-        No feature, or one without a point, or with a height, angle or time that is missing or outside its domain; its
-        number is named.
+        There is no feature; or one has no point, or a height, angle or time that is missing or outside its domain (the
+        message names it).
     Cancelled
-        Once ``cancelled`` says so.
+        ``cancelled`` has returned True.
     """
     poses: list[tuple[float, float, float]] = []
     own: dict[str, list[float]] = {}
     for number, feature in enumerate(features):
-        # Look every 256 features whether the user has cancelled.
+        # Check every 256 features whether the user has cancelled.
         if number % 256 == 0 and cancelled():
             raise Cancelled
         name = tr("feature {id}").format(id=feature.id())
@@ -210,16 +210,16 @@ def read_lines(
     agl_m: float,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> list[Floats]:
-    """Lines of all features, each part of one a line, as `core.poses.line.fly` takes them.
+    """Lines of all features and their parts, as `core.poses.line.fly` takes them.
 
-    Sides stay where they are in the layer, within `EDGE_TOLERANCE_M`.
+    Sides keep their place in the layer, within `EDGE_TOLERANCE_M`.
 
     Raises
     ------
     InvalidInput
-        No feature, or one without a line, or with a side through a pole; its number is named.
+        There is no feature; or one has no line, or a side through a pole (the message names it).
     Cancelled
-        Once ``cancelled`` says so.
+        ``cancelled`` has returned True.
     """
     lines: list[Floats] = []
     for feature in features:
@@ -238,14 +238,14 @@ def read_lines(
 
 
 class ReadTask(Task):
-    """Reads an area.
+    """Read an area in the background.
 
     Attributes
     ----------
     found : Found or None
-        Once it has ended.
+        Set once the task has succeeded.
     step : str
-        Name of the change that it makes.
+        Name of the undo step.
     """
 
     def __init__(self, step: str, read: Reading) -> None:
@@ -284,7 +284,7 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
 def flown_lines(
     layer: QgsVectorLayer, flight: LineFlight, agl_m: float, start_s: float, project: QgsProject
 ) -> Reading:
-    """Reader of the lines of a layer, see `line_reader`, flown one after the other."""
+    """Reader of the lines of a layer, see `line_reader`, flown one after another."""
 
     def flown(lines: list[Floats]) -> Found:
         found = fly(lines, flight, start_s)
@@ -296,7 +296,7 @@ def flown_lines(
 def line_reader(
     layer: QgsVectorLayer, agl_m: float, made: Callable[[list[Floats]], Found], project: QgsProject
 ) -> Reading:
-    """Reader of what is made of the selected lines of a layer, of all where none is selected."""
+    """Reader that applies ``made`` to a layer's selected lines, or all if none is selected."""
     crs, context = _crs(layer), project.transformContext()
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
@@ -307,7 +307,7 @@ def line_reader(
 
 
 def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject) -> Reading:
-    """Reader of what is made of the selected polygons of a layer, each by itself, of all where none is selected."""
+    """Reader that applies ``made`` to a layer's selected polygons, or all if none is selected, one at a time."""
     crs, context = _crs(layer), project.transformContext()
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
@@ -320,7 +320,7 @@ def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], 
 
 
 def flown_words(flown: FlownLine) -> str:
-    """How near to its line a flight is, and what is flown slower."""
+    """Deviation of a flight from its line, and its slow turns."""
     words = tr("The flight misses the corners of its line by up to {missed} m.").format(
         missed=number_text(flown.missed_m, ",.1f")
     )
@@ -336,7 +336,7 @@ def text_file(path: str, agl_unit: str) -> Reading:
 
 
 def pose_file(path: str, how: PoseFile) -> Reading:
-    """Reader of the poses of a trajectory or a flight log."""
+    """Reader of the poses in a trajectory or flight log."""
 
     def read(task: Task) -> Found:
         found = read_poses_file(path, how, xml_elements, task.go_on)
@@ -352,26 +352,26 @@ def pose_file(path: str, how: PoseFile) -> Reading:
 
 
 def area_file(path: str) -> Reading:
-    """Reader of the polygons of a GeoJSON, KML or KMZ file, which are the area."""
+    """Reader of the polygons of a GeoJSON, KML or KMZ file, as an area."""
     return lambda _task: Found(load_area(path, xml_elements))
 
 
 def no_fly_file(path: str) -> Reading:
-    """Reader of the polygons of such a file, which are no-fly areas."""
+    """Reader of the polygons of a GeoJSON, KML or KMZ file, as no-fly areas."""
     return lambda _task: Found(Polygons(load_no_fly(path, xml_elements)))
 
 
 def rectangle_area(
     rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject | QgsProcessingContext
 ) -> Box | Polygon:
-    """Ground under a rectangle of a map: the smallest box around it, or a polygon where that is much larger.
+    """Ground under a rectangle of a map: its bounding box, or a polygon if the box is much larger.
 
-    It is on maps about a pole, and wherever their sides are far from running along parallels and meridians.
+    The box is much larger on polar maps, and wherever the map's axes are far from parallels and meridians.
 
     Raises
     ------
     InvalidInput
-        Where the rectangle leaves the domain of the CRS.
+        The rectangle leaves the domain of the CRS.
     """
     box = rectangle_box(rectangle, crs, project)
     if crs.isGeographic():
@@ -386,19 +386,19 @@ def rectangle_area(
     try:
         polygon = polygon_of_rings([[*ring, ring[0]]], crs, project.transformContext(), tr("rectangle"))
     except InvalidInput:
-        # It reaches an edge of the map, which a box around it follows.
+        # It reaches an edge of the map; the box follows that.
         return box
     # A box may be half as large again as the rectangle that it encloses.
     return polygon if box.area_m2() > 1.5 * polygon.area_m2() else box
 
 
 def layer_extent_area(layer: QgsMapLayer, project: QgsProject) -> Area:
-    """Area of a layer's extent, as `rectangle_area` has it.
+    """Area of a layer's extent, as from `rectangle_area`.
 
     Raises
     ------
     InvalidInput
-        An empty layer, or one without a CRS.
+        The layer is empty or has no CRS.
     """
     extent = layer.extent()
     if extent.isNull() or not extent.isFinite():
@@ -407,7 +407,7 @@ def layer_extent_area(layer: QgsMapLayer, project: QgsProject) -> Area:
 
 
 class _Places:
-    """Longitude and latitude of points of a layer, and how far edges between them may be off."""
+    """Transform points of a layer to degrees, and hold the tolerance of its edges."""
 
     def __init__(
         self,
@@ -422,7 +422,7 @@ class _Places:
         self.looked_at_m = _LOOKED_AT_SHARE * tolerance_m
 
     def __call__(self, point: QgsPointXY) -> Position:
-        """Degrees; raises InvalidInput where the CRS has no such place."""
+        """Longitude and latitude in degrees; raises InvalidInput outside the domain of the CRS."""
         try:
             there = self._transform.transform(point)
         except QgsCsException as wrong:
@@ -476,7 +476,7 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
 
 
 def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = False) -> Sequence[Position]:
-    """Corners of a ring in continuous degrees, not closed; one around a pole goes back along it."""
+    """Corners of an open ring with continuous longitudes; a ring around a pole is closed along the pole."""
     first = place(ring[0])
     corners = [first]
     for start, end in zip(ring, ring[1:]):
@@ -494,7 +494,7 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
 
 
 def _around_pole(corners: list[Position]) -> list[Position]:
-    """Ring of corners around a pole, the last over the first: from 180° W to 180° E, and back along the pole."""
+    """Ring of corners around a pole, the last above the first: from 180° W to 180° E, and back along the pole."""
     if corners[-1][0] < corners[0][0]:
         corners.reverse()
     turn = 2.0 * _HALF_TURN_DEG
@@ -503,24 +503,24 @@ def _around_pole(corners: list[Position]) -> list[Position]:
     (lon0, lat0), (lon1, lat1) = corners[cut - 1 : cut + 1]
     lat = lat0 + (west - lon0) / (lon1 - lon0) * (lat1 - lat0)
     after = [(x - west - _HALF_TURN_DEG, y) for x, y in corners[cut:] if x != west]
-    # The first corner stands at the end once more.
+    # The first corner is repeated at the end.
     before = [(x - west + _HALF_TURN_DEG, y) for x, y in corners[1:cut]]
     pole = math.copysign(90.0, corners[0][1])
-    # Corners along the pole that are less than half a turn apart.
+    # Corners along the pole, less than half a turn apart.
     along = [(share * _HALF_TURN_DEG, pole) for share in (1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0)]
     return [(-_HALF_TURN_DEG, lat), *after, *before, (_HALF_TURN_DEG, lat), *along]
 
 
 def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iterator[Position]:
-    """Corners after ``start`` up to ``end``, as many as keep the edge where it is."""
-    # A stack instead of recursion: pieces still to be walked, the nearest last.
+    """Corners after ``start`` up to ``end``, enough to keep the edge in place."""
+    # A stack instead of recursion: the remaining pieces, the nearest last.
     pieces = [(start, place(start), end, place(end), 0)]
     while pieces:
         one, here, other, there, depth = pieces.pop()
         if _is_straight(one, here, other, there, place):
             yield there
             continue
-        # An edge that is not straight after 24 halvings holds a pole or the map's edge.
+        # An edge not straight after 24 halvings crosses a pole or the map's edge.
         if depth == 24:
             raise InvalidInput(
                 tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(feature=name)
@@ -543,7 +543,7 @@ def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Posi
 
 
 def _nearest_turn(lon_deg: float, other_deg: float) -> float:
-    """Longitude on the turn that is nearest to another."""
+    """Longitude on the turn nearest to another longitude."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)
 
 
@@ -574,7 +574,7 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
 
 
 def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str, float]:
-    """Angles and time of a feature's points, by what `Points` calls them."""
+    """Angles and time of a feature's points, named as in `Points`."""
     found = {}
     for angle, field in (
         ("yaw", fields.yaw_field),
@@ -602,7 +602,7 @@ def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str
 
 
 def _time_s(feature: QgsFeature, field: str, what: str) -> float:
-    """Seconds after 1970 of a date with its time, which is UTC where it says no zone, of a number or of a text."""
+    """Unix time in seconds of a date and time (UTC unless it has a zone), a number or a text."""
     value = feature.attribute(field)
     if isinstance(value, QDateTime) and value.isValid():
         if value.timeSpec() == Qt.TimeSpec.LocalTime:
@@ -617,9 +617,9 @@ def _time_s(feature: QgsFeature, field: str, what: str) -> float:
 
 
 def _number(feature: QgsFeature, field: str, what: str) -> float:
-    """Number in an attribute, also one written as text."""
+    """Number in an attribute, which may be text."""
     value = feature.attribute(field)
-    # PyQt 5 gives NULL as a QVariant that says so, PyQt 6 as None.
+    # PyQt 5 gives NULL as a QVariant, PyQt 6 as None.
     if value is None or (hasattr(value, "isNull") and value.isNull()):
         raise InvalidInput(tr("{what} is empty (NULL): must be a number").format(what=what))
     try:

@@ -1,4 +1,4 @@
-"""The menu of what an area may be taken from."""
+"""Menu of the origins of an area."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..paths import icon
 
 
 class AreaAction:
-    """Ways to an area, by the names of the menu's entries."""
+    """Names of the menu's entries."""
 
     DRAW, DRAW_POLYGON, SINGLE, CANVAS = "draw", "draw_polygon", "single", "canvas"
     LAYER, POLYGON, POINTS, LINE = "layer", "polygon", "points", "line"
@@ -25,7 +25,7 @@ class AreaAction:
     ADD_POLYGON, ADD_HOLE, TO_BOX = "add_polygon", "add_hole", "box"
 
 
-#: Name, icon, text and tooltip of each entry, in groups. An icon that begins with "=" is the plugin's own.
+#: Name, icon, text and tooltip of each entry, in groups. An icon with a leading "=" is one of the plugin.
 Entries = tuple[tuple[tuple[str, str, str, str], ...], ...]
 
 
@@ -62,7 +62,7 @@ class MenuButton(QPushButton):
 
 
 class AreaMenu(MenuButton):
-    """A button with the ways to an area."""
+    """A button with a menu of the origins of an area."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -73,12 +73,12 @@ class AreaMenu(MenuButton):
         )
 
     def offer_changes(self, is_ground: bool, is_shape: bool) -> None:
-        """Offer what changes an area only where there is one.
+        """Offer changes of the area only if it allows them.
 
         Parameters
         ----------
         is_ground, is_shape : bool
-            Whether it is a box or polygons, and whether it is something else than a box.
+            Whether the area is a box or polygons, and whether it is something other than a box.
         """
         for name in (AreaAction.ADD_POLYGON, AreaAction.ADD_HOLE):
             self.actions_by_name[name].setEnabled(is_ground)

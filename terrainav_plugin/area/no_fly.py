@@ -1,4 +1,4 @@
-"""The menu of what no-fly areas may be taken from."""
+"""Menu of the origins of no-fly areas."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from .menu import MenuButton
 
 
 class NoFlyWay:
-    """Ways to no-fly areas, by the names of the menu's entries."""
+    """Names of the menu's entries."""
 
     DRAW, LAYER, FILE = "draw_no_fly", "no_fly_layer", "no_fly_file"
 
 
 class NoFlyMenu(MenuButton):
-    """A button with the ways to no-fly areas."""
+    """A button with a menu of the origins of no-fly areas."""
 
     def __init__(self) -> None:
         super().__init__(

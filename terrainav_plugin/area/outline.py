@@ -1,4 +1,4 @@
-"""An area on a canvas of any CRS: its outline, its handles, and what becomes of it when dragged. No widgets."""
+"""An area in the canvas's CRS: its outline and handles, and how dragging changes it. No widgets."""
 
 from __future__ import annotations
 
@@ -27,32 +27,32 @@ from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Pos
 from ..map.canvas import canvas_lon_lat, to_lon_lat
 from ..map.outlines import around_pole
 
-#: Steps each side is drawn in; sides may be curves on the canvas.
+#: Segments in which a side is drawn; it may be a curve on the canvas.
 _STEPS = 48
-#: Points drawn, evenly picked: more merge into each other and take long to paint.
+#: Most points drawn, evenly picked: more would merge and take long to paint.
 MOST_POINTS = 2_000
-#: Outlines are cut this far from the map's edge, a tenth of a millimetre on the ground.
+#: Distance of cut outlines from the map's edge: a tenth of a millimetre on the ground.
 _CUT_DEG = 1e-9
-#: At a pole itself many maps have no place; this near to it, a decimetre, they have.
+#: Highest latitude drawn, a decimetre from the pole, which is outside the domain of many CRSs.
 _BESIDE_POLE_DEG = 90.0 - 1e-6
 _EDGES = ("north", "west", "south", "east")
-#: What a pointer may be at: a corner's two edges, or one.
+#: Parts of a box at which it is dragged: the two edges of a corner, or one edge.
 GRIPS = (
     *(frozenset((vertical, side)) for vertical in ("north", "south") for side in ("west", "east")),
     *(frozenset((edge,)) for edge in _EDGES),
 )
-#: Edges come no nearer to each other: a decimetre on the ground, which the fields' seven decimals still show.
+#: Least span of a box: a decimetre on the ground, visible in the entries' seven decimals.
 LEAST_SPAN_DEG = 1e-6
 _POLE_DEG = 90.0
 _TURN_DEG = 360.0
-#: Corners up to which each has a handle: more merge into each other and are slow to redraw at every move.
+#: Most corners with handles: more would merge and be slow to redraw at every move.
 MOST_CORNERS = 2_000
-#: Pieces of an edge that is a curve on the canvas, and by what share of its length it is one.
+#: Segments of an edge that is a curve on the canvas, and the deviation, as share of its length, that makes it one.
 _CURVE_STEPS, _CURVED = 16, 0.002
 
 
 class Corner(NamedTuple):
-    """A corner of polygons, by numbers: of its polygon, of its ring, and its own. An edge has that of its start."""
+    """Index of a corner: of its polygon, of the ring and within that. An edge has the index of its start."""
 
     part: int
     ring: int
@@ -65,22 +65,22 @@ class AreaOutline:
     Parameters
     ----------
     near_lon_deg : float
-        Longitude of the canvas's middle: where the CRS has degrees, the area is drawn on that turn.
+        Longitude of the canvas's middle: on geographic maps, the area is drawn on that turn.
 
     Attributes
     ----------
     shape : QgsGeometry
-        Polygons or points in the canvas's CRS; empty where the CRS has no such place.
+        Polygons or points in the canvas's CRS; empty outside its domain.
     handles : dict of frozenset of edges to QgsPointXY
-        Of a box's corners and sides.
+        Corners and sides of a box.
     sides : dict of edge to list of (QgsPointXY, QgsPointXY)
-        Of a box: the segments that each side is drawn in.
+        Segments in which each side of a box is drawn.
     corners : dict of Corner to QgsPointXY
-        Of polygons of no more than `MOST_CORNERS` corners, none of them around a pole.
+        Corners of polygons that have at most `MOST_CORNERS` and surround no pole.
     edges : dict of Corner to list of (QgsPointXY, QgsPointXY)
-        Of those polygons: the segments that the edge after each corner is drawn in.
+        Segments in which the edge after each of these corners is drawn.
     middles : dict of Corner to QgsPointXY
-        The middle of each of those edges.
+        Middles of these edges.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class AreaOutline:
         if isinstance(area, Points):
             every = max(1, math.ceil(len(area.poses) / MOST_POINTS))
             west = area.bounds.west_deg
-            # Continuous with the area's west edge, as a box's longitudes are.
+            # Continuous from the area's west edge, as a box's longitudes are.
             placed = (self.project(west + (lon - west) % 360.0, lat) for lat, lon, _ in area.poses[::every])
             self.shape = QgsGeometry.fromMultiPointXY([point for point in placed if point is not None])
             return
@@ -113,23 +113,23 @@ class AreaOutline:
             self._place_corners(area)
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
-        """Place in the canvas's CRS; None where it has none."""
+        """Place in the canvas's CRS; None outside its domain."""
         return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _clip_pole(lat_deg)))
 
     def project_all(self, places: Sequence[Position]) -> list[QgsPointXY | None]:
-        """Places in the canvas's CRS, as `project` has each, in one go."""
+        """Places in the canvas's CRS, as from `project`, transformed at once."""
         points = QgsGeometry.fromMultiPointXY(
             [QgsPointXY(lon + self._turn_deg, _clip_pole(lat)) for lon, lat in places]
         )
         try:
             points.transform(self._transform, Qgis.TransformDirection.Reverse)
         except QgsCsException:
-            # Some have no place there.
+            # Some places are outside the domain.
             return [self.project(*place) for place in places]
         return [_finite(point) for point in points.asMultiPoint()]
 
     def _find_cut(self, area: Area) -> float | None:
-        """Longitude inside an area at which the map is cut open; None for none."""
+        """Longitude inside an area at which the map is cut; None if there is none."""
         box = area.bounds
         west, span = box.west_deg, box.span_deg
         lat = (box.north_deg + box.south_deg) / 2.0
@@ -169,7 +169,7 @@ class AreaOutline:
         parts = []
         for piece in pieces:
             corners = max(sum(1 for _ in piece.vertices()), 1)
-            # As many steps an edge as keep the outline at 4,000 points.
+            # Choose the segments per edge to keep the outline at 4,000 points.
             fine = piece.densifyByCount(max(min(_STEPS, 4_000 // corners), 0))
             for part in _polygons(fine):
                 rings = [self._ring(ring) for ring in part]
@@ -223,14 +223,14 @@ class AreaOutline:
     def _edge(
         self, start: Position, end: Position, places: tuple[QgsPointXY, QgsPointXY, QgsPointXY]
     ) -> list[tuple[QgsPointXY, QgsPointXY]]:
-        """Segments of an edge whose start, middle and end are known: more than one where it is a curve."""
+        """Segments of an edge, given its start, middle and end: several if it is a curve."""
         first, middle, last = places
         if _distance(middle, first, last) <= _CURVED * first.distance(last):
             return [(first, last)]
         return list(self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)]))
 
     def _is_cut(self, start: Position, end: Position) -> bool:
-        """Whether the map is cut open between two places."""
+        """Whether the map is cut between two places."""
         return self._cut_deg is not None and min(start[0], end[0]) < self._cut_deg < max(start[0], end[0])
 
     def _segments(self, walk: Sequence[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
@@ -243,9 +243,9 @@ class AreaOutline:
 def find_grip(
     outline: AreaOutline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
 ) -> frozenset[str]:
-    """Edges of a box that a pointer is at: two at a corner, one at a side, none elsewhere.
+    """Edges of a box at the pointer: two at a corner, one at a side, none elsewhere.
 
-    Corners go before sides. Of a box that is small on the screen only its rim counts, so that it can be moved.
+    Corners precede sides. A box that is small on the screen has only its outer rim as grip, so that it can be moved.
     """
     handles = {grip: to_pixel.transform(place) for grip, place in outline.handles.items()}
     xs, ys = [p.x() for p in handles.values()], [p.y() for p in handles.values()]
@@ -269,7 +269,7 @@ def find_grip(
 
 
 def find_corner(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
-    """Return the corner of polygons nearest to a point of the canvas and within reach, in its CRS's units."""
+    """Return the corner of polygons nearest to a point of the canvas, within ``reach`` in map units."""
     if not outline.corners:
         return None
     x, y = np.array([(place.x(), place.y()) for place in outline.corners.values()]).T
@@ -279,7 +279,7 @@ def find_corner(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner
 
 
 def find_edge(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
-    """Return the edge of polygons nearest to a point of the canvas and within reach, by the corner before it."""
+    """Return the edge of polygons nearest to a point of the canvas, within ``reach``, by the corner before it."""
     found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
     if not found:
         return None
@@ -295,7 +295,7 @@ def find_edge(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner |
 def point_lon_lat(
     point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
 ) -> tuple[float, float] | None:
-    """Longitude and latitude of a point on the canvas; None where the CRS has none."""
+    """Longitude and latitude of a point on the canvas; None outside the domain of the CRS."""
     try:
         return canvas_lon_lat(point, crs, project)
     except (InvalidInput, QgsCsException):
@@ -317,7 +317,7 @@ def wrapped(lon_deg: float) -> float:
 
 
 def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
-    """Box of edges whose longitudes run on across the antimeridian."""
+    """Box whose longitudes may continue across the antimeridian."""
     if east_deg - west_deg >= _TURN_DEG:
         return Box(north_deg, -180.0, south_deg, 180.0)
     turn = _TURN_DEG * math.floor((west_deg + 180.0) / _TURN_DEG)
@@ -326,10 +326,10 @@ def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg
 
 
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
-    """Area moved by degrees: across the antimeridian freely, but no edge of it past where pictures end.
+    """Area moved by degrees: freely across the antimeridian, but limited in latitude.
 
-    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole. A polygon around a pole
-    stays where it is: moved by degrees it would be another.
+    The limit is Web Mercator's; areas beyond it may go up to the pole. A polygon around a pole stays: moved by degrees,
+    it would change its shape.
     """
     bounds = area.bounds
     if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= _TURN_DEG:
@@ -351,7 +351,7 @@ def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygo
 
 
 def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float) -> Box:
-    """Box with some of its edges (north, west, south, east) moved by degrees, none past the opposite one."""
+    """Box with some edges (north, west, south, east) moved by degrees, none past the opposite one."""
     north, south = box.north_deg, box.south_deg
     west, east = box.west_deg, box.continuous_east_deg
     if "north" in edges:
@@ -366,26 +366,26 @@ def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float)
 
 
 def area_middle(area: Area) -> tuple[float, float]:
-    """Longitude and latitude of the middle of an area's box."""
+    """Longitude and latitude of the middle of an area's bounds."""
     box = area.bounds
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
 def count_turns(area: Area, lon_deg: float) -> int:
-    """Turns around the Earth from an area's longitudes, which go on beyond 180 from its west, to one."""
+    """Turns around the Earth from an area, whose longitudes continue beyond 180 from its west, to a longitude."""
     box = area.bounds
     return round((lon_deg - box.west_deg - box.span_deg / 2.0) / _TURN_DEG)
 
 
 def area_rings(area: Polygon | Polygons) -> list[list[list[Position]]]:
-    """Rings of each polygon of an area, as (longitude, latitude) within those of its bounds, which go on beyond 180."""
+    """Rings of each polygon as (longitude, latitude), continuous from the west edge of the area's bounds."""
     if isinstance(area, Polygon):
         return [[list(ring) for ring in area.rings]]
     return [[list(zip(lon.tolist(), lat.tolist())) for lon, lat in part.arrays()] for part in area.placed()]
 
 
 def polygon_geometry(rings: Sequence[Sequence[Position]]) -> QgsGeometry:
-    """Geometry of a polygon's rings, of longitudes and latitudes."""
+    """Geometry of a polygon's rings of longitudes and latitudes."""
     return QgsGeometry.fromPolygonXY([_closed(ring) for ring in rings])
 
 
@@ -394,7 +394,7 @@ def _closed(ring: Sequence[Position]) -> list[QgsPointXY]:
 
 
 def _degrees(area: Box | Polygon | Polygons) -> QgsGeometry:
-    """Area as a geometry of continuous longitudes and latitudes."""
+    """Area as a geometry with continuous longitudes."""
     if isinstance(area, Box):
         return QgsGeometry.fromRect(QgsRectangle(*area.edges_deg))
     if isinstance(area, Polygon):
@@ -433,7 +433,7 @@ def _steps(start: float, end: float) -> list[float]:
 
 
 def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
-    """Pixels from a place to a segment."""
+    """Distance in pixels from a point to a segment."""
     dx, dy = end.x() - start.x(), end.y() - start.y()
     length2 = dx * dx + dy * dy
     along = 0.0
@@ -444,12 +444,12 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
 
 
 def _kept(lat_deg: float) -> float:
-    """Latitude that a sum's last digit has not carried past a pole."""
+    """Latitude limited to the poles, which rounding may exceed."""
     return min(max(lat_deg, -_POLE_DEG), _POLE_DEG)
 
 
 def kept_lat(lat_deg: float, dlat_deg: float) -> float:
-    """Latitude moved by degrees, no further than `moved` has areas go."""
+    """Latitude moved by degrees, with the limits of `moved`."""
     limit = _limit(abs(lat_deg))
     return min(max(lat_deg + dlat_deg, -limit), limit)
 

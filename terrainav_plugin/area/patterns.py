@@ -1,4 +1,4 @@
-"""Corridors, orbits, scans and random poses: what they ask for, and the points that they become."""
+"""Corridors, orbits, scans and random poses: their dialogs, and the points made from them."""
 
 from __future__ import annotations
 
@@ -37,20 +37,20 @@ if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera, Poses
     from ..form.state import FormState
 
-#: Heights and counts that random poses start with.
+#: Initial heights and number of random poses, and the most of them.
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
 
-#: Ways of the menu that ask for a pattern; an orbit also needs a click on the map first.
+#: Menu entries that open a pattern's dialog; an orbit needs a click on the map first.
 PATTERNS = (AreaAction.CORRIDOR, AreaAction.FACADE, AreaAction.STRUCTURE, AreaAction.RANDOM)
 
 
 def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
-    """Dialog of one of `PATTERNS`; its ``reading`` is what is to be read once it is accepted.
+    """Dialog of one of `PATTERNS`; call its ``reading`` once it is accepted.
 
     Raises
     ------
     InvalidInput
-        Where there is no area for random poses.
+        There is no area for random poses.
     """
     window = iface.mainWindow()
     if way == AreaAction.RANDOM:
@@ -64,14 +64,14 @@ def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
 
 
 class _Entries:
-    """Entries for the fields of a declared part, each as it is declared."""
+    """Entries for the fields of a declared part."""
 
     def __init__(self, part: type, form: QFormLayout) -> None:
         self._part = part
         self.boxes: dict[str, NumberBox] = {}
         for field in declared_fields(part):
             box = number_entry(field)
-            # There is one height until a higher one is entered.
+            # Only one height until a higher one is entered.
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
             box.setValue(start.starts_with or 0.0)
             self.boxes[field.name] = box
@@ -84,7 +84,7 @@ class _Entries:
 
 
 class _PatternDialog(LayerDialog):
-    """Asks for a layer and a pattern; camera, height and overlaps are those of the panel."""
+    """Ask for a layer and a pattern; camera, height and overlaps are those of the panel."""
 
     PART: type = Corridor
 
@@ -110,20 +110,20 @@ class _PatternDialog(LayerDialog):
         return f"{which} {self._panel_values()}"
 
     def _panel_values(self) -> str:
-        """Values taken from the panel."""
+        """Describe the values taken from the panel."""
         return tr("Camera and overlaps ({along} %, {across} %) are those of the panel.").format(
             **_percents(self._state)
         )
 
 
 class CorridorDialog(_PatternDialog):
-    """Asks for a layer of lines, and how wide the strip along them is."""
+    """Ask for a line layer and the width of the strip along its lines."""
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
         super().__init__(parent, tr("Corridor along a line"), active, LINE_LAYERS, state)
 
     def reading(self, project: QgsProject) -> Reading:
-        """Return the reader of its rows; raises InvalidInput."""
+        """Return the reader of the corridor's rows; raises InvalidInput."""
         from ...core.poses.patterns import corridor
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
@@ -142,7 +142,7 @@ class CorridorDialog(_PatternDialog):
 
 
 class FacadeDialog(_PatternDialog):
-    """Asks for a layer of lines, the feet of walls, and how they are scanned."""
+    """Ask for a layer of lines at the feet of walls, and how to scan them."""
 
     PART = Scan
 
@@ -150,7 +150,7 @@ class FacadeDialog(_PatternDialog):
         super().__init__(parent, tr("Façade along a line"), active, LINE_LAYERS, state)
 
     def reading(self, project: QgsProject) -> Reading:
-        """Return the reader of its flights; raises InvalidInput."""
+        """Return the reader of the façade's flights; raises InvalidInput."""
         from ...core.poses.patterns import facade
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
@@ -170,7 +170,7 @@ class FacadeDialog(_PatternDialog):
 
 
 class StructureDialog(_PatternDialog):
-    """Asks for a layer of polygons, the outlines of structures, and how they are scanned."""
+    """Ask for a layer of structures' outlines, and how to scan them."""
 
     PART = Scan
 
@@ -178,7 +178,7 @@ class StructureDialog(_PatternDialog):
         super().__init__(parent, tr("Structure around a polygon"), active, POLYGON_LAYERS, state)
 
     def reading(self, project: QgsProject) -> Reading:
-        """Return the reader of its flights; raises InvalidInput."""
+        """Return the reader of the structure's flights; raises InvalidInput."""
         from ...core.poses.patterns import structure
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
@@ -190,7 +190,7 @@ class StructureDialog(_PatternDialog):
 
 
 class OrbitDialog(QDialog):
-    """Asks for circles around a centre, which starts as the point that was clicked."""
+    """Ask for circles around a centre, initially the point clicked."""
 
     def __init__(self, parent: QWidget, lat_deg: float, lon_deg: float) -> None:
         super().__init__(parent)
@@ -210,7 +210,7 @@ class OrbitDialog(QDialog):
         self.form.addRow(ok_and_cancel(self))
 
     def reading(self, _project: QgsProject) -> Reading:
-        """Return the reader of its circles; raises InvalidInput."""
+        """Return the reader of the circles; raises InvalidInput."""
         from ...core.poses.patterns import orbit
 
         wanted, centre = self.entries.value(), (self.lat.value(), self.lon.value())
@@ -218,7 +218,7 @@ class OrbitDialog(QDialog):
 
 
 class RandomDialog(QDialog):
-    """Asks for distributions of poses inside the area that is entered; raises InvalidInput where there is none."""
+    """Ask for distributions of poses inside the area entered; raises InvalidInput if there is none."""
 
     def __init__(self, parent: QWidget, state: FormState) -> None:
         area = entered_area(state)
@@ -276,7 +276,7 @@ class RandomDialog(QDialog):
 
 
 def _whole_images(state: FormState) -> Callable[[Poses], Any]:
-    """Test of which poses see nothing but the panel's imagery; raises FormError where that is not complete."""
+    """Test of which poses see only the panel's imagery; raises FormError if the panel's source is incomplete."""
     from ...core.geodesy.ellipsoid import WGS84
     from ...core.mission.inside import poses_inside
     from ..form.mission_form import mission

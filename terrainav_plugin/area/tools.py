@@ -1,4 +1,4 @@
-"""The map's tools for areas: drawing a box, choosing a point, moving an area, edges of a box, corners of polygons."""
+"""Map tools for areas: draw a box, pick a point, move an area, drag edges of a box and corners of polygons."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ from .outline import (
     stretched,
 )
 
-#: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
+#: Distance in screen pixels at which the pointer grips an edge, a corner or a point.
 _REACH_PX = 8.0
-#: Screen pixels that an arrow key moves the area by, and with Shift.
+#: Screen pixels that an arrow key moves the area, without and with Shift.
 _STEP_PX, _FAR_STEP_PX = 1, 10
 _ARROWS = {
     Qt.Key.Key_Left: (-1, 0),
@@ -54,7 +54,7 @@ _ARROWS = {
     Qt.Key.Key_Up: (0, -1),
     Qt.Key.Key_Down: (0, 1),
 }
-#: Cursors for the directions that a grip is dragged in, by eighths of a turn from east.
+#: Cursors for the directions of dragging, by eighths of a turn from east.
 _CURSORS = (
     Qt.CursorShape.SizeHorCursor,
     Qt.CursorShape.SizeBDiagCursor,
@@ -64,14 +64,14 @@ _CURSORS = (
 
 
 class BoxTool(TemporaryTool):
-    """Draws a rectangle on the canvas and emits the ground under it, whatever the project's CRS.
+    """Draw a rectangle on the canvas, and emit the ground under it, in any project CRS.
 
     Signals
     -------
     drawn(object)
-        The `Box`, or a `Polygon` where a box would be much larger, once the mouse is released.
+        The `Box`, or a `Polygon` if a box would be much larger, once the mouse is released.
     refused(str)
-        Why a rectangle makes no area.
+        Why a rectangle gives no area.
     """
 
     drawn = pyqtSignal(object)
@@ -80,7 +80,7 @@ class BoxTool(TemporaryTool):
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
-        #: Unit of the sizes that are said at the pointer.
+        #: Unit of sizes shown at the pointer.
         self.length_unit = METRES
         self._band: QgsRubberBand | None = None
         self._readout = PointerText(canvas)
@@ -92,7 +92,7 @@ class BoxTool(TemporaryTool):
         """Start a box."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._pressed_at = event.pos()
-            # In map units, so that zooming with the wheel meanwhile moves the corner with the map.
+            # In map units, so that zooming with the wheel keeps the corner in place on the map.
             self._start = self.toMapCoordinates(event.pos())
 
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
@@ -102,7 +102,7 @@ class BoxTool(TemporaryTool):
             self._say_size(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Finish the box; a click without a drag draws none."""
+        """Finish the box; a click without dragging draws none."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         if self._pressed_at is None:
@@ -125,7 +125,7 @@ class BoxTool(TemporaryTool):
         self.drawn.emit(area)
 
     def give_up(self) -> None:
-        """Drop the box; the tool stays until the mouse button is up, which another tool would take for its own."""
+        """Discard the box; the tool stays until the button is up, since another tool would receive the release."""
         if self._pressed_at is None:
             self.stop()
         else:
@@ -133,7 +133,7 @@ class BoxTool(TemporaryTool):
             self._given_up = True
 
     def deactivate(self) -> None:
-        """Leave no half-drawn box."""
+        """Discard an unfinished box."""
         self._clear()
         self._given_up = False
         super().deactivate()
@@ -156,7 +156,7 @@ class BoxTool(TemporaryTool):
         self._band.addPoint(QgsPointXY(west, north), True)
 
     def _say_size(self, at: QPoint) -> None:
-        """Say beside the pointer how large the box would be; nothing where there is none."""
+        """Show the size of the box beside the pointer; nothing if there is no area."""
         try:
             text = readout(self._area(at), self.length_unit)
         except (TerrAInavError, QgsCsException):
@@ -175,7 +175,7 @@ class BoxTool(TemporaryTool):
 
 
 class PointTool(ClickTool):
-    """Tells the place of one click, and gives the canvas back."""
+    """Emit the place of one click, and leave the canvas."""
 
     is_resumed = False
 
@@ -185,23 +185,23 @@ class PointTool(ClickTool):
 
 
 class AreaTool(TemporaryTool):
-    """Shows the area over the map while it is on; dragging moves it, the edges of a box, or a corner of polygons.
+    """Show the area on the map; dragging moves it, the edges of a box or a corner of polygons.
 
-    An edge of polygons gets a corner where it is taken hold of; a right click on a corner or the Delete key removes it.
-    A right click elsewhere offers what else can be done. Dragging beside the area moves the map, as in other tools.
+    Dragging an edge of polygons adds a corner; a right click on a corner or the Delete key removes it. A right click
+    elsewhere opens a menu of changes. Dragging beside the area moves the map, as in other tools.
 
     Signals
     -------
     dragging(object)
-        The area as it is while the button is down, and as it was once Esc has put it back.
+        The area while the button is down, and the previous one after Esc.
     changed(object, str, bool)
-        The area, what was done to it, and whether that goes on a step of the same name.
+        The area, the name of the step, and whether it merges with a preceding step of that name.
     hole_wanted(), polygon_wanted()
-        A hole, or one more polygon, is to be drawn.
+        The user asks to draw a hole, or one more polygon.
     takeoff_set(float, float)
         Latitude and longitude of a take-off point.
     refused(str)
-        Why a change cannot be.
+        Why a change is invalid.
     """
 
     dragging = pyqtSignal(object)
@@ -214,16 +214,16 @@ class AreaTool(TemporaryTool):
     def __init__(self, canvas: QgsMapCanvas, undo_keys: QObject) -> None:
         super().__init__(canvas)
         self._undo_keys = undo_keys
-        #: Unit of the sizes that are said at the pointer.
+        #: Unit of sizes shown at the pointer.
         self.length_unit = METRES
         self._area: Area | None = None
         self._dragged: Area | None = None
         self._outline: AreaOutline | None = None
         self._grip: frozenset[str] = frozenset()
-        #: Corner that is held, and the area that it is moved from, which may have it newly.
+        #: Corner being dragged, and the area it is dragged in, which may have gained it.
         self._held: Corner | None = None
         self._held_in: Polygon | Polygons | None = None
-        #: Corner that the pointer is at, or was at last.
+        #: Latest corner at the pointer.
         self._picked: Corner | None = None
         self._menu: QMenu | None = None
         self._from: tuple[float, float] | None = None
@@ -232,9 +232,9 @@ class AreaTool(TemporaryTool):
         self._bands, self._readout = AreaBands(canvas), PointerText(canvas)
 
     def set_area(self, area: Area | None) -> None:
-        """Take another area; without one there is nothing to move."""
+        """Set the area; None for none."""
         if area != self._area:
-            # Its number may be that of another corner now.
+            # Its index may denote another corner now.
             self._picked = None
         self._area = area
         if not self.isActive():
@@ -244,7 +244,7 @@ class AreaTool(TemporaryTool):
         elif self._dragged is None:
             self._draw()
 
-    # --- taking over and giving back
+    # --- starting and stopping
 
     def activate(self) -> None:
         """Show the area."""
@@ -252,13 +252,13 @@ class AreaTool(TemporaryTool):
         canvas = self.canvas()
         canvas.installEventFilter(self._undo_keys)
         canvas.destinationCrsChanged.connect(self._draw)
-        # Degrees are drawn on the turn that is in view.
+        # On geographic maps, redraw on the turn that is in view.
         canvas.extentsChanged.connect(self._draw)
         self.setCursor(Qt.CursorShape.ArrowCursor)
         self._draw()
 
     def deactivate(self) -> None:
-        """Take it away; what is being dragged goes back."""
+        """Hide the area, and undo a drag under way."""
         canvas = self.canvas()
         canvas.extentsChanged.disconnect(self._draw)
         canvas.destinationCrsChanged.disconnect(self._draw)
@@ -272,19 +272,19 @@ class AreaTool(TemporaryTool):
         super().deactivate()
 
     def give_up(self) -> None:
-        """Put back what is being dragged, or leave the tool."""
+        """Undo a drag under way, or else leave the tool."""
         if not self._put_back():
             self.stop()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move the area by arrow keys, which would move the map; remove a corner by those that remove things."""
+        """Move the area by arrow keys, before the map moves; remove a corner by Delete or Backspace."""
         if (
             isinstance(event, QKeyEvent)
             and event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
             and self._picked is not None
         ):
             if event.type() == QEvent.Type.ShortcutOverride:
-                # The window's own shortcut would remove features.
+                # The window's shortcut would delete features.
                 event.accept()
                 return True
             if event.type() == QEvent.Type.KeyPress:
@@ -301,7 +301,7 @@ class AreaTool(TemporaryTool):
     # --- the mouse
 
     def canvasPressEvent(self, event: QgsMapMouseEvent) -> None:
-        """Take hold of the area, or of the map beside it."""
+        """Begin dragging the area, or the map beside it."""
         if event.button() != Qt.MouseButton.LeftButton or self._area is None:
             return
         self._grip, self._held = self._find_grip(event.pos()), self._find_corner(event.pos())
@@ -321,7 +321,7 @@ class AreaTool(TemporaryTool):
         self._draw()
 
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
-        """Move what is held; otherwise show what would be."""
+        """Drag, or show what can be dragged."""
         if self._panned_from is not None:
             self._pan_map(event.pos())
         elif self._dragged is None:
@@ -331,7 +331,7 @@ class AreaTool(TemporaryTool):
             self._drag_box(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Let go; the right button removes a corner, or asks what to do."""
+        """End dragging; the right button removes a corner or opens the menu."""
         if event.button() == Qt.MouseButton.RightButton:
             self._ask(event)
         if event.button() != Qt.MouseButton.LeftButton:
@@ -341,7 +341,7 @@ class AreaTool(TemporaryTool):
             return
         if self._dragged is None:
             return
-        # Qt reports not every move, and may leave out the last.
+        # Qt does not report every move, and may skip the last.
         if event.pos() != self._pressed_at:
             self._drag_box(event.pos())
         held, is_new = self._held, self._held_in is not self._area
@@ -352,14 +352,14 @@ class AreaTool(TemporaryTool):
             self._draw()
         elif held is not None:
             self._take_corner(moved_area, tr("add a corner") if is_new else tr("move a corner"))
-            # The pointer is at it still, though nothing has moved since.
+            # The pointer is still at the corner, though no move follows.
             self._picked = self._find_corner(event.pos())
             self._draw()
         else:
             named = self._grip and isinstance(moved_area, Box)
             self.changed.emit(moved_area, tr("drag an edge") if named else tr("move the area"), False)
 
-    # --- inside
+    # --- implementation
 
     def _drag_box(self, at: QPoint) -> None:
         place = self._place(at)
@@ -379,13 +379,13 @@ class AreaTool(TemporaryTool):
         self.dragging.emit(self._dragged)
 
     def _words(self) -> str:
-        """Readout of the area that is being dragged."""
+        """Readout of the area being dragged."""
         if self._held is not None and not is_sound(self._dragged) and is_sound(self._area):
             return tr("The outline would cross itself")
         return readout(self._dragged, self.length_unit)
 
     def _put_back(self) -> bool:
-        """Put back what is being dragged; whether anything was."""
+        """Undo a drag under way; returns whether there was one."""
         if self._dragged is None:
             return False
         self._dragged = self._from = self._held = self._held_in = None
@@ -397,14 +397,14 @@ class AreaTool(TemporaryTool):
     # --- corners, holes and parts
 
     def _take_corner(self, area: Polygon | Polygons, step: str) -> None:
-        """Take an area with another corner, unless outlines cross."""
+        """Emit an area with another corner, unless outlines cross."""
         self._change(lambda: checked(self._area, area), step)
 
     def _remove_corner(self, corner: Corner) -> None:
         self._change(lambda: without_corner(self._area, corner), tr("remove a corner"))
 
     def _change(self, change: Callable[[], Area], step: str) -> None:
-        """Make a change, or say why it cannot be."""
+        """Make a change, or emit why it is invalid."""
         try:
             area = change()
         except TerrAInavError as wrong:
@@ -415,7 +415,7 @@ class AreaTool(TemporaryTool):
         self.changed.emit(area, step, False)
 
     def _ask(self, event: QgsMapMouseEvent) -> None:
-        """Remove the corner at the pointer; elsewhere offer what else can be done with the area."""
+        """Remove the corner at the pointer; elsewhere open a menu of changes."""
         if self._dragged is not None or self._area is None:
             return
         corner = self._find_corner(event.pos())
@@ -484,7 +484,7 @@ class AreaTool(TemporaryTool):
             self._menu.deleteLater()
             self._menu = None
 
-    # --- by keys
+    # --- keys
 
     def _step(self, event: QKeyEvent) -> None:
         far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
@@ -561,7 +561,7 @@ class AreaTool(TemporaryTool):
             self.setCursor(Qt.CursorShape.ArrowCursor)
 
     def _grip_cursor(self, grip: frozenset[str]) -> Qt.CursorShape:
-        """Arrows along the way from the box's middle to a handle, as it is seen."""
+        """Arrow cursor along the line from the box's middle to a handle, as seen on the screen."""
         if self._area is None or self._outline is None or grip not in self._outline.handles:
             return Qt.CursorShape.SizeAllCursor
         middle = self._outline.project(*area_middle(self._area))
@@ -569,14 +569,14 @@ class AreaTool(TemporaryTool):
             return Qt.CursorShape.SizeAllCursor
         to_pixel = self.canvas().getCoordinateTransform()
         here, there = to_pixel.transform(middle), to_pixel.transform(self._outline.handles[grip])
-        # A pixel's y runs down.
+        # Pixel rows count downwards.
         angle = math.atan2(here.y() - there.y(), there.x() - here.x())
         if len(grip) == 1:
             return _CURSORS[2 * round(angle / (math.pi / 2.0)) % 4]
         return _CURSORS[(2 * math.floor(angle / (math.pi / 2.0)) + 1) % 4]
 
     def _pan_map(self, at: QPoint) -> None:
-        """Bring the place that was taken hold of to the pointer."""
+        """Move the map so that the gripped place follows the pointer."""
         canvas = self.canvas()
         canvas.setCenter(canvas.center() + (self._panned_from - self.toMapCoordinates(at)))
         canvas.refresh()

@@ -1,4 +1,4 @@
-"""XML read by Qt, which every QGIS has; of lxml, with which the core reads it, some have none."""
+"""XML read by Qt: some QGIS lack lxml, with which the core reads it."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...core.text.safe_xml import ATTRIBUTES, TEXTS, UnreadableXMLError, checked
 
 
 def xml_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
-    """Elements of a document, as a `core.safe_xml.XMLReader` gives them.
+    """Elements of a document, as from a `core.safe_xml.XMLReader`.
 
     Raises
     ------
     UnreadableXMLError
-        It is no XML, or none that is read (`checked_text`).
+        The text is not XML, or is refused by `checked_text`.
     """
     reader, kinds = QXmlStreamReader(checked_text(body)), QXmlStreamReader.TokenType
     skip = QXmlStreamReader.ReadElementTextBehaviour.SkipChildElements
@@ -32,7 +32,7 @@ def xml_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
             if name not in TEXTS:
                 yield name, "", _attributes(reader) if name in ATTRIBUTES else {}
                 continue
-            # Up to the end of the element, which is then read.
+            # Up to the end of the element, which is read next.
             text = reader.readElementText(skip)
             depth -= 1
             if not reader.hasError():
