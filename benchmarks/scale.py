@@ -344,11 +344,11 @@ def content_of(folder: Path) -> dict[str, str]:
 
 def emptied(address: str) -> dict[str, str]:
     """Digests of all shards and tables at an address, by name; all there is is removed."""
-    from terrainav.core.storage.stores import get, remove, sizes_in, store_path
+    from terrainav.core.storage.stores import get, list_sizes, remove, store_path
 
     found = {}
     for place in (store_path(address) / "satellite", store_path(address) / "blocks", store_path(address)):
-        for name in sorted(sizes_in(place)):
+        for name in sorted(list_sizes(place)):
             data = get(place / name) or b""
             if name.endswith(".tar"):
                 with tarfile.open(fileobj=io.BytesIO(data)) as tar:

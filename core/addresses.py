@@ -38,7 +38,7 @@ _BETWEEN = re.compile(r"([\s'\"<>]+)")
 _SIGN_IN_END = re.compile(r"@|%(?:25)*40", re.IGNORECASE)
 
 
-def keys_in(address: str) -> list[str]:
+def key_parameters(address: str) -> list[str]:
     """Names of an address's parameters that hold keys, {key} apart."""
     before, _, after = address.partition("#")
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.

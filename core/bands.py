@@ -108,7 +108,7 @@ class Bands:
         """Whether they are red, green and blue of 8 bits, or grey: what every program shows."""
         return self.data_type == "uint8" and self.shown == tuple(range(len(self)))
 
-    def of_channels(self, channels: int) -> Bands:
+    def picture_bands(self, channels: int) -> Bands:
         """Bands of a picture that is made grey (1) or colours (3) of these."""
         metadata = tuple(self.metadata[at] for at in self.shown) if self.metadata else ()
         if channels == _GREY and len(self.shown) > _GREY:
@@ -151,14 +151,14 @@ def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
 RGB = Bands(("red", "green", "blue"))
 
 
-def bands_of(source: object) -> Bands:
+def source_bands(source: object) -> Bands:
     """Bands of a source: red, green and blue of 8 bits where it does not say."""
     # Not by `isinstance`: that asks for the ranges as well, for which a file is read.
     bands: Bands = getattr(source, "bands", RGB)
     return bands
 
 
-def ranges_of(source: object) -> tuple[Range, ...]:
+def source_ranges(source: object) -> tuple[Range, ...]:
     """Values of each of a source's bands that are shown darkest and brightest."""
     ranges: tuple[Range, ...] = getattr(source, "ranges", ((0.0, float(_BRIGHTEST)),) * len(RGB))
     return ranges
@@ -253,7 +253,7 @@ def unnamed(index: int) -> str:
     return f"band {1 + index}"
 
 
-def shown_of(names: Sequence[str], first: Sequence[int] = (0, 1, 2)) -> tuple[int, ...]:
+def colour_channels(names: Sequence[str], first: Sequence[int] = (0, 1, 2)) -> tuple[int, ...]:
     """Channels that are shown as colours: red, green and blue where there are more than three, else in their order."""
     if len(names) > _COLOURS:
         lower = [name.casefold() for name in names]

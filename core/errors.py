@@ -70,7 +70,7 @@ class Message(str):
     def __reduce__(self) -> tuple[Any, ...]:
         return Message, (self.template, *self.values)
 
-    def with_texts(self, change: Callable[[str], str]) -> Message:
+    def map_texts(self, change: Callable[[str], str]) -> Message:
         """Return this message with each string among its values changed, as by masking keys in it.
 
         So is a template without values, which may be somebody else's words.
@@ -117,13 +117,13 @@ class TerrAInavError(Exception):
         made.__dict__.update(self.__dict__)
         return made
 
-    def with_texts(self, change: Callable[[str], str]) -> TerrAInavError:
+    def map_texts(self, change: Callable[[str], str]) -> TerrAInavError:
         """Return an error of this kind with each string among its values changed, as by masking keys in it."""
         import copy
 
         made = copy.copy(self)
-        made.message = self.message.with_texts(change)
-        made.remedy = self.remedy and self.remedy.with_texts(change)
+        made.message = self.message.map_texts(change)
+        made.remedy = self.remedy and self.remedy.map_texts(change)
         made.args = (made.message,)
         return made
 
@@ -179,5 +179,5 @@ def _kept(value: object) -> object:
 
 def _changed(value: object, change: Callable[[str], str]) -> object:
     if isinstance(value, (Message, TerrAInavError)):
-        return value.with_texts(change)
+        return value.map_texts(change)
     return change(value) if type(value) is str else value

@@ -148,12 +148,12 @@ class Field:
         return self.option or self.name
 
     @property
-    def about(self) -> str:
+    def unit_and_limits(self) -> str:
         """Unit and limits in words."""
         return ", ".join(filter(None, (self.unit.words, self.right)))
 
     @property
-    def starts_with(self) -> Any:
+    def initial_value(self) -> Any:
         """What a form shows of it before anybody has entered anything."""
         return self.suggested if self.suggested is not None else self.default
 

@@ -41,7 +41,7 @@ class Quartiles(NamedTuple):
     high: float
 
     @classmethod
-    def of(cls, values: Sequence[float]) -> Quartiles:
+    def from_values(cls, values: Sequence[float]) -> Quartiles:
         """Quartiles of one value or more."""
         return cls(*np.quantile(values, (0.25, 0.5, 0.75)).tolist())
 
@@ -55,7 +55,7 @@ class Seconds:
     @property
     def quartiles(self) -> Quartiles:
         """Of the rounds."""
-        return Quartiles.of(self.rounds)
+        return Quartiles.from_values(self.rounds)
 
     @property
     def median(self) -> float:
@@ -82,9 +82,9 @@ class Seconds:
 
     def ratio(self, other: Seconds) -> Quartiles:
         """How many times as long as other work this one takes: quartiles of the ratios within each round."""
-        return Quartiles.of([own / its for own, its in zip(self.rounds, other.rounds)])
+        return Quartiles.from_values([own / its for own, its in zip(self.rounds, other.rounds)])
 
-    def differs_from(self, other: Seconds) -> bool:
+    def is_distinct(self, other: Seconds) -> bool:
         """Whether one can be said to take longer than the other.
 
         It cannot where the quartiles of their ratio lie on either side of 1, nor where equal works would agree in as

@@ -15,7 +15,7 @@ _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", defa
 
 
 @contextmanager
-def ended_where(cancelled: Callable[[], bool] | None) -> Iterator[None]:
+def cancellable(cancelled: Callable[[], bool] | None) -> Iterator[None]:
     """Have what this thread waits for meanwhile raise Cancelled where ``cancelled`` says so."""
     token = _cancelled.set(cancelled)
     try:
@@ -31,7 +31,7 @@ def check_cancelled() -> None:
         raise Cancelled("stopped")
 
 
-def wait_for(future: Future[Any], look: Callable[[], object]) -> None:
+def wait_until_done(future: Future[Any], look: Callable[[], object]) -> None:
     """Wait until a future is done.
 
     Parameters
@@ -42,7 +42,7 @@ def wait_for(future: Future[Any], look: Callable[[], object]) -> None:
     Raises
     ------
     Cancelled
-        As `ended_where` has it.
+        As `cancellable` has it.
     """
     # Briefly at a time: on Windows Ctrl-C is heard in between.
     while not wait([future], _POLL_S).done:

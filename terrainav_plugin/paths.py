@@ -90,7 +90,7 @@ def exists(path: Path) -> bool:
     """Whether something exists at a path.
 
     False, where `Path.exists` raises: in a folder that may not be read, or for a name longer than the system allows.
-    The same holds for `is_folder` and `files.is_there`.
+    The same holds for `is_folder` and `files.file_exists`.
     """
     return os.path.exists(path)  # noqa: PTH110
 

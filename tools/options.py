@@ -232,7 +232,7 @@ def _values(values: Mapping[str, Any]) -> str:
 def _row(part: str, field: Field) -> str:
     usual = f"`--{field.name_of_option.replace('_', '-')}`"
     key = "seed of the wind" if (part, field.name) == ("wind", "seed") else field.name
-    about = field.about
+    about = field.unit_and_limits
     if field.choices:
         about = ", ".join(f"`{choice}`" for choice in field.choices)
     default = "needed" if field.needed else _default(field.default)

@@ -25,10 +25,10 @@ from ..external.drawing import (
     SKY,
     VERMILION,
     dress,
-    label_of,
     logarithmic,
     new_figure,
     png,
+    short_label,
 )
 from ..storage.files import json_bytes, make_folder, write_whole
 from ..text.markup import Markup, document, element, figure, pairs, table
@@ -168,7 +168,7 @@ def _recall(recall: Mapping[str, Floats], title: str) -> bytes:
     for name, shares in recall.items():
         ranks = np.arange(1, len(shares) + 1)
         colour = colours.get(name, BLACK)
-        axes.step(ranks, 100.0 * shares, where="post", color=colour, linewidth=1.8, label=label_of(name))
+        axes.step(ranks, 100.0 * shares, where="post", color=colour, linewidth=1.8, label=short_label(name))
     axes.set_ylim(0.0, 103.0)
     dress(axes, f"Queries with a right tile among the first, {title}", "first tiles", "queries in %")
     axes.legend(frameon=False, fontsize=FONT["note"])
@@ -183,7 +183,7 @@ def _draw_shares(errors: Errors, title: str) -> bytes:
         known = np.sort(np.clip(own[np.isfinite(own)], _LEAST_M, None))
         share = 100.0 * np.arange(1, len(known) + 1) / len(own)
         ends = [_LEAST_M, *known, _GREATEST_M], [0.0, *share, share[-1] if len(share) else 0.0]
-        axes.step(*ends, where="post", color=colour, linewidth=1.8, label=label_of(name))
+        axes.step(*ends, where="post", color=colour, linewidth=1.8, label=short_label(name))
     logarithmic(axes, "x")
     axes.set_xlim(_LEAST_M, _GREATEST_M)
     axes.set_ylim(0.0, 103.0)
@@ -226,7 +226,7 @@ def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
             axes.scatter(x[some], y[some], s=28, color=colour, edgecolors="white", linewidths=0.6, label=label)
         some = rows[~np.isfinite(errors.error_m[rows])]
         axes.scatter(x[some], y[some], s=22, color=BLACK, marker="x", linewidths=1.2, label="no answer")
-        axes.set_title(label_of(name), fontsize=FONT["label"], loc="left")
+        axes.set_title(short_label(name), fontsize=FONT["label"], loc="left")
         axes.set_xticks([])
         axes.set_yticks([])
     handles, labels = axes.get_legend_handles_labels()
@@ -249,7 +249,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         shift = [float(answer[at] - truth[at]) for answer, truth in _places(errors)]
         moved = centre[0] + shift[0], centre[1] + shift[1]
         shown = (
-            (query, f"{label_of(shortened(errors.query[at], 40))}\nnorth up"),
+            (query, f"{short_label(shortened(errors.query[at], 40))}\nnorth up"),
             (_around(whole, benchmark, centre, side_m), "reference where it was taken"),
             (
                 _around(whole, benchmark, moved, side_m),

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Numbers
 from ..errors import InvalidInput, Message, TerrAInavError
 from ..external.user_code import called, is_ctrl_c, output_apart
-from ..text.plain import words_of
+from ..text.plain import safe_str
 from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, visible_query
 from .choices import METHODS
 from .folder import Benchmark
@@ -58,7 +58,7 @@ def method_named(name: str) -> Method:
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
         locate = called(name, found, benchmark, gallery)
         if not callable(locate):
-            raise InvalidInput("method {0}: returns {1}, which is no function of a query", name, words_of(locate, repr))
+            raise InvalidInput("method {0}: returns {1}, which is no function of a query", name, safe_str(locate, repr))
         tiles = len(benchmark.references)
         return lambda query: called(name, _answered, locate, query, tiles)
 
@@ -73,7 +73,7 @@ def _imported(name: str, module: str, function: str) -> Any:
     except BaseException as wrong:
         if is_ctrl_c(wrong):
             raise
-        said = words_of(wrong) if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
+        said = safe_str(wrong) if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
         raise InvalidInput("method {0!r}: cannot be imported ({1})", name, said) from wrong
 
 
@@ -120,7 +120,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
     """Answer of a method as plain values: those of a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
-        raise InvalidInput("method: answers {0} with {1}, which is no Answer", query.id, words_of(answer, repr))
+        raise InvalidInput("method: answers {0} with {1}, which is no Answer", query.id, safe_str(answer, repr))
     try:
         # One more than there are is enough to be refused: a generator may have no end.
         references = tuple(islice(iter(answer.references), tiles + 1))
@@ -132,7 +132,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
             "method: answers {0} with what cannot be read: {1}: {2}",
             query.id,
             type(wrong).__name__,
-            words_of(wrong),
+            safe_str(wrong),
         ) from wrong
     if len(references) > tiles:
         raise InvalidInput("method: answers {0} with more references than there are: {1:,}", query.id, tiles)
@@ -141,7 +141,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
             raise InvalidInput(
                 "method: answers {0} with the reference {1}, which is no text",
                 query.id,
-                words_of(reference, repr),
+                safe_str(reference, repr),
             )
     return Answer(references, **checked_pose(pose, Message("method: answer to {0}:", query.id)))
 

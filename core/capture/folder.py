@@ -13,8 +13,8 @@ from ..geodesy.mercator import WebMercator
 from ..limits import MAX_MISSION_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..storage.files import make_folder, open_locked, read_if_there, write_whole
-from ..storage.stores import is_address, place_kind, put_new, sizes_in
+from ..storage.files import make_folder, open_locked, read_existing, write_whole
+from ..storage.stores import is_address, list_sizes, place_kind, put_new
 from .begun import check_mission, edited_since
 from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .holding import Lease, locked
@@ -92,7 +92,7 @@ class CaptureFolder(ABC):
 
     def _read_mark(self) -> bytes | None:
         try:
-            return read_if_there(self.root / MISSION_FILE, MAX_MISSION_BYTES)
+            return read_existing(self.root / MISSION_FILE, MAX_MISSION_BYTES)
         except InvalidInput as wrong:
             raise OutputError("{0}", wrong) from wrong
 
@@ -144,7 +144,7 @@ class StoreFolder(CaptureFolder):
             yield lease.check
 
     def _find_foreign(self, _: Collection[str]) -> str | None:
-        return min((name for name in sizes_in(self.root) if name != self._lock_file), default=None)
+        return min((name for name in list_sizes(self.root) if name != self._lock_file), default=None)
 
     def _write_mark(self, mark: bytes) -> bool:
         return put_new(self.root / MISSION_FILE, mark)
@@ -188,7 +188,7 @@ def is_mark(mark: bytes, mission: Mission) -> bool:
 def holds_mission(plan: Plan, folder: Path) -> bool | None:
     """Whether a folder is a dataset of a plan's mission; None where it holds no mission that can be read."""
     try:
-        mark = read_if_there(folder / MISSION_FILE, MAX_MISSION_BYTES)
+        mark = read_existing(folder / MISSION_FILE, MAX_MISSION_BYTES)
     except (InvalidInput, OutputError):
         return None
     return None if mark is None else is_mark(mark, captured_mission(plan))

@@ -15,7 +15,7 @@ from typing import IO
 
 from ..errors import InvalidInput, OutputError
 from ..limits import MAX_SETTINGS_BYTES
-from ..storage.files import lock_tried, open_locked, read_if_there, remove_file, write_new, write_whole
+from ..storage.files import lock_tried, open_locked, read_existing, remove_file, write_new, write_whole
 from ..storage.stores import is_address, place_kind
 from ..waiting import check_cancelled
 
@@ -143,7 +143,7 @@ class Lease:
     def _read(self) -> bytes | None:
         """Read the lease; None where there is none. Raises OutputError, also where it is too long to be a lease."""
         try:
-            return read_if_there(self._path, MAX_SETTINGS_BYTES)
+            return read_existing(self._path, MAX_SETTINGS_BYTES)
         except InvalidInput as wrong:
             raise OutputError("{0}", wrong) from wrong
 

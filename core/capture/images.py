@@ -16,7 +16,7 @@ from ..errors import InvalidInput, OutputError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Placeholder
 from ..mission.plan import Plan
 from ..storage.files import PARTIAL_ENDING, write_whole
-from ..storage.stores import sizes_in
+from ..storage.stores import list_sizes
 from .begun import check_mission
 from .folder import LocalFolder, captured_mission, check_captured, has_blocks
 from .holding import kept
@@ -201,7 +201,7 @@ def find_complete(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str,
 
 def file_sizes(folder: Path) -> dict[str, int]:
     """Bytes of the files in a map type's folder, by name, including files that cleaning has moved."""
-    return {**sizes_in(folder / REJECTED_FOLDER), **sizes_in(folder)}
+    return {**list_sizes(folder / REJECTED_FOLDER), **list_sizes(folder)}
 
 
 def is_complete(outcome: Outcome, endings: Sequence[str], sizes: Mapping[str, int]) -> bool:

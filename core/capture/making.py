@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Numbers
-from ..bands import RGB, bands_of
+from ..bands import RGB, source_bands
 from ..errors import InvalidInput, PartError
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import Provided, Repeats, corner
@@ -42,7 +42,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
     for map_type in plan.mission.imagery.map_types:
         if source.map_types and map_type not in source.map_types:
             raise InvalidInput("map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types))
-    bands, output = bands_of(source), plan.mission.output
+    bands, output = source_bands(source), plan.mission.output
     if output.image_format != "tif" and not bands.are_colours:
         raise InvalidInput(
             "image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}",
@@ -225,7 +225,7 @@ class ImageMaker:
             return False
         self.unique_parts += len(users)
         # Memory is planned for images of three bytes a pixel.
-        largest_bytes = _largest_px(self.parts.plan) * max(bands_of(source).bytes_per_px, RGB.bytes_per_px)
+        largest_bytes = _largest_px(self.parts.plan) * max(source_bands(source).bytes_per_px, RGB.bytes_per_px)
 
         def finished(job: PictureJob, result: Outcome | PartError) -> None:
             orders.note(job.failed(result) if isinstance(result, PartError) else result)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Floats, PixelValues
-from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
+from ..bands import RGB, Bands, Range, shown_in_8_bits, source_bands, source_ranges
 from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
@@ -131,7 +131,7 @@ def _written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
     """Bands and ranges of an image file."""
     if job.img_size is None:
         return job.bands, job.ranges
-    bands = job.bands.of_channels(job.img_size[2])
+    bands = job.bands.picture_bands(job.img_size[2])
     shown = [job.ranges[at] for at in job.bands.shown]
     # Grey is the mean of the colours, and so is its range.
     low, high = (float(np.mean(ends)) for ends in zip(*shown))
@@ -187,8 +187,8 @@ def image_job(
             exposure=None if exposures is None else exposures.at(index),
             **pose,
         ),
-        bands_of(source),
-        ranges_of(source),
+        source_bands(source),
+        source_ranges(source),
         None if products_in is None else (plan, products_in),
         wall_colours(plan, source, map_type),
         write,

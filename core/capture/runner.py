@@ -18,7 +18,7 @@ from ..imagery.source import Source
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..storage.stores import is_address, store_path
-from ..waiting import ended_where
+from ..waiting import cancellable
 from .images import CaptureJournal, ImageJournal
 from .journal import FAILED, Outcome
 from .making import DEFAULT_CONNECTIONS, ImageMaker, ImageParts, Maker, Piece, check_source
@@ -96,7 +96,7 @@ def capture(
     reporter = Reporter(listener)
     with ExitStack() as opened:
         # What waits for a store meanwhile ends at once: nothing is lost yet.
-        with ended_where(listener.cancelled):
+        with cancellable(listener.cancelled):
             journal: CaptureJournal
             maker: Maker
             if executor is not None or blocks is not None or is_address(root):

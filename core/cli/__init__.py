@@ -41,9 +41,9 @@ _COMMANDS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
     code = _main(argv)
-    from ..external.native_calls import end_with
+    from ..external.native_calls import set_exit_code
 
-    end_with(code)
+    set_exit_code(code)
     return code
 
 
@@ -122,9 +122,9 @@ def _run(argv: Sequence[str]) -> int:
     # These commands print nothing before their result.
     if arguments.command not in ("plan", "poses"):
         return int(run(arguments))
-    from .printing import at_work
+    from .printing import busy_notice
 
-    with at_work():
+    with busy_notice():
         return int(run(arguments))
 
 

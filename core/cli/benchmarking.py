@@ -16,12 +16,12 @@ from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
     NAMED,
     Bar,
-    document_of,
     named,
     names_source,
     print_failed,
     print_repeated,
     print_written,
+    result_document,
 )
 from .listing import opened_cache
 from .stopping import collected
@@ -176,7 +176,7 @@ def _print_made(made: BenchmarkResult, as_json: bool) -> None:
     for words in filter(None, (warning, made.hint)):
         print(f"terrainav: {words}", file=sys.stderr)
     if as_json:
-        print(json.dumps({**document_of(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
+        print(json.dumps({**result_document(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
         return
     print_written(total)
     print_failed(total.failed, total.folder)

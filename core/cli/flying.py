@@ -17,7 +17,7 @@ from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..storage.stores import is_address
 from ..text.plain import printable
-from ..waiting import ended_where
+from ..waiting import cancellable
 from .exits import DONE, INCOMPLETE, exit_code
 from .listing import opened_cache
 from .stopping import collected
@@ -62,7 +62,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
-        mission = build_mission({**values, "source": _name_of(values["source"])})
+        mission = build_mission({**values, "source": _source_name(values["source"])})
         return mission, {**values, NAMED: names_source(arguments)}
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
@@ -75,7 +75,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     return mission, {**resolve(given, config=arguments.config), NAMED: False}
 
 
-def _name_of(source: str) -> str:
+def _source_name(source: str) -> str:
     """Name of a source that may be given by its title."""
     from ..mission.parts import Imagery
 
@@ -107,7 +107,7 @@ def named(
     )
 
 
-def _source_of(
+def _named_source(
     mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
 ) -> NamedSource:
     imagery = mission.imagery
@@ -163,7 +163,7 @@ def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, 
 
 
 def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
-    return closing(_source_of(mission, values, opened_cache(values), as_stored=as_stored).open())
+    return closing(_named_source(mission, values, opened_cache(values), as_stored=as_stored).open())
 
 
 def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
@@ -246,7 +246,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission, values = _settings(arguments)
     each = mission.missions_by_imagery
     sources = {
-        name: _source_of(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
+        name: _named_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
     mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.missions_by_imagery
@@ -258,7 +258,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
             files.append(path)
             continue
         for name, worked_out in plans.items():
-            target = _beside(path, name)
+            target = _imagery_path(path, name)
             exported = write_plan(worked_out, target)
             files += map(str, exported.files)
             for note in exported.notes:
@@ -279,7 +279,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _beside(path: str, name: str) -> str:
+def _imagery_path(path: str, name: str) -> str:
     """File of one of several imageries: ``plan-NAME.csv`` for ``plan.csv``."""
     from ..mission.export import check_plan_ending
 
@@ -336,12 +336,12 @@ def run_capture(arguments: argparse.Namespace) -> int:
         sources: dict[str, Source | NamedSource] = {}
         for name, one in each.items():
             if in_blocks:
-                sources[name] = _source_of(one, values, opened_cache(values), as_stored=_as_written(one))
+                sources[name] = _named_source(one, values, opened_cache(values), as_stored=_as_written(one))
             else:
                 sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.missions_by_imagery or {"": mission}
-        with ended_where(lambda: bool(signals)):
+        with cancellable(lambda: bool(signals)):
             engine = _engine(arguments, opened)
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals), engine, in_blocks=in_blocks)
     if in_blocks and not result.cancelled and result.written + result.skipped:
@@ -444,7 +444,7 @@ def _run(
 
 def _print_result(result: CaptureResult, as_json: bool) -> None:
     if as_json:
-        print(json.dumps({"total": result.total, **document_of(result, "map_type")}, indent=1))
+        print(json.dumps({"total": result.total, **result_document(result, "map_type")}, indent=1))
         return
     print_written(result)
     requests = f"{result.requests:,} requests for {result.unique_parts:,} unique parts"
@@ -453,7 +453,7 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
     print_repeated(result.repeated)
 
 
-def document_of(result: CaptureResult | PairResult, kind: str) -> dict[str, Any]:
+def result_document(result: CaptureResult | PairResult, kind: str) -> dict[str, Any]:
     """Return what a capture has done, for JSON; ``kind`` is the key that stands for a map type."""
     return {
         "folder": str(result.folder),

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..storage.files import is_there
+from ..storage.files import file_exists
 from ..text.plain import printable
 from .dataset_options import shared_options
 from .exits import DONE, INCOMPLETE, exit_code
@@ -18,12 +18,12 @@ from .flying import (
     NAMED,
     NAMED_FAILURES,
     Bar,
-    document_of,
     named,
     names_source,
     print_failed,
     print_repeated,
     print_written,
+    result_document,
 )
 from .listing import opened_cache
 from .stopping import collected
@@ -171,7 +171,7 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Pair
     from ..pairs.planning import places_in_box
 
     text = arguments.places
-    if is_there(text):
+    if file_exists(text):
         if arguments.count is not None or arguments.spacing is not None:
             option = "count" if arguments.count is not None else "spacing"
             raise InvalidInput("--{0} and the file {1}: it is for places of a box", option, text)
@@ -251,7 +251,7 @@ def _figures(worked_out: PairPlan) -> dict[str, Any]:
 
 def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> None:
     if as_json:
-        about = {**document_of(result, "capture"), **_figures(worked_out), "left_out": list(result.left_out)}
+        about = {**result_document(result, "capture"), **_figures(worked_out), "left_out": list(result.left_out)}
         print(json.dumps(about, indent=1))
         return
     print_written(result)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import InvalidInput, Message
 from ..fields import declared_fields
 from ..numbers import real_number
-from ..storage.files import is_there, write_whole
+from ..storage.files import file_exists, write_whole
 from ..text.plain import printable
 from .exits import DONE
 
@@ -161,7 +161,7 @@ def _area(text: str) -> Box | Polygon | Polygons:
     from ..mission.areas.area import Box, check_ground
     from ..mission.areas.files import load_area
 
-    if is_there(text):
+    if file_exists(text):
         return load_area(text)
     try:
         north, west, south, east = (real_number(field) for field in re.split(r"[_,;\s]+", text.strip()))

@@ -14,21 +14,21 @@ QUIET_S, AGAIN_S = 10.0, 60.0
 
 
 @contextmanager
-def at_work() -> Iterator[None]:
+def busy_notice() -> Iterator[None]:
     """Say in a terminal that the command is at work, where what is done inside takes long and prints nothing."""
     if sys.stderr is None or not sys.stderr.isatty():
         yield
         return
     ended = threading.Event()
-    teller = threading.Thread(target=_say_at_work, args=(ended,), daemon=True)
-    teller.start()
+    notices = threading.Thread(target=_print_notices, args=(ended,), daemon=True)
+    notices.start()
     try:
         yield
     finally:
         ended.set()
 
 
-def _say_at_work(ended: threading.Event) -> None:
+def _print_notices(ended: threading.Event) -> None:
     began_s, wait_s = time.monotonic(), QUIET_S
     while not ended.wait(wait_s):
         wait_s = AGAIN_S

@@ -23,7 +23,7 @@ from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_PICTURE_PX, MAX_SETTINGS_BYTES
 from ..storage.files import open_foreign, read_limited
-from ..storage.stores import Address, is_address, sizes_in, store_path
+from ..storage.stores import Address, is_address, list_sizes, store_path
 from .folder import (
     LAYOUTS,
     NAME,
@@ -448,7 +448,7 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
 def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
     """Names of files in a folder, and of all else."""
     if is_address(folder):
-        return set(sizes_in(folder)), set()
+        return set(list_sizes(folder)), set()
     try:
         files: set[str] = set()
         others: set[str] = set()

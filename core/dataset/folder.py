@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
-from ..storage.stores import Address, folders_in, is_address, is_file, resolved, store_path
+from ..storage.stores import Address, is_address, is_file, list_folders, resolved, store_path
 
 if TYPE_CHECKING:
     from .table import Table
@@ -105,7 +105,7 @@ def _imagery_folders(path: Path) -> dict[str, Path]:
 
 def _list_folders(path: Path) -> list[Path]:
     """What may be a folder inside a folder, by name."""
-    return folders_in(path) if is_address(path) else sorted(path.iterdir())
+    return list_folders(path) if is_address(path) else sorted(path.iterdir())
 
 
 def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import BandMetadata, Bands, Range, percentiles, shown_in_8_bits, shown_of, unnamed
+from ..bands import BandMetadata, Bands, Range, colour_channels, percentiles, shown_in_8_bits, unnamed
 from ..limits import MAX_BANDS, MAX_PICTURE_BYTES, MAX_PICTURE_SIDE_PX
 
 _HEADER, _ENTRY_BYTES = b"II*\0", 12
@@ -209,7 +209,7 @@ def parse_pam_bands(text: str, channels: int) -> Bands:
     }
     names = tuple(said.get(("Description", band), unnamed(band)) for band in range(channels))
     metadata = (_metadata(said, band, "Scale", "Offset", "UnitType") for band in range(channels))
-    return Bands(names, "uint8", shown_of(names), tuple(metadata))
+    return Bands(names, "uint8", colour_channels(names), tuple(metadata))
 
 
 def _pam_lines(text: str) -> Iterator[tuple[str, str]]:

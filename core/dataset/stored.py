@@ -16,8 +16,8 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_IMAGE_MEMBERS
-from ..storage.files import open_foreign, read_if_there
-from ..storage.stores import get_range, is_address, is_file, sizes_in
+from ..storage.files import open_foreign, read_existing
+from ..storage.stores import get_range, is_address, is_file, list_sizes
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
@@ -81,7 +81,7 @@ class StoredImage:
             A store that cannot be asked.
         """
         if self.range is None:
-            data = read_if_there(self.place, MAX_IMAGE_FILE_BYTES)
+            data = read_existing(self.place, MAX_IMAGE_FILE_BYTES)
             if data is None:
                 raise InvalidInput("image {0}: is not there", self)
             return data
@@ -192,7 +192,7 @@ def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
     needed: dict[str, float] = {}
     for name, end in zip(names, (offset + size).tolist()):
         needed[name] = max(needed.get(name, 0.0), end)
-    there = sizes_in(folder) if is_address(folder) else _sizes(folder, needed)
+    there = list_sizes(folder) if is_address(folder) else _sizes(folder, needed)
     for name, end in needed.items():
         if name not in there:
             raise InvalidInput("folder {0}: the shard {1} of the table is not there", folder, name)

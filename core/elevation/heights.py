@@ -24,7 +24,7 @@ from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..numbers import real_number
 from ..resources import read_json
-from ..storage.files import is_there
+from ..storage.files import file_exists
 from ..text.plain import whole_number
 from .datum import UNITS_M, Datum
 
@@ -312,7 +312,7 @@ def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
 def _check_one(text: str) -> None:
     """Refuse a text of several sources."""
     parts = re.split(r"\s*[;,]\s*", text)
-    if len(parts) > 1 and not is_there(text) and all(_may_be_heights(part, text) for part in parts):
+    if len(parts) > 1 and not file_exists(text) and all(_may_be_heights(part, text) for part in parts):
         raise InvalidInput(
             "heights {0!r}: are several sources in one",
             text,

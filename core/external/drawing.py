@@ -67,7 +67,7 @@ def png(figure: Any) -> bytes:
     return buffer.getvalue()
 
 
-def label_of(name: str) -> str:
+def short_label(name: str) -> str:
     """Foreign name as a diagram shows it: one short line."""
     return shortened(" ".join(printable(name[:MAX_TEXT_CHARACTERS]).split()), 60)
 

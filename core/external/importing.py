@@ -26,12 +26,12 @@ def imported(name: str) -> Any:
         raise
     except Exception as wrong:
         # Only where something is wrong: the command imports this for its help.
-        from ..text.plain import one_line, words_of
+        from ..text.plain import one_line, safe_str
 
         # A library's text may be pages long.
         raise OutputError(
             "{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong",
             name,
             type(wrong).__name__,
-            one_line(words_of(wrong), 120),
+            one_line(safe_str(wrong), 120),
         ) from wrong

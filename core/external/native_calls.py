@@ -36,7 +36,7 @@ class _Ending:
         self.signals.append(number)
         self._until_s = min(self._until_s, time.monotonic() + grace_s)
 
-    def is_over(self, began_s: float) -> bool:
+    def has_passed(self, began_s: float) -> bool:
         return time.monotonic() > max(self._until_s, began_s + _LEAST_S)
 
 
@@ -87,7 +87,7 @@ class NativeCall(Generic[Result]):
         self._thread.start()
         # Look every 50 ms whether the result is still wanted.
         while not self._ended.wait(0.05):
-            if not is_wanted() or self._ending.is_over(began_s):
+            if not is_wanted() or self._ending.has_passed(began_s):
                 raise Cancelled("stopped while a raster was read")
         if self._wrong is not None:
             raise self._wrong
@@ -119,7 +119,7 @@ class _Thread(threading.Thread):
         super().__init__(target=work, name="terrainav-native", daemon=True)
 
 
-def end_with(code: int) -> None:
+def set_exit_code(code: int) -> None:
     """Have the process end with an exit code at once, although calls that were left are still under way."""
     global _exit_code  # noqa: PLW0603 (a process has one)
     if _under_way():

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput, TerrAInavError
-from ..text.plain import words_of
+from ..text.plain import safe_str
 
 #: File descriptors of the process's output and error output, whatever Python's own are.
 _OUTPUT, _ERRORS = 1, 2
@@ -47,7 +47,7 @@ def called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
             "method {0}: failed with {1}: {2} ({3}, line {4})",
             name,
             type(wrong).__name__,
-            words_of(wrong),
+            safe_str(wrong),
             Path(last.filename).name,
             last.lineno,
         ) from wrong

@@ -13,10 +13,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Callable
 
-from ..bands import NO_STRETCH, Bands, bands_of
+from ..bands import NO_STRETCH, Bands, source_bands
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
-from ..storage.files import is_there
+from ..storage.files import file_exists
 from .entry import NAME, PIXELS, CatalogueEntry, find_providers, strictest
 from .placeholder import Placeholder
 from .policy import Policy
@@ -221,7 +221,7 @@ def _is_path(text: str) -> bool:
     if _is_inside_file(text):
         return True
     # These placeholders occur in templates of tiles, not in paths of dated files.
-    return "://" not in text and (re.search(r"\{(z|zoom|x|-?y|q)\}", text) is None or is_there(text))
+    return "://" not in text and (re.search(r"\{(z|zoom|x|-?y|q)\}", text) is None or file_exists(text))
 
 
 def _is_inside_file(text: str) -> bool:
@@ -230,7 +230,7 @@ def _is_inside_file(text: str) -> bool:
 
 def _is_any_file(text: str) -> bool:
     """Whether GDAL may open what a text names; a name of the catalogue is a file as ``./name`` only."""
-    return _is_inside_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and is_there(text))
+    return _is_inside_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and file_exists(text))
 
 
 #: Ways to name a source: a path, an address of tiles or of a service, a name, a map of a QGIS project.
@@ -360,7 +360,7 @@ class NamedSource(ABC):
     @property
     def bands(self) -> Bands:
         """Bands of its pixels, by the options."""
-        return bands_of(self._known)
+        return source_bands(self._known)
 
     @property
     def policy(self) -> Policy:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 from urllib.parse import quote, unquote, urlsplit
 
-from ..addresses import keys_in
+from ..addresses import key_parameters
 from ..errors import InvalidInput, Message, PartError, SourceError
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid
 from ..geodesy.planes import ProjectedPlane
@@ -258,7 +258,7 @@ def check_address(text: str, what: str) -> None:
         )
     if parts.username is not None or parts.password is not None:
         raise InvalidInput("{0} for {1}: holds a user name; no credentials may stand in it", what, parts.hostname)
-    for name in keys_in(text):
+    for name in key_parameters(text):
         raise InvalidInput(
             "{0} for {1}: holds a key in {2!r}, which would end up in files",
             what,

@@ -72,7 +72,7 @@ class Option:
             choices=tuple(field.choices) if field.choices and field.kind is str else None,
             metavar=_METAVARS.get(field.name),
             flag=field.kind is bool,
-            about=field.about,
+            about=field.unit_and_limits,
         )
 
     @property

@@ -368,7 +368,7 @@ class _Images:
         stated = read_band_metadata(self._paths[0], self.channels)
         if stated is None or stated.data_type != "uint8" or len(stated.shown) != self.channels:
             return None
-        return stated.of_channels(self.channels)
+        return stated.picture_bands(self.channels)
 
     def of(self, index: int) -> tuple[Bytes, Bytes | None]:
         """Pixels (h, w, c), and the mask (h, w), 0 where nothing is shown, or None where all is."""

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import InvalidInput, Message, OptionName
 from ..mission.clock import implausible
 from ..text.plain import finite_number, time_s
-from ..text.safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
+from ..text.safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, iterate_elements
 from .logs import missing_reader
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 
@@ -21,7 +21,7 @@ _TRACK, _ROUTE = ATTRIBUTES
 def read_gpx(
     body: bytes,
     name: str = "GPX file",
-    read_xml: XMLReader = elements_of,
+    read_xml: XMLReader = iterate_elements,
     progress: Progress = unwatched,
     *,
     with_times: bool = True,

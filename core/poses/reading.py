@@ -15,9 +15,9 @@ from ..mission.areas.area import ANGLES, Points, check_lat_lon
 from ..mission.litchi_table import is_litchi
 from ..mission.parts import Flight
 from ..mission.pose_table import read_poses
-from ..storage.files import is_there, open_foreign, read_limited
+from ..storage.files import file_exists, open_foreign, read_limited
 from ..text.safe_json import decoded
-from ..text.safe_xml import XMLReader, elements_of
+from ..text.safe_xml import XMLReader, iterate_elements
 from .gpx import read_gpx
 from .logs import read_dataflash, read_ulog
 from .settings import (
@@ -87,7 +87,7 @@ def likely_format(path: str | os.PathLike[str]) -> str | None:
 def read_poses_file(
     path: str | os.PathLike[str],
     how: PoseFile,
-    read_xml: XMLReader = elements_of,
+    read_xml: XMLReader = iterate_elements,
     progress: Progress = unwatched,
 ) -> ReadPoses:
     """Read the poses of a trajectory or a flight log.
@@ -136,7 +136,7 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
         )
     if how.flight is not None and file_format not in LOG_FORMATS:
         raise InvalidInput("--flight: is for {0}, and not for {1}", ", ".join(LOG_FORMATS), file_format)
-    if not is_there(path):
+    if not file_exists(path):
         raise InvalidInput("trajectory {0}: no such file", path)
     with_times = how.times != WITHOUT_TIMES
     if file_format == "ulog":

@@ -356,7 +356,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
         if chosen.seconds is not None and other.seconds is not None:
             seconds = (other.seconds - chosen.seconds) * pictures
             size = (other.size_bytes or 0) - (chosen.size_bytes or 0)
-            found.append(Saving(what, why, seconds, other.seconds.differs_from(chosen.seconds), size * pictures))
+            found.append(Saving(what, why, seconds, other.seconds.is_distinct(chosen.seconds), size * pictures))
     return found
 
 

@@ -146,7 +146,7 @@ def compared_text(one: Measured, other: Measured | None) -> str:
         return ""
     if not one.seconds.spread_known:
         return NOTHING
-    if not one.seconds.differs_from(other.seconds):
+    if not one.seconds.is_distinct(other.seconds):
         return f"cannot be told from {name_of(other)} in time"
     low, median, high = one.seconds.ratio(other.seconds)
     return f"{median:.3g} times {name_of(other)} ({low:.3g} to {high:.3g})"
@@ -373,7 +373,7 @@ def _compared(one: Measured, other: Measured | None) -> tuple[Cell, ...]:
     if other is None or one is other or one.seconds is None or other.seconds is None:
         return (None, *_NO_FIGURES, None)
     low, median, high = one.seconds.ratio(other.seconds)
-    return other.method.name, median, low, high, int(one.seconds.differs_from(other.seconds))
+    return other.method.name, median, low, high, int(one.seconds.is_distinct(other.seconds))
 
 
 def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:

@@ -56,7 +56,7 @@ else:
             fcntl.flock(file, fcntl.LOCK_UN)
 
 
-def is_there(path: str | os.PathLike[str]) -> bool:
+def file_exists(path: str | os.PathLike[str]) -> bool:
     """Whether there is such a file; not for a name that no file can have, where `Path.is_file` raises."""
     return os.path.isfile(path)  # noqa: PTH113
 
@@ -214,7 +214,7 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user
     return bytes(more)
 
 
-def read_if_there(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
+def read_existing(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
     """Content of a file, or object, as `read_limited` gives it; None where there is none.
 
     Raises
@@ -233,9 +233,9 @@ def read_if_there(path: str | os.PathLike[str], most_bytes: int) -> bytes | None
 
 
 def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
-    """Content of files of one folder, or objects, as `read_if_there` gives it; objects are asked for together."""
+    """Content of files of one folder, or objects, as `read_existing` gives it; objects are asked for together."""
     if not (paths and is_address(paths[0])):
-        return [read_if_there(path, most_bytes) for path in paths]
+        return [read_existing(path, most_bytes) for path in paths]
     try:
         return get_each(paths, most_bytes)
     except InvalidInput as wrong:
@@ -406,7 +406,7 @@ def open_locked(path: Path) -> IO[bytes]:
         file = open_own(path, "ab", buffering=0)
     except OSError as wrong:
         raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
-    if not _is_locked_by(file):
+    if not _try_lock(file):
         file.close()
         raise OutputError(
             "folder {0}: another run is at work in it",
@@ -426,7 +426,7 @@ def lock_tried(path: Path) -> Iterator[bool]:
         Where there can be no such file.
     """
     with open_own(path, "ab", buffering=0) as file:
-        held = _is_locked_by(file)
+        held = _try_lock(file)
         try:
             yield held
         finally:
@@ -434,7 +434,7 @@ def lock_tried(path: Path) -> Iterator[bool]:
                 _unlock(file.fileno())
 
 
-def _is_locked_by(file: IO[bytes]) -> bool:
+def _try_lock(file: IO[bytes]) -> bool:
     try:
         _lock(file.fileno())
     except OSError as wrong:

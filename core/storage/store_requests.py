@@ -22,7 +22,7 @@ from ..limits import (
     MAX_STORE_SILENCE_S,
     MIN_STORE_BYTES_PER_S,
 )
-from ..waiting import wait_for
+from ..waiting import wait_until_done
 from .redirects import same_server
 
 _PIECE_BYTES = 1 << 18
@@ -107,7 +107,7 @@ def fetch_range(store: Any, key: str, start: int, length: int, file: IO[bytes]) 
 def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most_bytes: int) -> list[bool]:
     """Copy objects into files, several at once; whether each was there."""
 
-    async def copied_if_there(key: str, file: IO[bytes], moved: Moved, turn: asyncio.Semaphore) -> bool:
+    async def copy_existing(key: str, file: IO[bytes], moved: Moved, turn: asyncio.Semaphore) -> bool:
         async with turn:
             try:
                 await _copied(store, key, file, most_bytes, moved)
@@ -120,7 +120,7 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
     async def all_copied(moved: Moved) -> list[bool]:
         # 16 requests at a time.
         turn = asyncio.Semaphore(16)
-        return await asyncio.gather(*(copied_if_there(key, file, moved, turn) for key, file in zip(keys, files)))
+        return await asyncio.gather(*(copy_existing(key, file, moved, turn) for key, file in zip(keys, files)))
 
     found: list[bool] = _ended(store, all_copied)
     return found
@@ -166,7 +166,7 @@ def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | N
 
     future = asyncio.run_coroutine_threadsafe(limited_work(), store.loop)
     try:
-        wait_for(future, _Watch(moved).look)
+        wait_until_done(future, _Watch(moved).look)
     except BaseException:
         future.cancel()
         raise

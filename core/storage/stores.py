@@ -155,7 +155,7 @@ def put(path: Path, data: bytes) -> None:
     OutputError
     """
     with store_errors(path):
-        ask(_of_store(path), "pipe_file", _key(path), data, sent_bytes=len(data))
+        ask(_filesystem(path), "pipe_file", _key(path), data, sent_bytes=len(data))
 
 
 def put_new(path: Path, data: bytes) -> bool:
@@ -167,7 +167,7 @@ def put_new(path: Path, data: bytes) -> bool:
     """
     with store_errors(path):
         try:
-            ask(_of_store(path), "pipe_file", _key(path), data, mode="create", sent_bytes=len(data))
+            ask(_filesystem(path), "pipe_file", _key(path), data, mode="create", sent_bytes=len(data))
         except FileExistsError as wrong:
             _let_go(wrong)
             return False
@@ -192,7 +192,7 @@ def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
     data = io.BytesIO()
     with store_errors(path):
         try:
-            fetch(_of_store(path), _key(path), data, most_bytes)
+            fetch(_filesystem(path), _key(path), data, most_bytes)
         except FileNotFoundError as wrong:
             _let_go(wrong)
             return None
@@ -210,7 +210,7 @@ def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
     """
     if not paths:
         return []
-    store = _of_store(paths[0])
+    store = _filesystem(paths[0])
     if not store.async_impl:
         return [get(path, most_bytes) for path in paths]
     files = [io.BytesIO() for _ in paths]
@@ -237,8 +237,8 @@ def open_object(path: Path, most_bytes: int) -> IO[bytes]:
     except OSError as wrong:
         raise OutputError("folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror) from wrong
     try:
-        with _if_there(path):
-            fetch(_of_store(path), _key(path), file, most_bytes)
+        with _ignore_missing(path):
+            fetch(_filesystem(path), _key(path), file, most_bytes)
             found = True
         if not found:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
@@ -259,11 +259,11 @@ def get_range(path: Path, start: int, length: int) -> bytes:
     """
     data = io.BytesIO()
     with store_errors(path):
-        fetch_range(_of_store(path), _key(path), start, length, data)
+        fetch_range(_filesystem(path), _key(path), start, length, data)
     return data.getvalue()
 
 
-def sizes_in(folder: Path) -> dict[str, int]:
+def list_sizes(folder: Path) -> dict[str, int]:
     """Bytes of the objects, or files, right inside a folder, by name; empty where there is none.
 
     Raises
@@ -279,12 +279,12 @@ def sizes_in(folder: Path) -> dict[str, int]:
         except OSError as wrong:
             raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     found: list[Entry] = []
-    with _if_there(folder):
-        found = entries(_of_store(folder), _key(folder))
+    with _ignore_missing(folder):
+        found = entries(_filesystem(folder), _key(folder))
     return {one.name: one.size_bytes for one in found if not one.is_folder}
 
 
-def folders_in(folder: Path) -> list[Path]:
+def list_folders(folder: Path) -> list[Path]:
     """Folders right inside a folder, by name: a store's names have slashes where those of others have folders.
 
     Raises
@@ -293,7 +293,7 @@ def folders_in(folder: Path) -> list[Path]:
         Also where there is nothing at all.
     """
     with store_errors(folder):
-        found = entries(_of_store(folder), _key(folder))
+        found = entries(_filesystem(folder), _key(folder))
     return [folder / name for name in sorted(one.name for one in found if one.is_folder)]
 
 
@@ -308,8 +308,8 @@ def is_file(path: Path) -> bool:
     if not is_address(path):
         return path.is_file()
     kind = None
-    with _if_there(path):
-        store = _of_store(path)
+    with _ignore_missing(path):
+        store = _filesystem(path)
         store.invalidate_cache()
         kind = ask(store, "info", _key(path))["type"]
     return bool(kind == "file")
@@ -322,8 +322,8 @@ def remove(path: Path) -> None:
     ------
     OutputError
     """
-    with _if_there(path):
-        ask(_of_store(path), "rm_file", _key(path))
+    with _ignore_missing(path):
+        ask(_filesystem(path), "rm_file", _key(path))
 
 
 @contextmanager
@@ -348,7 +348,7 @@ def store_errors(path: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _if_there(path: Path) -> Iterator[None]:
+def _ignore_missing(path: Path) -> Iterator[None]:
     """The same, and go on after what is done where there is no such object."""
     with store_errors(path):
         try:
@@ -397,7 +397,7 @@ def _root(path: Path) -> str:
     return f"{scheme}://{rest.partition('/')[0]}"
 
 
-def _of_store(path: Any) -> Any:
+def _filesystem(path: Any) -> Any:
     store = path.fs
     if getattr(store, "_pid", os.getpid()) == os.getpid():
         return follow_none(store)

@@ -79,7 +79,7 @@ def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
     return shortened(" ".join(printable(plain).split()), most)
 
 
-def words_of(thing: object, shown: Callable[[Any], str] = str) -> str:
+def safe_str(thing: object, shown: Callable[[Any], str] = str) -> str:
     """Text of an object of somebody else's code, which may fail to make one.
 
     Parameters

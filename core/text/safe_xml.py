@@ -63,7 +63,7 @@ class UnreadableXMLError(ValueError):
     """A document that is refused, or is no XML; the text says why."""
 
 
-def text_of(body: bytes) -> str:
+def decode_document(body: bytes) -> str:
     """Text of a document, without a declaration of its encoding.
 
     Raises
@@ -97,9 +97,9 @@ def checked_text(body: bytes) -> str:
     Raises
     ------
     UnreadableXMLError
-        As `root_of` does.
+        As `parse_xml` does.
     """
-    text = _without_wms_type(text_of(body))
+    text = _without_wms_type(decode_document(body))
     if _REFUSED.search(text):
         raise UnreadableXMLError(Message("a document type or entities of its own, which are not read"))
     _check_size(text)
@@ -111,7 +111,7 @@ def too_deep() -> UnreadableXMLError:
     return UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
 
 
-def root_of(body: bytes) -> Any:
+def parse_xml(body: bytes) -> Any:
     """Root of a document as lxml has it, with nothing in it but elements, attributes and text.
 
     Raises
@@ -144,9 +144,9 @@ def root_of(body: bytes) -> Any:
     return root
 
 
-def elements_of(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
-    """Elements of a document as an `XMLReader` gives them, read by lxml; raises as `root_of` does."""
-    todo: list[Any] = [root_of(body)]
+def iterate_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
+    """Elements of a document as an `XMLReader` gives them, read by lxml; raises as `parse_xml` does."""
+    todo: list[Any] = [parse_xml(body)]
     while todo:
         element = todo.pop()
         if element is None:
@@ -157,7 +157,7 @@ def elements_of(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
 
 
 def written(root: Any) -> bytes:
-    """XML of what `root_of` has read, for other libraries to read."""
+    """XML of what `parse_xml` has read, for other libraries to read."""
     xml: bytes = importlib.import_module("lxml.etree").tostring(root, encoding="utf-8")
     return xml
 

@@ -73,7 +73,7 @@ class _Entries:
             box = number_entry(field)
             # Only one height until a higher one is entered.
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
-            box.setValue(start.starts_with or 0.0)
+            box.setValue(start.initial_value or 0.0)
             self.boxes[field.name] = box
             form.addRow(field_label(field), box)
 

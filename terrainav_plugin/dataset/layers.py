@@ -25,7 +25,7 @@ from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
 from ...core.limits import MAX_JOURNAL_LINE_BYTES
-from ...core.storage.files import is_there, open_foreign, write_whole
+from ...core.storage.files import file_exists, open_foreign, write_whole
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
@@ -136,7 +136,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
 def open_failed(folder: Path) -> QgsVectorLayer | None:
     """Open what has failed of a dataset, on any thread; None where nothing has."""
     path = folder / FAILED_FILE
-    return _move_to_main_thread(open_footprints(path, tr("Failed images"))) if is_there(path) else None
+    return _move_to_main_thread(open_footprints(path, tr("Failed images"))) if file_exists(path) else None
 
 
 class FailedImages:
@@ -190,7 +190,7 @@ class FailedImages:
 
     def _follow_journal(self) -> None:
         path = self._folder / JOURNAL_FILE
-        if not is_there(path):
+        if not file_exists(path):
             return
         with open_foreign(path) as file:
             file.seek(self._read_bytes)

@@ -15,7 +15,7 @@ from qgis.PyQt.QtGui import QImage
 
 from ...core.errors import InvalidInput
 from ...core.imagery.raster.trust import check_fetched
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ...core.text.plain import one_line
 from ..i18n import tr
 from .shown import open_image, open_shown
@@ -100,7 +100,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
     data : bytes or None
         Of the file, where it is not on this machine.
     """
-    if data is None and not is_there(path):
+    if data is None and not file_exists(path):
         return None
     try:
         with _openable(path, data) as name:
@@ -148,7 +148,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
     data : bytes or None
         Of the file, where it is not on this machine.
     """
-    if data is None and not is_there(path):
+    if data is None and not file_exists(path):
         return DisplayImage(path, None, problem=tr("There is no image (yet)."))
     try:
         with _openable(path, data) as name:

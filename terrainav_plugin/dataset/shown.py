@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from osgeo import gdal
 
-from ...core.bands import shown_of
+from ...core.bands import colour_channels
 from ...core.capture.writers import DISPLAY_RANGE
 from ...core.imagery.raster.trust import VIRTUAL, allowed_drivers
 
@@ -55,7 +55,7 @@ def how_shown(image: gdal.Dataset) -> ImageRendering:
     else:
         there = [f"{i}" for i in range(len(bands)) if i != alpha]
         # As the core shows bands of which nothing is said.
-        shown = tuple(1 + at for at in shown_of(there)) if len(there) == 3 else (1,)
+        shown = tuple(1 + at for at in colour_channels(there)) if len(there) == 3 else (1,)
     first = bands[0]
     mask: int | str | None = None if alpha is None else 1 + alpha
     if mask is None and first.GetNoDataValue() is not None:

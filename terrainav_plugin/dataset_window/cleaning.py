@@ -13,7 +13,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..i18n import tr, translate
 from ..map.canvas import show_extent
 from ..paths import open_in_system
@@ -136,7 +136,7 @@ class Cleaning(QObject):
     def _show_map_type(self, map_type: str) -> None:
         if map_type in self._found:
             self._map_type = map_type
-            footprints = self._folder is not None and is_there(self._folder / FOOTPRINTS_FILE)
+            footprints = self._folder is not None and file_exists(self._folder / FOOTPRINTS_FILE)
             self.panel.show_entropies(self._found, map_type, footprints)
             self._follow()
 

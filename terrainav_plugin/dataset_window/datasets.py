@@ -10,7 +10,7 @@ from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.dataset.folder import MISSION_FILE
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..paths import entered_folder
 from ..settings import recent
 from ..widgets import add_floating
@@ -98,7 +98,7 @@ class Datasets(QObject):
     def _last(self) -> Path | None:
         """Folder of the dataset that is meant most likely, or else of the one opened last."""
         folders = (*self._folders(), *recent())
-        return next((folder for folder in folders if is_there(folder / MISSION_FILE)), None)
+        return next((folder for folder in folders if file_exists(folder / MISSION_FILE)), None)
 
     def _folder_chosen(self, text: str) -> None:
         self.cleaning.panel.forget_focus()

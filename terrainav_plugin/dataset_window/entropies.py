@@ -12,7 +12,7 @@ from ...core.arrays import Floats, Numbers
 from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 
 
 class Example(NamedTuple):
@@ -105,7 +105,7 @@ class Entropies:
     def _example(self, row: int) -> Example:
         name = self.names[row]
         kept, moved = self.folder / name, self.folder / REJECTED_FOLDER / name
-        return Example(row, moved if not is_there(kept) and is_there(moved) else kept, float(self.bits[row]))
+        return Example(row, moved if not file_exists(kept) and file_exists(moved) else kept, float(self.bits[row]))
 
 
 def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, Entropies]:

@@ -13,7 +13,7 @@ from ...core.dataset.folder import PARTS
 from ...core.dataset.labels import LABELS_FILE, Labels
 from ...core.dataset.table import GAP, REJECTED, SPLIT
 from ...core.errors import TerrAInavError
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Learned:
         self.is_split = any(SPLIT in one.table.other for one in self._sets.values())
         self.labels: Labels | None = None
         self.fault: TerrAInavError | None = None
-        if is_there(folder / LABELS_FILE):
+        if file_exists(folder / LABELS_FILE):
             try:
                 self.labels = Labels.load(folder / LABELS_FILE)
             except TerrAInavError as wrong:

@@ -118,13 +118,13 @@ class FormState(_Asked):
     sensor_width_mm: float = 0.0
     sensor_height_mm: float = 0.0
     aspect: str = aspect_text(Lens.aspect_ratio)
-    agl: float = DECLARED["agl"].starts_with
+    agl: float = DECLARED["agl"].initial_value
     agl_unit: str = "m"
     height_by: str = "agl"
     camera_gsd: float = 0.0
     resolution: str = "auto"
-    zoom: int = DECLARED["zoom"].starts_with
-    gsd_m_per_px: float = DECLARED["gsd_m_per_px"].starts_with
+    zoom: int = DECLARED["zoom"].initial_value
+    gsd_m_per_px: float = DECLARED["gsd_m_per_px"].initial_value
     resize: bool = False
     resize_width_px: int = 640
     resize_height_px: int = 480
@@ -133,9 +133,9 @@ class FormState(_Asked):
     takeoff: str = ""
     folder: str = ""
     wind: bool = False
-    wind_speed_m_per_s: float = DECLARED["wind_speed_m_per_s"].starts_with
-    wind_from_deg: float = DECLARED["wind_from_deg"].starts_with
-    turbulence: float = DECLARED["turbulence"].starts_with
+    wind_speed_m_per_s: float = DECLARED["wind_speed_m_per_s"].initial_value
+    wind_from_deg: float = DECLARED["wind_from_deg"].initial_value
+    turbulence: float = DECLARED["turbulence"].initial_value
     wind_seed: int | None = None
     hidden: tuple[str, ...] = field(default=(), compare=False)
     unread: tuple[tuple[str, str], ...] = field(default=(), compare=False)

@@ -19,7 +19,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QObject
 
 from ...core.dataset.folder import MISSION_FILE
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..i18n import tr
 from ..tasks import single_shot
 
@@ -327,6 +327,6 @@ class MissionGroup:
     def _around(self) -> QgsLayerTreeGroup:
         """Group that this one is in: of the mission that has this dataset beside others, or the layer tree itself."""
         outer = Path(self._folder).parent
-        if not is_there(outer / MISSION_FILE):
+        if not file_exists(outer / MISSION_FILE):
             return self.project.layerTreeRoot()
         return MissionGroup(self.project, outer).made()

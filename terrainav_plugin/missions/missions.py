@@ -15,7 +15,7 @@ from qgis.PyQt.QtWidgets import QDialog, QFileDialog, QMenu, QToolButton
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
 from ...core.limits import MAX_LINE_CHARACTERS
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ...core.text.plain import one_line, shortened
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
@@ -276,11 +276,11 @@ class Missions(QObject):
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
-        failed.setEnabled(is_there(self._folder() / FAILED_FILE))
+        failed.setEnabled(file_exists(self._folder() / FAILED_FILE))
         unchangeable = why_unchangeable(self._folder())
         clean = menu.addAction(tr("&Dataset…"), self.clean)
         clean.setToolTip(tr("Clean, split, export and look at the dataset of the panel's mission"))
-        clean.setEnabled(is_there(self._folder() / MISSION_FILE) and not unchangeable)
+        clean.setEnabled(file_exists(self._folder() / MISSION_FILE) and not unchangeable)
         for action in (failed, clean) if unchangeable else ():
             action.setToolTip(shown_plain(unchangeable))
         compare = menu.addAction(tr("Co&mpare images…"), self.compare_wanted.emit)
@@ -376,7 +376,7 @@ class Missions(QObject):
             self.open_address(address)
         elif is_folder(path):
             self.open_dataset(path)
-        elif path.name == MISSION_FILE and is_there(path.parent / JOURNAL_FILE):
+        elif path.name == MISSION_FILE and file_exists(path.parent / JOURNAL_FILE):
             self.open_dataset(path.parent)
         else:
             self.open_file(path)
@@ -407,7 +407,7 @@ class Missions(QObject):
         if self._task is not None:
             return
         try:
-            if not is_there(folder / MISSION_FILE):
+            if not file_exists(folder / MISSION_FILE):
                 raise InvalidInput(
                     tr("folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder").format(
                         folder=folder, name=MISSION_FILE
@@ -632,7 +632,7 @@ def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
     if not mission.imagery.imageries:
         return {folder: mission}
     places = [folder / one.name for one in mission.imagery.named]
-    return {place: Mission.load(place / MISSION_FILE) for place in places if is_there(place / MISSION_FILE)}
+    return {place: Mission.load(place / MISSION_FILE) for place in places if file_exists(place / MISSION_FILE)}
 
 
 def _is_same_flight(text: str, mission: Mission) -> bool:

@@ -27,7 +27,7 @@ from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, 
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
 from ...core.numbers import real_number
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
@@ -459,7 +459,7 @@ def _source_text(layer: QgsMapLayer) -> str:
     from ..qgis_source.snapshot import source_name
 
     path = layer_file(layer)
-    is_file = layer.providerType() == "gdal" and is_there(path)
+    is_file = layer.providerType() == "gdal" and file_exists(path)
     return f"{folder_name(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
 
 

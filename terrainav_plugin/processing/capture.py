@@ -17,7 +17,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, SourceError
-from ...core.storage.files import is_there
+from ...core.storage.files import file_exists
 from ..i18n import number_text, tr, translate
 from .algorithm import AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms
@@ -223,7 +223,7 @@ class CaptureFailed(_Capturing):
 
         self._folder = Path(run.text("DATASET"))
         mark = self._folder / MISSION_FILE
-        if not is_there(mark):
+        if not file_exists(mark):
             raise InvalidInput(
                 tr("folder {folder}: holds no capture, as it has no {file}").format(
                     folder=self._folder, file=MISSION_FILE

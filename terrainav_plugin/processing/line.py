@@ -70,7 +70,7 @@ class PosesAlongLine(Algorithm):
             self.add(
                 QgsProcessingParameterBoolean(name, field_title(one), one.default)
                 if one.kind is bool
-                else number_parameter(name, one, one.starts_with),
+                else number_parameter(name, one, one.initial_value),
                 field_sentence(one),
             )
         start = field_named(Flight, "start")

@@ -68,7 +68,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
                 algorithm.add(_parameter(field), field_sentence(field), advanced=field.advanced)
     for name, own in _WIND.items():
         field = field_named(Wind, own)
-        usual = field.default if own == "speed_m_per_s" else field.starts_with
+        usual = field.default if own == "speed_m_per_s" else field.initial_value
         algorithm.add(number_parameter(name, field, usual), field_sentence(field), advanced=True)
     mission = QgsProcessingParameterFile(_FILE, tr("Mission file"), extension="json", optional=True)
     algorithm.add(
@@ -199,7 +199,7 @@ def _add_area(algorithm: Algorithm) -> None:
         tr("Polygons where no camera may stand: images planned inside are left out."),
     )
     field = field_named(Flight, "agl_m")
-    algorithm.add(number_parameter("AGL", field, field.starts_with), field_sentence(field))
+    algorithm.add(number_parameter("AGL", field, field.initial_value), field_sentence(field))
     any_type = QgsProcessingParameterField.DataType.Any
     for name, title, text in (
         ("AGL_FIELD", tr("Height field"), tr("Height above ground of each point, metres.")),

@@ -68,11 +68,11 @@ class Connection:
         InvalidInput
             Its address is none that tiles can be had from.
         """
-        from ...core.addresses import keys_in
+        from ...core.addresses import key_parameters
         from ...core.imagery.catalogue import described
         from ...core.imagery.entry import CatalogueEntry, under_provider
 
-        keys = keys_in(self.url)
+        keys = key_parameters(self.url)
         if keys:
             raise InvalidInput(
                 tr(

@@ -14,7 +14,7 @@ from ...core.dataset.stored import is_name
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
 from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
-from ...core.storage.files import is_there, open_foreign, text_lines
+from ...core.storage.files import file_exists, open_foreign, text_lines
 from ...core.text.plain import one_line
 from ..dataset.footprints import FootprintFile, file_stamp, polygon_rings
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
@@ -184,7 +184,7 @@ def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetche
     map_type = map_type if map_type in mission.imagery.map_types else mission.imagery.map_types[0]
     file = f"{shot.name}.{mission.output.image_format}"
     path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
-    moved = is_there(rejected) and not is_there(path)
+    moved = file_exists(rejected) and not file_exists(path)
     row = _row(folder / map_type / TABLE_FILE, file)
     depth_path = folder / DEPTH / f"{shot.name}.tif"
     try:

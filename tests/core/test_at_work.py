@@ -47,13 +47,13 @@ def test_a_command_that_takes_long_says_that_it_is_at_work(monkeypatch):
 def test_a_script_gets_no_such_line(monkeypatch):
     file = terminal(monkeypatch, is_terminal=False)
     before = threading.active_count()
-    with printing.at_work():
+    with printing.busy_notice():
         assert threading.active_count() == before
     assert not file.getvalue()
 
 
 def test_nothing_is_said_once_the_result_is_there(monkeypatch):
     shown = terminal(monkeypatch, quiet_s=3600.0)
-    with printing.at_work():
+    with printing.busy_notice():
         pass
     assert not shown.getvalue()

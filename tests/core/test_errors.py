@@ -133,7 +133,7 @@ def test_a_copy_is_our_own_also_where_a_library_copies_errors_otherwise(monkeypa
     error = PartError("key of {0}", "key-1", field="agl_m", remedy=RAISE)
     # As tblib does for Dask, which has errors take their traces along.
     monkeypatch.setitem(copyreg.dispatch_table, PartError, lambda _: (lambda: error, ()))
-    masked = error.with_texts(lambda text: text.replace("key", "***"))
+    masked = error.map_texts(lambda text: text.replace("key", "***"))
     assert masked is not error
     assert (str(masked), masked.field) == ("key of ***-1; raise --error-budget", "agl_m")
     assert str(error) == "key of key-1; raise --error-budget"
@@ -146,12 +146,12 @@ def test_texts_of_values_are_masked_and_templates_are_not():
         InvalidInput("key {0} {1}", "key-2", 3, remedy=Message("use key {0}", "key-3")),
         OptionName("zoom"),
     )
-    masked = error.with_texts(lambda text: text.replace("key", "***"))
+    masked = error.map_texts(lambda text: text.replace("key", "***"))
     assert str(masked) == "key of ***-1: key ***-2 3; use key ***-3 --zoom"
     assert masked.message.template == error.message.template
     assert "***" not in str(error)
     assert type(masked) is PartError
-    assert Message("key-4 it said").with_texts(lambda text: text.replace("key", "***")) == "***-4 it said"
+    assert Message("key-4 it said").map_texts(lambda text: text.replace("key", "***")) == "***-4 it said"
 
 
 def test_messages_in_a_row():

@@ -15,7 +15,7 @@ from terrainav.core import limits
 from terrainav.core.capture.blocks.block import _read_heights
 from terrainav.core.dataset.dataset import image_size, open_image, open_masked
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.storage.files import read_if_there, read_limited, text_lines
+from terrainav.core.storage.files import read_existing, read_limited, text_lines
 
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 240.0
@@ -179,11 +179,11 @@ def test_files_are_read_up_to_their_limit(tmp_path):
     for by_user in (False, True):
         with pytest.raises(InvalidInput, match=r"^larger than 0 MB$"):
             read_limited(path, 4, named_by_user=by_user)
-    assert read_if_there(tmp_path / "none", 4) is None
+    assert read_existing(tmp_path / "none", 4) is None
     with pytest.raises(InvalidInput, match=rf"^file {path}: cannot be read \(larger than"):
-        read_if_there(path, 4)
+        read_existing(path, 4)
     with pytest.raises(OutputError, match="cannot be read"):
-        read_if_there(path / "b", 4)
+        read_existing(path / "b", 4)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")

@@ -10,7 +10,7 @@ from terrainav.core.dataset.geotiff import parse_bands, parse_pam_bands
 from terrainav.core.dataset.labels import Labels
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import TerrAInavError
-from terrainav.core.external.drawing import label_of
+from terrainav.core.external.drawing import short_label
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.coords import parse_coords, parse_points
 from terrainav.core.mission.areas.files import load_area
@@ -21,7 +21,7 @@ from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.trajectories import read_trajectory
 from terrainav.core.text.plain import finite_number, first_words, one_line, time_s, without_markup
 from terrainav.core.text.safe_json import parse_json
-from terrainav.core.text.safe_xml import UnreadableXMLError, root_of
+from terrainav.core.text.safe_xml import UnreadableXMLError, parse_xml
 from terrainav.core.text.secrets import Secrets
 
 from tests.support.growth import PROPORTIONAL, growth
@@ -92,8 +92,8 @@ KML = (
 )
 READERS = {
     "KML": lambda text, folder: of_file(load_area, "a.kml")(text.join(KML), folder),
-    "XML": of_text(lambda text: root_of(text.encode()), "<a>", "</a>"),
-    "XML, head": of_text(lambda text: root_of(text.encode()), "<?xml "),
+    "XML": of_text(lambda text: parse_xml(text.encode()), "<a>", "</a>"),
+    "XML, head": of_text(lambda text: parse_xml(text.encode()), "<?xml "),
     "GPX": of_text(
         lambda text: read_gpx(text.encode()),
         "<gpx><trk><trkseg><trkpt lat='1' lon='2'><time>",
@@ -124,7 +124,7 @@ READERS = {
     "page of a server": of_text(lambda text: first_words(text.encode(), "text/html")),
     "markup": of_text(without_markup),
     "line": of_text(one_line),
-    "label of a diagram": of_text(label_of),
+    "label of a diagram": of_text(short_label),
     "keys": of_text(KEY.masked),
 }
 CHARACTERS = 8_000

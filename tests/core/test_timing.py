@@ -50,23 +50,23 @@ def test_a_work_beside_itself_is_not_told_apart():
     assert one.rounds != other.rounds
     low, _, high = one.ratio(other)
     assert low < 1.0 < high
-    assert not one.differs_from(other)
-    assert not other.differs_from(one)
+    assert not one.is_distinct(other)
+    assert not other.is_distinct(one)
     text = compared_text(method("rays", one), method("mesh", other, chosen=True))
     assert text == "cannot be told from mesh in time"
-    saved = savings_table([Saving("rays", "the mesh fits", one - other, one.differs_from(other), 0)]).rows[0]
+    saved = savings_table([Saving("rays", "the mesh fits", one - other, one.is_distinct(other), 0)]).rows[0]
     assert saved[2] == "too little to be told"
 
 
 def test_a_longer_work_is_told_apart_and_by_how_much():
     clock = Clock()
     one, other = measured(clock, clock.work(0.03, 0.05), clock.work(0.01, 0.05, turn=1))
-    assert one.differs_from(other)
-    assert other.differs_from(one)
+    assert one.is_distinct(other)
+    assert other.is_distinct(one)
     assert one.ratio(other).median == pytest.approx(3.0, rel=0.11)
     text = compared_text(method("rays", one), method("mesh", other, chosen=True))
     assert text == "2.86 times mesh (2.85 to 3.32)"
-    saved = savings_table([Saving("rays", "the mesh fits", one - other, one.differs_from(other), 0)]).rows[0]
+    saved = savings_table([Saving("rays", "the mesh fits", one - other, one.is_distinct(other), 0)]).rows[0]
     assert saved[2] == "19.5\u00a0ms (18.5 to 22)"
 
 
@@ -82,7 +82,7 @@ def test_a_machine_that_slows_down_hides_no_difference_from_pairs():
     quick, slow = measured(clock, work(0.010), work(0.012))
     # The slow one's lower quartile is below the quick one's upper: taken alone they say nothing.
     assert slow.quartiles.low < quick.quartiles.high
-    assert slow.differs_from(quick)
+    assert slow.is_distinct(quick)
     assert slow.ratio(quick).median == pytest.approx(1.2, rel=0.1)
 
 
@@ -130,7 +130,7 @@ def test_rounds_go_on_until_every_work_has_had_its_seconds():
 
 def test_a_few_rounds_tell_apart_only_where_all_agree():
     def ratio(*ratios):
-        return Seconds(ratios).differs_from(Seconds((1.0,) * len(ratios)))
+        return Seconds(ratios).is_distinct(Seconds((1.0,) * len(ratios)))
 
     assert not ratio(*[2.0] * 5)
     assert ratio(*[2.0] * 6)
@@ -145,7 +145,7 @@ def test_a_few_rounds_tell_apart_only_where_all_agree():
 
 def test_one_round_tells_nothing():
     one, other = Seconds((1.0,)), Seconds((5.0,))
-    assert not one.differs_from(other)
+    assert not one.is_distinct(other)
     assert compared_text(method("rays", other), method("mesh", one)) == "–"
 
 
@@ -154,7 +154,7 @@ def test_times_add_up_round_by_round():
     assert (drawing + looking * 0.5).rounds == (5.0, 4.0, 5.0)
     assert (drawing - looking).rounds == (-7.0, -2.0, 2.0)
     assert (drawing - looking).median == -2.0
-    assert Quartiles.of((1.0, 2.0, 3.0, 4.0, 5.0)) == (2.0, 3.0, 4.0)
+    assert Quartiles.from_values((1.0, 2.0, 3.0, 4.0, 5.0)) == (2.0, 3.0, 4.0)
 
 
 def test_times_are_compared_with_the_chosen_method_or_else_the_cheapest():

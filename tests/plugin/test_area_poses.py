@@ -13,7 +13,7 @@ from terrainav.core.errors import Cancelled
 from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.settings import PoseFile
-from terrainav.core.text.safe_xml import elements_of
+from terrainav.core.text.safe_xml import iterate_elements
 from terrainav.terrainav_plugin.area.control import ReadTask
 from terrainav.terrainav_plugin.area.dialogs import PosesDialog
 from terrainav.terrainav_plugin.area.layers import pose_file
@@ -173,7 +173,7 @@ def test_gpx_is_read_by_qt_as_by_lxml():
         GPX.replace("trkpt", "rtept"),
         GPX.replace("<ele>200</ele>", "<ele> <![CDATA[200]]></ele>"),
     ):
-        mine, theirs = (read_gpx(text.encode(), "way", reader) for reader in (xml_elements, elements_of))
+        mine, theirs = (read_gpx(text.encode(), "way", reader) for reader in (xml_elements, iterate_elements))
         for name in ("lat_deg", "lon_deg", "height_m", "time_s"):
             np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
         assert mine.height_m.tolist() == [200.0, 210.0, 205.5]

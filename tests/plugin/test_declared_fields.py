@@ -109,7 +109,7 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
             # What stands for nothing is given by leaving it out.
             assert not parameter.defaultValue(), name
         else:
-            assert parameter.defaultValue() == (field.starts_with if field.needed else usual), name
+            assert parameter.defaultValue() == (field.initial_value if field.needed else usual), name
         if field.choices:
             assert parameter.options() == list(filter(None, field.choices))
         if field.least is not None:
@@ -117,4 +117,4 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
         if field.most is not None:
             assert parameter.maximum() == field.most * field.unit.times
     turbulence = next(one for one in declared_fields(Wind) if one.name == "turbulence")
-    assert parameters["TURBULENCE"].defaultValue() == turbulence.starts_with == FormState().turbulence
+    assert parameters["TURBULENCE"].defaultValue() == turbulence.initial_value == FormState().turbulence

@@ -30,7 +30,7 @@ from ...mission.plan import Plan
 from ...picture.heights import heights_for, landscape_crs
 from ...picture.optics import Exposures
 from ...resources import version
-from ...storage.files import read_if_there, write_whole
+from ...storage.files import read_existing, write_whole
 from ...storage.stores import store_path
 from ...text.safe_json import parse_json
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
@@ -362,7 +362,7 @@ def _restore_heights(block: Block) -> Plan:
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
     """Read the heights that a run has written for its workers."""
-    data = read_if_there(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
+    data = read_existing(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
     try:

@@ -26,8 +26,8 @@ from ...external.importing import imported
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
 from ...storage.stores import check_no_credentials
-from ...text.plain import one_line, words_of
-from ...waiting import wait_for
+from ...text.plain import one_line, safe_str
+from ...waiting import wait_until_done
 
 _log = logging.getLogger(__name__)
 
@@ -165,7 +165,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
                 "cluster local:{0}: its processes cannot be started ({1}: {2})",
                 processes,
                 type(wrong).__name__,
-                one_line(words_of(wrong), 120),
+                one_line(safe_str(wrong), 120),
             ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:
@@ -203,7 +203,7 @@ def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
 
     threading.Thread(target=run, daemon=True).start()
     try:
-        wait_for(begun, lambda: None)
+        wait_until_done(begun, lambda: None)
     except BaseException:
         begun.add_done_callback(lambda it: _end(lambda: it.result().close()))
         raise
@@ -215,7 +215,7 @@ def _end(close: Callable[[], object]) -> None:
     try:
         close()
     except Exception as wrong:  # noqa: BLE001  (Dask passes on any error of its processes)
-        _log.debug("the cluster did not end by itself: %s", words_of(wrong))
+        _log.debug("the cluster did not end by itself: %s", safe_str(wrong))
 
 
 async def _stop_restarting(cluster: Any) -> None:
@@ -261,7 +261,7 @@ def _check_scheduler(address: str, what: str) -> None:
         if time.monotonic() > until_s:
             raise _no_scheduler(what)
 
-    wait_for(greeted, look)
+    wait_until_done(greeted, look)
     if greeted.exception() is not None:
         raise _no_scheduler(what)
 

@@ -14,8 +14,8 @@ from ...errors import InvalidInput, Message, OutputError
 from ...imagery.placeholder import Placeholder, noted_digests
 from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
 from ...mission.plan import Plan
-from ...storage.files import json_bytes, read_each, read_if_there, write_whole
-from ...storage.stores import is_address, is_file, sizes_in
+from ...storage.files import json_bytes, read_each, read_existing, write_whole
+from ...storage.stores import is_address, is_file, list_sizes
 from ...text.safe_json import parse_json
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, WEBDATASET
 from ..folder import capture_folder, captured_mission
@@ -97,7 +97,7 @@ class BlockJournal(CaptureJournal):
 
     def _read_records(self, map_type: str) -> dict[int, Record]:
         """Read the records of the blocks that are whole, by number."""
-        there = sizes_in(self.root / BLOCKS_FOLDER)
+        there = list_sizes(self.root / BLOCKS_FOLDER)
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(self._divided))}
         numbers = [number for number, name in wanted.items() if name in there]
         sizes = file_sizes(self.root / map_type)
@@ -157,10 +157,10 @@ class BlockJournal(CaptureJournal):
             "names_sha256": hashlib.sha256("\n".join(self._plan.names).encode("utf-8")).hexdigest(),
         }
         path = self.root / BLOCKS_FOLDER / DIVISION_FILE
-        data = read_if_there(path, MAX_SETTINGS_BYTES)
+        data = read_existing(path, MAX_SETTINGS_BYTES)
         if data is None:
             if not is_address(self.root):
-                if sizes_in(self.root).get(JOURNAL_FILE):
+                if list_sizes(self.root).get(JOURNAL_FILE):
                     raise OutputError(
                         "folder {0}: was captured without blocks",
                         self.root,

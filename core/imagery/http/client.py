@@ -240,7 +240,7 @@ class Client:
             response, times = self.get(url, what, past_caches, allow), 2
             picture = self._picture_or_problem(response, read)
         if isinstance(picture, PartError):
-            raise PartError("{0}: {1}{2}", what, picture, _tried(times)).with_texts(self.redacted)
+            raise PartError("{0}: {1}{2}", what, picture, _tried(times)).map_texts(self.redacted)
         return response, picture
 
     def out_of_reach(self) -> bool:

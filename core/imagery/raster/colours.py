@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Bytes
-from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, shown_of, unnamed
+from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, colour_channels, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text.plain import printable
@@ -215,7 +215,7 @@ def _kind(
     kept = tuple(names[index - 1] for index in bands)
     if not as_stored:
         kept = kept * (3 // len(kept))
-    return Bands(kept, data_type, shown_of(kept))
+    return Bands(kept, data_type, colour_channels(kept))
 
 
 def _add_metadata(

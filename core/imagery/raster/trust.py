@@ -39,7 +39,7 @@ from ...limits import (
     MAX_XML_DEPTH,
     MAX_XML_ELEMENTS,
 )
-from ...storage.files import is_there, open_foreign
+from ...storage.files import file_exists, open_foreign
 from ...text.plain import one_line
 from ..tiles import check_address, url_host
 from .sizes import check_directories, tag_texts
@@ -110,7 +110,7 @@ def file_of_part(name: str) -> str:
     spans = combinations(range(1, len(pieces) + 1), 2)
     # The longest first, as a path may contain colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
-    return next((path for path in paths if path and is_there(path)), "")
+    return next((path for path in paths if path and file_exists(path)), "")
 
 
 def name_for_gdal(name: str) -> str:
@@ -211,7 +211,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     for beside in _companions(file):
         _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
-    notes = _head(aux, MAX_VRT_BYTES + 1) if is_there(aux) else b""
+    notes = _head(aux, MAX_VRT_BYTES + 1) if file_exists(aux) else b""
     if len(notes) > MAX_VRT_BYTES:
         raise InvalidInput("{0} holds more than {1} MB of metadata", aux.name, MAX_VRT_BYTES >> 20)
     if _names(f"{OVERVIEW_FILE}|/vsi|_DATASET", notes):
@@ -239,7 +239,7 @@ def _companions(file: Path) -> list[Path]:
             raise InvalidInput("{0}: is no regular file, and lies beside {1}", name, file.name)
     found = [name for ending in _COMPANIONS for name in companions.get((file.name + ending).lower(), ())]
     there = [file.with_name(file.name + ending) for ending in _COMPANIONS]
-    return [*dict.fromkeys([*(one for one in there if is_there(one)), *map(file.with_name, found)])]
+    return [*dict.fromkeys([*(one for one in there if file_exists(one)), *map(file.with_name, found)])]
 
 
 @lru_cache(maxsize=16)
@@ -306,14 +306,14 @@ def check_references(file: Path, head: bytes | None = None) -> None:
         With the reason only, which names the file that contains it.
     """
     aux = file.with_name(file.name + ".aux.xml")
-    if is_there(aux):
+    if file_exists(aux):
         # Older programs wrote it in a local encoding; in this one, every byte is a character.
         _parse(aux, _References(aux), "iso-8859-1")
     beside = [file.with_name(file.name + ending) for ending in _BEHIND]
     for ending in _IN_PLACE if file.suffix else ():
         beside += [file.with_suffix(ending), file.with_suffix(ending.upper())]
     for place in beside:
-        if place != file and is_there(place):
+        if place != file and file_exists(place):
             with open_foreign(place) as opened:
                 _check_texts(place.name, _chunks(opened, 0, place.stat().st_size))
     head = _head(file) if head is None else head
@@ -477,7 +477,7 @@ def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int
             source,
             remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
-    if is_there(source):
+    if file_exists(source):
         return _check(source, folders, depth + 1, seen)
     if os.path.exists(source):  # noqa: PTH110
         # GDAL would wait for a pipe for ever, and take a folder for a product whose description names other files.

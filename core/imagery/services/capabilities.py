@@ -12,7 +12,7 @@ from urllib.parse import parse_qsl, quote, urlencode, urljoin, urlsplit, urlunsp
 from ...errors import InvalidInput, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text.plain import one_line
-from ...text.safe_xml import UnreadableXMLError, root_of, written
+from ...text.safe_xml import UnreadableXMLError, parse_xml, written
 from ...text.secrets import MASK, Secrets
 from ..entry import Dates
 from ..http.client import Client
@@ -161,7 +161,7 @@ class Document:
     def wrong(self, reason: str) -> SourceError:
         """Error about this document, in one line, with the key masked."""
         text = Message("{0} of {1}: {2}", TITLES[self.service.kind], self.service.host, reason)
-        return SourceError(text.with_texts(lambda one: self.secrets.masked(one).replace("{key}", MASK)))
+        return SourceError(text.map_texts(lambda one: self.secrets.masked(one).replace("{key}", MASK)))
 
     def without_key(self, text: str) -> str:
         """Replace the key by {key}."""
@@ -190,7 +190,7 @@ def fetch_capabilities(service: Service, key: str, transport: Transport | None) 
             Message("the capabilities at this address are of a {0}: write {1}:URL", found[0].upper(), found[0])
         )
     with reading(document):
-        root = root_of(body)
+        root = parse_xml(body)
         if key or b"{key}" in written(root):
             _mark_keys(root, document)
     return replace(document, root=root)

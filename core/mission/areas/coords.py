@@ -9,7 +9,7 @@ from pathlib import Path
 from ...errors import InvalidInput, Message
 from ...limits import MAX_MISSION_BYTES
 from ...numbers import real_number
-from ...storage.files import is_there, read_limited
+from ...storage.files import file_exists, read_limited
 from ...text.safe_json import decoded
 from ...units import LENGTHS_M
 from ..options import KINDS
@@ -71,7 +71,7 @@ def parse_coords(
         raise InvalidInput("mission {0!r}: must be one of {1}", kind, ", ".join(KINDS))
     if not text.strip():
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
-    if is_there(text):
+    if file_exists(text):
         return _read_file(Path(text), kind, agl_unit, agl_m)
     if Path(text).suffix.lower() in (".csv", ".tsv", ".txt"):
         raise InvalidInput("coordinates {0!r}: there is no such file", text.strip())

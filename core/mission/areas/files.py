@@ -17,7 +17,7 @@ from ...limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES, 
 from ...numbers import real_number
 from ...storage.files import read_limited
 from ...text.safe_json import parse_json
-from ...text.safe_xml import UnreadableXMLError, XMLReader, elements_of
+from ...text.safe_xml import UnreadableXMLError, XMLReader, iterate_elements
 from .area import Polygon, Polygons, check_rings
 from .geojson import System, shapes
 
@@ -32,7 +32,7 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplemente
 _Rings = tuple[tuple[tuple[float, float], ...], ...]
 
 
-def load_area(path: str | os.PathLike[str], read_xml: XMLReader = elements_of) -> Polygon | Polygons:
+def load_area(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> Polygon | Polygons:
     """All polygons of a file as one area.
 
     Raises
@@ -44,12 +44,14 @@ def load_area(path: str | os.PathLike[str], read_xml: XMLReader = elements_of) -
     return found[0] if len(found) == 1 else Polygons(found)
 
 
-def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = elements_of) -> tuple[Polygon, ...]:
+def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> tuple[Polygon, ...]:
     """All polygons of a file where no camera may stand; raises as `load_polygons` does."""
     return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
-def load_polygons(path: str | os.PathLike[str], where: str, read_xml: XMLReader = elements_of) -> tuple[Polygon, ...]:
+def load_polygons(
+    path: str | os.PathLike[str], where: str, read_xml: XMLReader = iterate_elements
+) -> tuple[Polygon, ...]:
     """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
 
     The kind of file is told by what it holds, whatever its name. Other geometries of it are left out, and so are the

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from terrainav.core.capture import holding
 from terrainav.core.errors import OutputError
-from terrainav.core.storage.files import read_if_there
+from terrainav.core.storage.files import read_existing
 from terrainav.core.storage.stores import is_address, put, store_path
 
 from tests.support.forks import ROOT
@@ -152,7 +152,7 @@ def test_a_run_into_a_store_that_was_overtaken_ends(tmp_path, monkeypatch):
             code, printed, words = ended(first)
         assert (code, printed) == (3, "")
         assert "another run has taken over" in words
-        assert read_if_there(store_path(place) / "run.lock", 10_000) is None
+        assert read_existing(store_path(place) / "run.lock", 10_000) is None
 
 
 # --- leases, beside clocks that others set
@@ -196,13 +196,13 @@ def test_a_lease_that_is_stolen_is_found_without_any_beat(root, monkeypatch):
         monkeypatch.setattr(holding, "_steady_s", lambda: steady() + 60.0)
         with pytest.raises(OutputError, match="another run has taken over"):
             lease.check()
-    assert read_if_there(root / "it", 10_000) == stolen
+    assert read_existing(root / "it", 10_000) == stolen
 
 
 def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
     with pytest.raises(OutputError, match="another run has taken over"), holding.Lease(root / "it"):
         stolen = steal(root / "it")
-    assert read_if_there(root / "it", 10_000) == stolen
+    assert read_existing(root / "it", 10_000) == stolen
 
 
 def test_a_sign_that_was_written_over_another_runs_is_taken_away(root, monkeypatch):
@@ -220,7 +220,7 @@ def test_a_sign_that_was_written_over_another_runs_is_taken_away(root, monkeypat
         lease._sign()
         with pytest.raises(OutputError, match="another run has taken over"):
             lease.check()
-    assert read_if_there(root / "it", 10_000) is None
+    assert read_existing(root / "it", 10_000) is None
 
 
 def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkeypatch):
@@ -233,7 +233,7 @@ def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkey
         wait_for(lambda: not lease._thread.is_alive())
         with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
             lease.check()
-    assert read_if_there(root / "it", 10_000) == junk
+    assert read_existing(root / "it", 10_000) == junk
 
 
 def test_a_lease_that_is_no_lease_is_said_before_the_run_begins(root, monkeypatch):
@@ -242,4 +242,4 @@ def test_a_lease_that_is_no_lease_is_said_before_the_run_begins(root, monkeypatc
     put(root / "it", junk) if is_address(root) else (root / "it").write_bytes(junk)
     with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
         holding.Lease(root / "it").__enter__()
-    assert read_if_there(root / "it", 10_000) == junk
+    assert read_existing(root / "it", 10_000) == junk

@@ -7,7 +7,7 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
-from terrainav.core.bands import Bands, shown_of  # noqa: E402
+from terrainav.core.bands import Bands, colour_channels  # noqa: E402
 from terrainav.core.capture.georeference import Georeference  # noqa: E402
 from terrainav.core.capture.metadata import Description  # noqa: E402
 from terrainav.core.capture.writers import geotiff  # noqa: E402
@@ -32,7 +32,7 @@ ABOUT = Description("n", "satellite", "a source", "somebody", 5, 45.0, -87.0, 10
 @pytest.mark.parametrize("masked", [False, True])
 def test_what_is_written_is_read_by_us_and_by_gdal(data_type, count, masked, tmp_path):
     names = tuple([*NIR, "<a> & 'b'", "日本", "seventh"][:count])
-    bands = Bands(names, data_type, shown_of(names))
+    bands = Bands(names, data_type, colour_channels(names))
     values = np.moveaxis(noise(data_type, count + masked, 41), 0, 2)[:30, :40]
     if masked:
         values[..., count] = values[..., count] != values[..., count].min()

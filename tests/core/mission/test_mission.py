@@ -121,7 +121,7 @@ def test_every_field_says_what_it_is():
             assert field.help == field.help.strip().rstrip(".")
             assert not field.title[0].isupper()
             assert field.needed or field.settled(field.default) == field.default
-            assert field.settled(field.starts_with) == field.starts_with
+            assert field.settled(field.initial_value) == field.initial_value
             wrong = [object(), *(limit for limit in (field.above, field.below) if limit is not None)]
             wrong += [limit - 1 for limit in (field.least,) if limit is not None]
             wrong += [limit + 1 for limit in (field.most,) if limit is not None]

@@ -76,7 +76,7 @@ def opened(path):
 ASKED = {
     "get": stores.get,
     "part": lambda path: stores.get_range(path, 0, 1),
-    "list": stores.sizes_in,
+    "list": stores.list_sizes,
     "is file": stores.is_file,
     "put": lambda path: stores.put(path, b"mine"),
     "put new": lambda path: stores.put_new(path, b"mine"),

@@ -129,7 +129,7 @@ import terrainav.core.storage.store_requests as requests
 from terrainav.core import cli
 from terrainav.core.capture.blocks import engines
 from terrainav.core.storage.files import open_foreign, read_limited
-from terrainav.core.storage.stores import folders_in, get, get_range, is_file, put, sizes_in, store_path
+from terrainav.core.storage.stores import list_folders, get, get_range, is_file, put, list_sizes, store_path
 def run(code):
     by_http = store_path(os.environ["AWS_ENDPOINT_URL"] + "/run")
     exec(code, {{**globals(), "place": store_path("s3://data/run"), "by_http": by_http}})
@@ -179,13 +179,13 @@ def test_a_store_that_says_next_to_nothing_is_given_up():
     with hostile("silent") as silent, hostile("slow") as slow, hostile("empty list") as empty:
         tasks = [
             (silent, "is_file(place)"),
-            (silent, "sizes_in(place)"),
+            (silent, "list_sizes(place)"),
             (silent, "put(place, b'1')"),
             (slow, "get(place, 1000)"),
             (slow, "get_range(place, 0, 1000)"),
-            (empty, "sizes_in(place)"),
+            (empty, "list_sizes(place)"),
             (silent, "is_file(by_http)"),
-            (silent, "sizes_in(by_http)"),
+            (silent, "list_sizes(by_http)"),
             (slow, "get(by_http, 1000)"),
         ]
         printed = printed_by(begun(*((server, few + code) for server, code in tasks)))
@@ -204,11 +204,11 @@ def test_what_has_no_end_is_refused_before_it_fills_the_memory():
                 (endless, "get(place, 1 << 20)"),
                 (endless, "read_limited(place, 1 << 20)"),
                 (endless, "open_foreign(place, 1 << 20)"),
-                (endless, "sizes_in(place)"),
-                (endless, "folders_in(place)"),
+                (endless, "list_sizes(place)"),
+                (endless, "list_folders(place)"),
                 (endless, "get(by_http, 1 << 20)"),
-                (endless, "sizes_in(by_http)"),
-                (listing, "requests.MAX_STORE_NAMES = 5000; sizes_in(place)"),
+                (endless, "list_sizes(by_http)"),
+                (listing, "requests.MAX_STORE_NAMES = 5000; list_sizes(place)"),
             )
         )
     assert printed == [

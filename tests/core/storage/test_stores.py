@@ -40,8 +40,8 @@ def test_an_object_is_put_and_got(folder):
     assert stores.get(folder / "a" / "b.txt") == b"hello"
     assert stores.get_range(folder / "a" / "b.txt", 1, 3) == b"ell"
     assert stores.get(folder / "a" / "none.txt") is None
-    assert stores.sizes_in(folder / "a") == {"b.txt": 5}
-    assert stores.sizes_in(folder / "none") == {}
+    assert stores.list_sizes(folder / "a") == {"b.txt": 5}
+    assert stores.list_sizes(folder / "none") == {}
     stores.remove(folder / "a" / "b.txt")
     stores.remove(folder / "a" / "b.txt")
     assert stores.get(folder / "a" / "b.txt") is None
@@ -61,12 +61,12 @@ def test_of_many_that_put_a_new_object_one_does(folder):
 
 
 def test_what_others_have_put_is_listed(folder):
-    assert stores.sizes_in(folder) == {}
+    assert stores.list_sizes(folder) == {}
     stores.put(pickle.loads(pickle.dumps(folder)) / "a", b"123")
-    assert stores.sizes_in(folder) == {"a": 3}
+    assert stores.list_sizes(folder) == {"a": 3}
 
 
-@pytest.mark.parametrize("ask", [stores.get, stores.sizes_in, stores.is_file, stores.remove])
+@pytest.mark.parametrize("ask", [stores.get, stores.list_sizes, stores.is_file, stores.remove])
 def test_what_is_not_there_keeps_nothing_of_who_asks(folder, ask):
     """Not until garbage is collected, either: it may be a loader with worker processes."""
 

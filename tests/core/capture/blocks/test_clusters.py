@@ -26,7 +26,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.resources import version
-from terrainav.core.storage.stores import get, sizes_in, store_path
+from terrainav.core.storage.stores import get, list_sizes, store_path
 
 from tests.support.command import command
 from tests.support.objects import SECRET, s3_store
@@ -57,8 +57,8 @@ def objects(address: str) -> dict[str, bytes]:
     """All objects of a run, in folders of one level, by name."""
     root = store_path(address)
     names = [
-        *sizes_in(root),
-        *(f"{f}/{name}" for f in ("blocks", "satellite") for name in sizes_in(root / f)),
+        *list_sizes(root),
+        *(f"{f}/{name}" for f in ("blocks", "satellite") for name in list_sizes(root / f)),
     ]
     return {name: get(root / name) for name in names}
 
@@ -126,8 +126,8 @@ def test_blocks_of_a_run_that_was_stopped_end_and_leave_nothing(bucket, cluster)
     # What workers are handed next comes when these blocks have ended.
     pending = [cluster.executor.submit(os.getpid) for _ in range(4)]
     assert all(one.result(60.0) for one in pending)
-    assert set(sizes_in(store_path(f"{bucket}/stopped/blocks"))) == {"blocks.json"}
-    assert "run.lock" not in sizes_in(store_path(f"{bucket}/stopped"))
+    assert set(list_sizes(store_path(f"{bucket}/stopped/blocks"))) == {"blocks.json"}
+    assert "run.lock" not in list_sizes(store_path(f"{bucket}/stopped"))
 
 
 @pytest.mark.thorough

@@ -16,7 +16,7 @@ from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.division import parse_block_size
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.waiting import ended_where
+from terrainav.core.waiting import cancellable
 
 from tests.support.thinning import sampled
 from tests.support.waiting import wait_until
@@ -54,7 +54,7 @@ def test_a_cluster_that_is_being_begun_can_be_cancelled(monkeypatch):
             let_go.wait(60.0)
 
     monkeypatch.setattr(distributed, "LocalCluster", Slow)
-    with ended_where(lambda: True), pytest.raises(Cancelled), open_engine("local:1"):
+    with cancellable(lambda: True), pytest.raises(Cancelled), open_engine("local:1"):
         pass
     let_go.set()
     assert closed.wait(60.0)
