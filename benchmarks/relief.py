@@ -277,7 +277,7 @@ def main() -> None:
     if asked.pictures:
         draw_pages(asked.pictures, asked.dsm)
         return
-    print("| surface | height | tilt | traced | march | times | passed by |")
+    print("| surface | height | tilt | traced | march | ratio | missed |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     measure("hills", Hills(), 45.0, 7.0)
     if asked.dsm:
