@@ -1,17 +1,17 @@
-"""Queries that are to be found in references: how well methods find them.
+"""Benchmarks of visual localisation: queries, the reference they are found in, and how well methods do.
 
 In reading order:
 
-- `choices`: what the command and forms choose among
-- `folder`: a benchmark's folder as it is read: queries with their truth, tiles, the mosaic
-- `planning`: a benchmark worked out before anything is fetched
+- `choices`: choices and defaults of the command and forms
+- `folder`: files of a benchmark: queries with their truth, tiles, the mosaic
+- `planning`: queries and reference, planned before anything is fetched
 - `truth`: where queries were taken, and which tiles show their ground
 - `making`: the run that captures the reference and the queries
 - `loading`: pairs of queries and tiles for training
-- `answers`: what a method is asked and what it answers
-- `running`: the run of a method over the queries
-- `correlation`, `features`: baselines that need no weights
-- `metrics`: figures of rankings and of positions, as the field defines them
-- `scoring`: how near answers are to the truth
-- `page`: what a judge leaves: figures, errors, diagrams and a page
+- `answers`: queries as methods see them, and their answers
+- `running`: a method applied to all queries
+- `correlation`, `features`: baselines without weights
+- `metrics`: metrics of rankings and positions, as the literature defines them
+- `scoring`: answers compared with the truth
+- `page`: scores, errors and diagrams, written with a page
 """

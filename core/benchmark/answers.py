@@ -1,4 +1,4 @@
-"""Queries put to a method, its answers, and files of answers."""
+"""Queries as methods see them, answers, and files of predictions."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_RANKED
 from .folder import Benchmark, read_number, read_rows, write_columns
 
-#: Columns of a file of predictions beside ``query`` and ``references``; each may be left out, or a cell empty.
+#: Optional columns of a file of predictions, whose cells may be empty.
 POSE = ("lat_deg", "lon_deg", "height_m", "yaw_deg", "tilt_deg", "roll_deg")
 SECONDS = "seconds"
 
 
 @dataclass(frozen=True)
 class Query:
-    """Data of a query that a method may use.
+    """Query as a method sees it.
 
     Parameters
     ----------
@@ -31,14 +31,13 @@ class Query:
     image : Path
     camera : Camera
     fx_px, fy_px, cx_px, cy_px : float
-        Intrinsics, as `Queries` has them.
+        Intrinsics, as in `Queries`.
     height_m, ground_m : float
-        Of the camera and of the ground below it, above the WGS 84 ellipsoid, as from a barometer.
+        Heights of the camera and of the ground below it above the WGS 84 ellipsoid, as from a barometer.
     yaw_deg, tilt_deg, roll_deg : float
         As from a compass and an inertial unit.
     prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
-        What a GNSS receiver, a barometer and a compass with errors would have measured; NaN where they do not, and in
-        outages.
+        Noisy measurements of a GNSS receiver, a barometer and a compass; NaN in outages and where there are none.
     """
 
     id: str
@@ -61,14 +60,14 @@ class Query:
 
 @dataclass(frozen=True)
 class Answer:
-    """Answer of a method to a query; every part may be left out.
+    """Answer of a method to a query; every field is optional.
 
     Parameters
     ----------
     references : sequence of str
-        Ids of tiles, the best first.
+        Ids of tiles, best first.
     lat_deg, lon_deg, height_m, yaw_deg, tilt_deg, roll_deg : float
-        The camera; NaN where nothing is said.
+        Pose of the camera; NaN where unknown.
     """
 
     references: Sequence[str] = ()
@@ -80,28 +79,28 @@ class Answer:
     roll_deg: float = math.nan
 
     def __post_init__(self) -> None:
-        """Fail where it is made, rather than where it is judged."""
+        """Fail here rather than when the answer is scored."""
         iter(self.references)
         for name in POSE:
             float(getattr(self, name))
 
 
-#: Finds one query.
+#: Localises one query.
 Locate = Callable[[Query], Answer]
-#: A method: prepares for a benchmark, of which it may read the reference and no truth, and a gallery, rows of the tiles
-#: that are to be ranked.
+#: A method: prepares for a benchmark, of which it may read anything but the truth, and for a gallery, the rows of the
+#: tiles to rank.
 Method = Callable[[Benchmark, Numbers], Locate]
 
 
 def visible_query(benchmark: Benchmark, index: int) -> Query:
-    """Query as a method may see it, without its position."""
+    """Return a query as methods see it, without its position."""
     queries = benchmark.queries
-    said = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
+    names = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
     return Query(
         queries.id[index],
         benchmark.folder / queries.file[index],
         queries.camera(index),
-        *(float(getattr(queries, name)[index]) for name in said),
+        *(float(getattr(queries, name)[index]) for name in names),
         *benchmark.priors[index].tolist(),
     )
 
@@ -113,15 +112,15 @@ class Predictions:
     Attributes
     ----------
     index : array (p,)
-        Rows of the queries that are answered, each once.
+        Rows of the answered queries, each once.
     ranking : array (p, k)
-        Rows of tiles, the best first; -1 for none.
+        Rows of tiles, best first, padded with -1.
     pose : array (p, 6)
-        As `POSE` has it; NaN where nothing is said.
+        Columns as in `POSE`; NaN where unknown.
     seconds : array (p,)
-        Taken for each; NaN where nobody says.
+        Time taken by each; NaN where unknown.
     source : str
-        File that they are read from; empty where there is none.
+        File that they were read from; empty without one.
     """
 
     index: Numbers
@@ -134,12 +133,12 @@ class Predictions:
     def from_answers(
         cls, benchmark: Benchmark, index: Sequence[int], answers: Sequence[Answer], seconds: Sequence[float]
     ) -> Predictions:
-        """Predictions of answers; raises InvalidInput where one names no tile, one twice, or too many."""
+        """Predictions of answers; raises InvalidInput for unknown, repeated or too many tiles."""
         ranked = [_ranked(benchmark, answer.references, benchmark.queries.id[at]) for at, answer in zip(index, answers)]
-        return cls._from_rankings(benchmark, index, ranked, answers, seconds)
+        return cls._stacked(benchmark, index, ranked, answers, seconds)
 
     @classmethod
-    def _from_rankings(
+    def _stacked(
         cls,
         benchmark: Benchmark,
         index: Sequence[int],
@@ -147,7 +146,7 @@ class Predictions:
         answers: Sequence[Answer],
         seconds: Sequence[float],
     ) -> Predictions:
-        # One that ranks many takes as much room for all queries.
+        # All rows of the array are as long as the longest ranking.
         longest, queries = max(map(len, ranked), default=0), len(benchmark.queries)
         if longest * queries > MAX_RANKED:
             raise InvalidInput(
@@ -169,13 +168,13 @@ class Predictions:
     def read(cls, path: str | os.PathLike[str], benchmark: Benchmark) -> Predictions:
         """Predictions of a CSV file.
 
-        Its columns are ``query``, ``references`` (ids of tiles, the best first, separated by spaces), those of `POSE`,
-        and ``seconds``; all but the first may be missing, as may cells.
+        Its columns are ``query``, ``references`` (ids of tiles, best first, separated by spaces), those of `POSE`, and
+        ``seconds``. All but the first are optional, and cells may be empty.
 
         Raises
         ------
         InvalidInput
-            It cannot be read, has none of these columns, or names what is not there; the line is named.
+            It cannot be read, lacks the columns, or names unknown queries or tiles; the message names the line.
         """
         lines = read_rows(Path(path), named_by_user=True)
         _, header = next(lines)
@@ -189,7 +188,7 @@ class Predictions:
             )
         if ("lat_deg" in header) != ("lon_deg" in header):
             raise InvalidInput("predictions {0}: lat_deg and lon_deg go together", path)
-        met: dict[str, int] = {}
+        line_numbers: dict[str, int] = {}
         answers: list[Answer] = []
         ranked: list[list[int]] = []
         seconds: list[float] = []
@@ -197,10 +196,10 @@ class Predictions:
             where = f"predictions {path}, line {number}:"
             cells = dict(zip(header, row))
             name = cells["query"]
-            if name not in benchmark.query_at:
+            if name not in benchmark.query_rows:
                 raise InvalidInput("{0} query {1!r} is not in the benchmark", where, name)
-            if met.setdefault(name, number) != number:
-                raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, met[name])
+            if line_numbers.setdefault(name, number) != number:
+                raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, line_numbers[name])
             values = checked_pose({one: read_number(cells.get(one, ""), f"{where} {one}") for one in POSE}, where)
             try:
                 references = tuple(cells.get("references", "").split())
@@ -211,12 +210,12 @@ class Predictions:
             seconds.append(read_number(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
         if not answers:
             raise InvalidInput("predictions {0}: answer no query", path)
-        index = [benchmark.query_at[name] for name in met]
-        found = cls._from_rankings(benchmark, index, ranked, answers, seconds)
+        index = [benchmark.query_rows[name] for name in line_numbers]
+        found = cls._stacked(benchmark, index, ranked, answers, seconds)
         return replace(found, source=str(path))
 
     def write(self, path: Path, benchmark: Benchmark) -> None:
-        """Write them as `read` takes them."""
+        """Write the file that `read` reads."""
         tiles = benchmark.references.id
         columns: dict[str, Sequence[str] | Floats] = {
             "query": [benchmark.queries.id[at] for at in self.index.tolist()],
@@ -228,7 +227,7 @@ class Predictions:
 
 
 def checked_pose(pose: Mapping[str, float], where: str) -> Mapping[str, float]:
-    """Return a pose by the names of `POSE`, NaN where nothing is said; raises InvalidInput, which begins with where."""
+    """Return a pose keyed by `POSE`; raises InvalidInput, which begins with ``where``, unless it is finite or NaN."""
     if abs(pose["lat_deg"]) > 90.0 or abs(pose["lon_deg"]) > 360.0:
         raise InvalidInput("{0} {1:g}, {2:g} is not on the Earth", where, pose["lat_deg"], pose["lon_deg"])
     for name, value in pose.items():
@@ -238,16 +237,16 @@ def checked_pose(pose: Mapping[str, float], where: str) -> Mapping[str, float]:
 
 
 def _ranked(benchmark: Benchmark, references: Sequence[str], query: str) -> list[int]:
-    unknown = [name for name in references if name not in benchmark.reference_at]
+    unknown = [name for name in references if name not in benchmark.reference_rows]
     if unknown:
         raise InvalidInput("reference {0!r} of query {1!r} is not in the benchmark", unknown[0], query)
     if len(set(references)) != len(references):
         raise InvalidInput("references of query {0!r}: one is named twice", query)
-    return [benchmark.reference_at[name] for name in references]
+    return [benchmark.reference_rows[name] for name in references]
 
 
 def _padded(rows: Sequence[Sequence[int]]) -> Numbers:
-    """Rows of one length, -1 where there is nothing."""
+    """Array of rankings, padded with -1."""
     ranking = np.full((len(rows), max(map(len, rows), default=0)), -1, np.int64)
     for at, row in enumerate(rows):
         ranking[at, : len(row)] = row

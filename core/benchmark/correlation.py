@@ -1,9 +1,8 @@
-"""Normalised cross-correlation: a baseline that needs no weights, where height and attitude are known.
+"""Normalised cross-correlation: a baseline without weights, for queries of known height and attitude.
 
-A query is seen straight from above, as its height and attitude say, and laid on every place of the reference; where
-the two agree best, it was taken. The maps of agreement come from Fourier transforms (Lewis, *Fast normalized
-cross-correlation*, 1995), with a mask, as a tilted picture seen from above is no rectangle (Padfield, *Masked object
-registration in the Fourier domain*, IEEE TIP 2012).
+A query is projected onto the ground by its height and attitude and correlated with the reference at every place. The
+coefficients come from Fourier transforms (Lewis, *Fast normalized cross-correlation*, 1995), with a mask, as a tilted
+image is not a rectangle on the ground (Padfield, *Masked object registration in the Fourier domain*, IEEE TIP 2012).
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ from ..geodesy.footprint import exact
 from .answers import Answer, Locate, Query
 from .folder import Benchmark, ReferenceMosaic
 
-#: Share of a variance below which there is nothing to compare: a picture of one colour.
+#: Share of a variance below which an image counts as uniform: rounding of the transforms.
 _FLAT = 1e-9
 
 
 class _Patch(NamedTuple):
-    """A query seen from above, on the reference's pixels.
+    """A query projected onto the pixels of the reference.
 
     Attributes
     ----------
     grey : array (h, w)
-        Less its mean, 0 where ``mask`` is.
+        Minus its mean; 0 where ``mask`` is.
     mask : array (h, w)
         1 where the query shows ground, else 0.
     left, top : int
-        Where it lies for the pose that it was made for, in px of the reference.
+        Upper left corner in the reference, px, at the assumed position.
     camera, centre : (column, row)
-        The camera, and the ground in the middle of the query, from the patch's upper left corner.
+        Camera, and ground at the image centre, from the patch's upper left corner.
     """
 
     grey: Floats
@@ -51,14 +50,14 @@ class _Patch(NamedTuple):
 
 
 class _PyramidLevel(NamedTuple):
-    """The reference in pixels ``step`` times as large as its own."""
+    """The reference, reduced by a factor of ``step``."""
 
     grey: Floats
     step: int
 
 
 def correlation(benchmark: Benchmark, gallery: Numbers) -> Locate:
-    """Prepare to find queries in the mosaic of a benchmark; a `Method`."""
+    """Prepare to localise queries in the mosaic of a benchmark; a `Method`."""
     return _Correlation(benchmark, gallery).locate
 
 
@@ -66,7 +65,7 @@ class _Correlation:
     def __init__(self, benchmark: Benchmark, gallery: Numbers) -> None:
         self._mosaic = benchmark.mosaic
         whole = benchmark.grey(benchmark.mosaic.file)
-        # A larger reference is reduced before it is searched as a whole.
+        # A larger reference is reduced before it is searched whole, which bounds time and memory.
         step = max(math.ceil(math.sqrt(whole.size / 1_000_000)), 1)
         self._whole = _PyramidLevel(whole.astype(np.float64), 1)
         self._searched = _PyramidLevel(np.asarray(Image.fromarray(whole).reduce(step), np.float64), step)
@@ -78,34 +77,34 @@ class _Correlation:
         self._ids = [tiles.id[at] for at in gallery.tolist()]
 
     def locate(self, query: Query) -> Answer:
-        """Find a query; without an answer where it shows more ground than the reference, or nothing but one colour."""
-        lat, lon = self._at(self._mosaic.width_px / 2.0, self._mosaic.height_px / 2.0)
+        """Localise a query; no answer if it shows more ground than the reference, or is uniform."""
+        lat, lon = self._lat_lon(self._mosaic.width_px / 2.0, self._mosaic.height_px / 2.0)
         coarse = _seen_from_above(query, lat, lon, self._mosaic, self._searched.step)
         if coarse is None:
             return Answer()
         agreement = _agreement(coarse, self._searched.grey.shape, self._transforms)
         if agreement is None:
             return Answer()
-        lat, lon = self._at(*self._finest(query, coarse, agreement))
+        lat, lon = self._lat_lon(*self._finest(query, coarse, agreement))
         return Answer(self._ranked(coarse, agreement), lat, lon)
 
-    def _at(self, column: float, row: float) -> tuple[float, float]:
-        """Latitude and longitude of a place in the mosaic."""
+    def _lat_lon(self, column: float, row: float) -> tuple[float, float]:
+        """Latitude and longitude of a position in the mosaic."""
         lat, lon = self._mosaic.ground(np.array(column), np.array(row))
         return float(lat), float(lon)
 
     def _finest(self, query: Query, coarse: _Patch, agreement: Floats) -> tuple[float, float]:
-        """Column and row of the camera in the mosaic, where the query agrees best in its own pixels."""
+        """Refine the best candidates at full resolution; returns column and row of the camera in the mosaic."""
         step = self._searched.step
         best, found = -math.inf, (math.nan, math.nan)
         for top, left in _peaks(agreement, min(coarse.grey.shape) // 2):
-            lat, lon = self._at((left + coarse.camera[0]) * step, (top + coarse.camera[1]) * step)
-            # Seen anew from there: pixels of a map show less ground farther from the equator.
+            lat, lon = self._lat_lon((left + coarse.camera[0]) * step, (top + coarse.camera[1]) * step)
+            # Projected again: the ground that a pixel of a map shows depends on the latitude.
             patch = _seen_from_above(query, lat, lon, self._mosaic, 1)
             if patch is None:
                 continue
-            # Two pixels of the reduced reference around each candidate, and one for rounding.
-            reach = (2 + 1) * step
+            # Three reduced pixels around the candidate: two for its error and one for rounding.
+            reach = 3 * step
             high, wide = patch.grey.shape
             y, x = max(patch.top - reach, 0), max(patch.left - reach, 0)
             window = self._whole.grey[y : patch.top + high + reach, x : patch.left + wide + reach]
@@ -119,7 +118,7 @@ class _Correlation:
         return found
 
     def _ranked(self, patch: _Patch, agreement: Floats) -> list[str]:
-        """Tiles by how well the query agrees where its middle is within the middle half of the tile."""
+        """Tiles by the best coefficient with the query's centre in the middle half of the tile."""
         high, wide = agreement.shape
         column, row, width = self._tiles
         left, right = (
@@ -140,7 +139,7 @@ class _Correlation:
 
 
 def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
-    """A query on the reference's pixels, as if its camera stood at a place; None where it has no room on them."""
+    """Project a query from an assumed camera position; None if it is tiny or larger than the reference."""
     agl = query.height_m - query.ground_m
     ground = WGS84.raised(query.ground_m)
     pose = Poses.from_attitude(
@@ -155,7 +154,7 @@ def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: Refer
     columns, rows = (px[0] / step for px in mosaic.px(seen.lat_deg, seen.lon_deg))
     left, top = math.floor(columns[:4].min()), math.floor(rows[:4].min())
     wide, high = math.ceil(columns[:4].max()) - left, math.ceil(rows[:4].max()) - top
-    # Smaller queries match anywhere.
+    # Patches of fewer pixels match anywhere.
     if min(wide, high) < 4 or wide > mosaic.width_px / step or high > mosaic.height_px / step:
         return None
     across, down = np.meshgrid(left + 0.5 + np.arange(wide), top + 0.5 + np.arange(high))
@@ -175,13 +174,13 @@ def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: Refer
 
 
 def _reduced(picture: Image.Image, pixels: int) -> Floats:
-    """Picture with no more pixels than twice so many along each side, each the mean of those that it was."""
+    """Image as floats, averaged down towards a number of pixels (by whole factors, so never below it)."""
     factor = max(int(math.sqrt(picture.width * picture.height / max(pixels, 1))), 1)
     return np.asarray(picture.reduce(factor) if factor > 1 else picture, np.float64)
 
 
 def _bilinear(picture: Floats, x: Floats, y: Floats) -> Floats:
-    """Values at positions from the upper left corner, where the first pixel's centre is (0.5, 0.5)."""
+    """Interpolated values; the centre of the first pixel is (0.5, 0.5)."""
     high, wide = picture.shape
     x, y = np.clip(x - 0.5, 0.0, wide - 1.0), np.clip(y - 0.5, 0.0, high - 1.0)
     left, top = x.astype(np.int64), y.astype(np.int64)
@@ -194,17 +193,17 @@ def _bilinear(picture: Floats, x: Floats, y: Floats) -> Floats:
 
 
 def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Fourier transforms of a reference less its mean, and of its square."""
+    """Fourier transforms of a reference minus its mean, and of the square of that."""
     around = grey - grey.mean()
     return np.fft.rfft2(around), np.fft.rfft2(around * around)
 
 
 def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]) -> Floats | None:
-    """Correlation coefficients (h, w) of a patch at each place where it lies within a reference of a shape."""
+    """Correlation coefficients (h, w) of a patch at each offset within a reference of ``shape``; None if uniform."""
     high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
-    own = float((patch.grey * patch.grey).sum())
+    energy = float((patch.grey * patch.grey).sum())
     count = patch.mask.sum()
-    if high < 1 or wide < 1 or own <= _FLAT * max(float(count), 1.0):
+    if high < 1 or wide < 1 or energy <= _FLAT * max(float(count), 1.0):
         return None
     grey, mask = (np.conj(np.fft.rfft2(one, shape)) for one in (patch.grey, patch.mask))
     whole, squares = transforms
@@ -214,15 +213,15 @@ def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[
 
     sums = summed(whole * mask)
     spread = summed(squares * mask) - sums * sums / count
-    # Where the reference is of one colour nothing agrees, and rounding would make up what does.
+    # Where the reference is uniform, the quotient would be of rounding errors.
     some = spread > _FLAT * max(float(spread.max()), 1.0)
-    return np.where(some, summed(whole * grey) / np.sqrt(np.where(some, spread, 1.0) * own), -1.0)
+    return np.where(some, summed(whole * grey) / np.sqrt(np.where(some, spread, 1.0) * energy), -1.0)
 
 
 def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
-    """Rows and columns of the best places, none near a better one."""
+    """Rows and columns of the highest values, at least ``apart_px`` from each other along an axis."""
     left, found = agreement.copy(), []
-    # The three best places are refined in the reference's pixels.
+    # Three candidates for the refinement at full resolution.
     for _ in range(3):
         at = int(left.argmax())
         row, column = divmod(at, left.shape[1])
@@ -238,7 +237,7 @@ def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
 
 
 def _summit(agreement: Floats) -> tuple[float, float]:
-    """Row and column of the best place, between pixels by the parabola through its neighbours."""
+    """Row and column of the maximum, to a fraction of a pixel by parabolas through its neighbours."""
     row, column = divmod(int(agreement.argmax()), agreement.shape[1])
     down = _vertex(agreement[max(row - 1, 0) : row + 2, column]) if 0 < row < len(agreement) - 1 else 0.0
     inside = 0 < column < agreement.shape[1] - 1

@@ -1,7 +1,7 @@
-"""SIFT or ORB and the pose from their matches: baselines that need no weights, through OpenCV.
+"""SIFT or ORB features and a pose from their matches: baselines without weights, through OpenCV.
 
-Keypoints of the mosaic are found once, block by block. Those of a query are matched by Lowe's ratio test; the matches
-are points of known ground, and PnP with RANSAC tells the pose (Lepetit, Moreno-Noguer, Fua, IJCV 2009).
+Keypoints of the mosaic are detected once, block by block. Those of a query are matched by Lowe's ratio test; matches
+are points of known position, from which PnP with RANSAC finds the pose (Lepetit, Moreno-Noguer, Fua, IJCV 2009).
 """
 
 from __future__ import annotations
@@ -21,17 +21,12 @@ from ..geodesy.local import LocalFrame
 from .answers import POSE, Answer, Locate, Query
 from .folder import Benchmark
 
-#: Pixels of a block of the mosaic along each side, and what blocks share, so that no keypoint is near an end.
-_BLOCK_PX, _SHARED_PX = 2048, 64
-#: Keypoints of a query, and of a block of the mosaic.
-_OF_QUERY, _OF_BLOCK = 2_000, 20_000
-#: What a point may be off its match, px, and the fewest matches that a pose is believed from.
-_OFF_PX, _FEWEST = 4.0, 8
-_TRIES, _SURE = 5_000, 0.999
+#: Fewest matches that a pose is taken from: twice the four that determine one.
+_LEAST_MATCHES = 8
 
 
 class _Detector(NamedTuple):
-    """How a kind of features is found and compared."""
+    """OpenCV's names of a detector and of the norm of its descriptors."""
 
     make: str
     norm: str
@@ -54,7 +49,6 @@ def _features(kind: str, benchmark: Benchmark, gallery: Numbers) -> Locate:
     return _Features(kind, benchmark, gallery).locate
 
 
-#: Methods.
 sift, orb = partial(_features, "sift"), partial(_features, "orb")
 
 
@@ -62,7 +56,9 @@ class _Features:
     def __init__(self, kind: str, benchmark: Benchmark, gallery: Numbers) -> None:
         self._cv, self._kind = _opencv(), _KINDS[kind]
         self._mosaic = benchmark.mosaic
-        found = [self._found(block, left, top) for block, left, top in _blocks(benchmark.grey(self._mosaic.file))]
+        found = [
+            self._detect(block, left, top, 20_000) for block, left, top in _blocks(benchmark.grey(self._mosaic.file))
+        ]
         self._points = np.concatenate([points for points, _ in found])
         self._descriptors = np.concatenate([one for _, one in found if one is not None])
         self._matcher = self._cv.BFMatcher(getattr(self._cv, self._kind.norm))
@@ -72,58 +68,58 @@ class _Features:
         self._tiles = column - half, column + half, row - half, row + half
         self._ids = [tiles.id[at] for at in gallery.tolist()]
 
-    def _found(self, grey: Bytes, left: int, top: int, most: int = _OF_BLOCK) -> tuple[Floats, Any]:
-        """Places (n, 2) of keypoints from the upper left corner, and their descriptors; None without any."""
+    def _detect(self, grey: Bytes, left: int, top: int, most: int) -> tuple[Floats, Any]:
+        """Positions (n, 2) of keypoints from the upper left corner, and their descriptors, None without any."""
         finder = getattr(self._cv, self._kind.make)(most)
         keypoints, descriptors = finder.detectAndCompute(grey, None)
-        # OpenCV counts from the middle of the first pixel.
+        # OpenCV counts from the centre of the first pixel.
         places = np.array([one.pt for one in keypoints], np.float64).reshape(-1, 2) + 0.5
         return places + np.array([left, top]), descriptors
 
     def locate(self, query: Query) -> Answer:
-        """Find a query; without a pose where too few matches agree on one."""
+        """Localise a query; without a pose where too few matches agree on one."""
         grey = np.asarray(open_image(query.image, as_shown=True).convert("L"), np.uint8)
-        points, descriptors = self._found(grey, 0, 0, _OF_QUERY)
+        points, descriptors = self._detect(grey, 0, 0, 2_000)
         if descriptors is None or len(self._descriptors) < 2:
             return Answer()
         pairs = self._matcher.knnMatch(descriptors, self._descriptors, k=2)
-        # Lowe's: a match is one where the next best is at least so much farther.
+        # Lowe's ratio test, with the threshold of his paper (IJCV 2004).
         good = [first for first, second in pairs if first.distance < 0.8 * second.distance]
         image = points[[one.queryIdx for one in good]].reshape(-1, 2)
         ground = self._points[[one.trainIdx for one in good]].reshape(-1, 2)
-        pose = self._pose(query, image, ground) if len(good) >= _FEWEST else None
+        pose = self._pose(query, image, ground) if len(good) >= _LEAST_MATCHES else None
         if pose is None:
             return Answer(self._ranked(ground))
         values, agree = pose
         return Answer(self._ranked(ground[agree]), **values)
 
     def _pose(self, query: Query, image: Floats, ground: Floats) -> tuple[dict[str, float], Numbers] | None:
-        """Pose of a query, and which matches agree on it; None where too few do."""
+        """Pose of a query and indices of the matches that agree on it; None where too few do."""
         lat, lon = self._mosaic.ground(ground[:, 0], ground[:, 1])
         frame = LocalFrame(float(np.median(lat)), float(np.median(lon)), query.ground_m)
         points = frame.enu(lat, lon, np.full(len(lat), query.ground_m))
         focal = np.array([[query.fx_px, 0.0, query.cx_px], [0.0, query.fy_px, query.cy_px], [0.0, 0.0, 1.0]])
         cv = self._cv
-        # The same draws for every query: an answer does not depend on those before it.
+        # Reset for each query, so that answers do not depend on the order of queries.
         cv.setRNGSeed(0)
         found, rotation, shift, agree = cv.solvePnPRansac(
             points,
             image,
             focal,
             None,
-            iterationsCount=_TRIES,
-            reprojectionError=_OFF_PX,
-            confidence=_SURE,
+            iterationsCount=5_000,
+            reprojectionError=4.0,
+            confidence=0.999,
             flags=cv.SOLVEPNP_SQPNP,
         )
-        if not found or agree is None or len(agree) < _FEWEST:
+        if not found or agree is None or len(agree) < _LEAST_MATCHES:
             return None
         agree = agree.ravel()
         rotation, shift = cv.solvePnPRefineLM(points[agree], image[agree], focal, None, rotation, shift)
         matrix = cv.Rodrigues(rotation)[0]
         place = -(matrix.T @ shift).ravel()
         there = tuple(float(value) for value in frame.geodetic(place))
-        # Rows of the matrix are the camera's right, down and axis in the frame; attitudes count where the camera is.
+        # Rows of the matrix are the camera's right, down and optical axis; attitudes refer to the camera's position.
         right, down, axis = matrix @ frame.rotations(*there[:2]).T
         attitude = (float(angle) for angle in attitude_from_axes(right, -down, axis))
         if there[2] <= query.ground_m:
@@ -131,7 +127,7 @@ class _Features:
         return dict(zip(POSE, (*there, *attitude))), agree.astype(np.int64)
 
     def _ranked(self, ground: Floats) -> list[str]:
-        """Tiles by how many matches lie in them, as far as there are any."""
+        """Tiles by their number of matches, those without any left out."""
         left, right, top, bottom = (side[:, np.newaxis] for side in self._tiles)
         x, y = ground[:, 0], ground[:, 1]
         count = ((x >= left) & (x < right) & (y >= top) & (y < bottom)).sum(axis=1)
@@ -140,12 +136,10 @@ class _Features:
 
 
 def _blocks(grey: Bytes) -> Iterator[tuple[Bytes, int, int]]:
-    """Blocks of an image, and where they begin."""
+    """Blocks of an image, and their left and top edges."""
     high, wide = grey.shape
-    for top in range(0, high, _BLOCK_PX):
-        for left in range(0, wide, _BLOCK_PX):
-            yield (
-                np.ascontiguousarray(grey[top : top + _BLOCK_PX + _SHARED_PX, left : left + _BLOCK_PX + _SHARED_PX]),
-                left,
-                top,
-            )
+    # Blocks overlap by more than a keypoint's neighbourhood, so that each is whole in one of them.
+    step, size = 2048, 2048 + 64
+    for top in range(0, high, step):
+        for left in range(0, wide, step):
+            yield np.ascontiguousarray(grey[top : top + size, left : left + size]), left, top

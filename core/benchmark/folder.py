@@ -1,6 +1,6 @@
-"""The folder of a benchmark: queries with their truth, the reference that they are to be found in, and what is right.
+"""The folder of a benchmark: queries with their truth, the reference to find them in, and the right answers.
 
-``benchmark.json`` says how it was made; ``queries.csv``, ``references.csv`` and ``positives.csv`` are all that a judge
+``benchmark.json`` holds the settings; ``queries.csv``, ``references.csv`` and ``positives.csv`` are all that scoring
 needs. The images lie beside them as datasets, each as a capture leaves it.
 """
 
@@ -39,12 +39,10 @@ QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv",
 QUERIES_FOLDER, REFERENCE_FOLDER, MOSAIC, TILES = "queries", "reference", "mosaic", "tiles"
 SCHEMA = 1
 POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
-#: Places along each edge of the mosaic, which are curves between degrees.
-_RIM = 9
 
-#: Edges of a mosaic are nearer than this to the origin of its CRS, in its unit: the Earth is 4e7 m, or 1.3e8 ft, round.
+#: Greatest coordinate of a mosaic in the unit of its CRS: the Earth is 4e7 m, or 1.3e8 ft, round.
 _FARTHEST = 2e8
-#: Least and greatest numbers that columns may have: those above 0, those of places and angles, and all others.
+#: Least and greatest values of columns; of all others, -1e9 and 1e9.
 _SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
 _LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
 _ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-720.0, 720.0))
@@ -55,19 +53,19 @@ _Rows = TypeVar("_Rows", bound="Columns")
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A table: tuples of text and arrays of float64, one of each for every row."""
+    """Base of tables: columns are tuples of str and arrays of float64, with one entry a row."""
 
     def __len__(self) -> int:
         return len(getattr(self, fields(self)[0].name))
 
     @classmethod
     def read(cls: type[_Rows], path: Path) -> _Rows:
-        """Table of a file; raises InvalidInput where it cannot be read, naming the line."""
+        """Read a table; raises InvalidInput, which names the line, where it cannot."""
         return cls(**_read_columns(path, {one.name: one.type == "Floats" for one in fields(cls)}))
 
     @classmethod
     def joined(cls: type[_Rows], pieces: Sequence[_Rows]) -> _Rows:
-        """Table of the rows of several, one after the other."""
+        """Concatenate tables."""
         columns: dict[str, Any] = {}
         for one in fields(cls):
             values = [getattr(piece, one.name) for piece in pieces]
@@ -76,7 +74,7 @@ class Columns:
         return cls(**columns)
 
     def take(self: _Rows, rows: Numbers) -> _Rows:
-        """Some of the rows, by their numbers."""
+        """Table of some rows, by index."""
         columns: dict[str, Any] = {}
         for one in fields(self):
             values = getattr(self, one.name)
@@ -85,35 +83,35 @@ class Columns:
         return type(self)(**columns)
 
     def write(self, path: Path) -> None:
-        """Write it, whole or not at all."""
+        """Write the table atomically."""
         columns = {one.name: getattr(self, one.name) for one in fields(self)}
         write_columns(path, columns)
 
 
 @dataclass(frozen=True, eq=False)
 class Queries(Columns):
-    """Images whose place is to be found, and where they were taken; q of them.
+    """Images to localise, and their true poses; q of them.
 
     Parameters
     ----------
     id : tuple of str
-        ``imagery/name``, which predictions call them by.
+        ``imagery/name``, as in predictions.
     file : tuple of str
-        Of the image, from the benchmark's folder.
+        Image, relative to the benchmark's folder.
     imagery : tuple of str
-        What they are pictures of.
+        Name of the imagery that they show.
     part : tuple of str
-        ``train``, ``validation`` or ``test``, ``gap``, or empty where there is no split.
+        ``train``, ``validation``, ``test`` or ``gap``; empty without a split.
     centre_lat_deg, centre_lon_deg : array (q,)
-        Ground in the middle of the image.
+        Ground at the centre of the image.
     lat_deg, lon_deg, height_m : array (q,)
-        The camera, its height above the WGS 84 ellipsoid.
+        Position of the camera; height above the WGS 84 ellipsoid.
     ground_m : array (q,)
-        Height of the ground below it.
+        Height of the ground below the camera.
     yaw_deg, tilt_deg, roll_deg : array (q,)
-        As `Camera.rays_enu` has them.
+        As in `Camera.rays_enu`.
     fx_px, fy_px, cx_px, cy_px : array (q,)
-        Intrinsics; the upper left corner of the image is (0, 0), the centre of its first pixel (0.5, 0.5).
+        Intrinsics; the centre of the first pixel is (0.5, 0.5).
     width_px, height_px : array (q,)
     """
 
@@ -139,7 +137,7 @@ class Queries(Columns):
 
     @property
     def poses(self) -> Poses:
-        """Poses above the ground below, (q,)."""
+        """Poses (q,), with heights above ground."""
         above = self.height_m - self.ground_m
         return Poses(self.lat_deg, self.lon_deg, above, self.yaw_deg, self.tilt_deg, self.roll_deg)
 
@@ -157,13 +155,13 @@ class References(Columns):
     Parameters
     ----------
     id : tuple of str
-        ``tiles_200m/name``: what predictions call them by.
+        ``tiles_200m/name``, as in predictions.
     file : tuple of str
-        Of the image, from the benchmark's folder.
+        Image, relative to the benchmark's folder.
     part : tuple of str
-        As of `Queries`; empty where all parts share the reference.
+        As in `Queries`; empty where all parts share the reference.
     width_m : array (r,)
-        Width on the ground that they were made for.
+        Nominal width on the ground.
     lat_deg, lon_deg : array (r,)
         Centres.
     west, south, east, north : array (r,)
@@ -184,7 +182,7 @@ class References(Columns):
 
 @dataclass(frozen=True, eq=False)
 class Positives(Columns):
-    """Queries and tiles that show the same ground.
+    """Pairs of a query and a tile that show the same ground, p of them.
 
     Parameters
     ----------
@@ -192,7 +190,7 @@ class Positives(Columns):
     kind : tuple of str
         `POSITIVE` or `SEMI_POSITIVE`.
     iou : array (p,)
-        Ground that both show over ground that either shows.
+        Intersection over union of their ground.
     """
 
     query: tuple[str, ...]
@@ -203,7 +201,7 @@ class Positives(Columns):
 
 @dataclass(frozen=True, eq=False)
 class Priors(Columns):
-    """What sensors would have measured of the poses of a folder's images, as `poses.priors` writes it."""
+    """Noisy measurements of the poses of a folder's images, as `poses.priors` writes them."""
 
     img_names: tuple[str, ...]
     prior_lat_deg: Floats
@@ -214,12 +212,12 @@ class Priors(Columns):
 
 @dataclass(frozen=True)
 class ReferenceMosaic:
-    """The reference as one image: where it lies.
+    """Georeference of the reference as one image.
 
     Parameters
     ----------
     file : str
-        From the benchmark's folder.
+        Relative to the benchmark's folder.
     crs : str
     west, north : float
         Upper left corner in the CRS's unit.
@@ -238,7 +236,7 @@ class ReferenceMosaic:
     height_px: int
 
     def __post_init__(self) -> None:
-        """Refuse what is of another type or out of range."""
+        """Check types and ranges."""
         for name, value in vars(self).items():
             if name in ("file", "crs"):
                 right = isinstance(value, str) and not (name == "file" and _is_elsewhere(value))
@@ -264,7 +262,7 @@ class ReferenceMosaic:
         )
 
     def xy(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Eastings and northings in the CRS's unit, of positions in degrees (any shape); about the mosaic."""
+        """Eastings and northings, in the CRS's unit, of positions in degrees (any shape); continuous at the mosaic."""
         plane = self._plane
         u, v = plane.forward(lat_deg, lon_deg)
         if isinstance(plane, WebMercator):
@@ -287,8 +285,9 @@ class ReferenceMosaic:
         return self.lat_lon(self.west + column * self.pixel_width, self.north - row * self.pixel_height)
 
     def rim(self) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes in degrees of places along its edges, its corners among them."""
-        along, first = np.linspace(0.0, 1.0, _RIM), np.zeros(_RIM)
+        """Latitudes and longitudes in degrees of points along its edges, corners included."""
+        # Nine points an edge, as edges are curves in degrees.
+        along, first = np.linspace(0.0, 1.0, 9), np.zeros(9)
         column, row = (
             np.concatenate([along, along, first, first + 1.0]),
             np.concatenate([first, first + 1.0, along, along]),
@@ -298,12 +297,12 @@ class ReferenceMosaic:
 
 @dataclass(frozen=True, eq=False)
 class Benchmark:
-    """A benchmark as it is read.
+    """A benchmark, as read from its folder.
 
     Attributes
     ----------
     about : mapping
-        What ``benchmark.json`` says.
+        Content of ``benchmark.json``.
     """
 
     folder: Path
@@ -315,7 +314,7 @@ class Benchmark:
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> Benchmark:
-        """Benchmark in a folder; raises InvalidInput where it is none, or one of its files cannot be read."""
+        """Read the benchmark in a folder; raises InvalidInput if one of its files cannot be read."""
         path = Path(folder)
         mark = path / BENCHMARK_FILE
         try:
@@ -341,7 +340,7 @@ class Benchmark:
         try:
             mosaic = ReferenceMosaic(**about["mosaic"])
             middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
-            # Of a latitude beyond a pole the CRS is no map.
+            # Some projections yield latitudes beyond a pole.
             if not (np.isfinite(middle).all() and abs(middle[0][0]) <= 90.0):
                 raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", "west", mosaic.west)
         except (TypeError, InvalidInput, ProjError) as wrong:
@@ -380,28 +379,28 @@ class Benchmark:
                             high,
                         )
         for known, named in (
-            (self.query_at, self.truth.query),
-            (self.reference_at, self.truth.reference),
+            (self.query_rows, self.truth.query),
+            (self.reference_rows, self.truth.reference),
         ):
             for one in named:
                 if one not in known:
                     raise InvalidInput("{0}: names {1!r}, which is not there", self.folder / POSITIVES_FILE, one)
 
     @cached_property
-    def query_at(self) -> dict[str, int]:
-        """Rows of queries by their ids."""
+    def query_rows(self) -> dict[str, int]:
+        """Row of each query, by its id."""
         return {name: index for index, name in enumerate(self.queries.id)}
 
     @cached_property
-    def reference_at(self) -> dict[str, int]:
-        """Rows of tiles by their ids."""
+    def reference_rows(self) -> dict[str, int]:
+        """Row of each tile, by its id."""
         return {name: index for index, name in enumerate(self.references.id)}
 
     @cached_property
     def priors(self) -> Floats:
-        """Priors (q, 4) of queries: latitude, longitude, height above ground, yaw; NaN where nothing is measured.
+        """Priors (q, 4) of queries: latitude, longitude, height above ground, yaw; NaN where not measured.
 
-        Raises InvalidInput where a file of them cannot be read.
+        Raises InvalidInput where a file cannot be read.
         """
         found = np.full((len(self.queries), 4), np.nan)
         at = {file: index for index, file in enumerate(self.queries.file)}
@@ -417,22 +416,22 @@ class Benchmark:
         return found
 
     def positives(self, *, with_semi: bool = False) -> list[Numbers]:
-        """Tiles of each query that are right, by their rows."""
+        """Rows of the positive tiles of each query."""
         found: list[list[int]] = [[] for _ in self.queries.id]
         for query, reference, kind in zip(self.truth.query, self.truth.reference, self.truth.kind):
             if kind == POSITIVE or with_semi:
-                found[self.query_at[query]].append(self.reference_at[reference])
+                found[self.query_rows[query]].append(self.reference_rows[reference])
         return [np.array(rows, np.int64) for rows in found]
 
     @cached_property
     def queries_of_parts(self) -> dict[str, int]:
-        """Number of queries of each part, and of the gap; empty where there is no split."""
+        """Number of queries in each part and in the gap; empty without a split."""
         counts = Counter(self.queries.part)
         return {part: counts[part] for part in (*PARTS, GAP)} if any(counts) else {}
 
     @property
     def warning(self) -> Message | None:
-        """What to do where parts have no queries; None where all have some."""
+        """Advice where a part has no queries, else None."""
         lacking = [part for part in PARTS if self.queries_of_parts.get(part) == 0]
         if not lacking:
             return None
@@ -444,12 +443,12 @@ class Benchmark:
         )
 
     def gallery(self, part: str) -> Numbers:
-        """Rows of the tiles that queries of a part are looked for in; of all parts for an empty one."""
-        own = self.references.part
-        return np.array([at for at, name in enumerate(own) if not part or name in (part, "")], np.int64)
+        """Rows of the tiles that a part's queries are searched in; of all tiles if ``part`` is empty."""
+        parts = self.references.part
+        return np.array([at for at, name in enumerate(parts) if not part or name in (part, "")], np.int64)
 
     def chosen(self, part: str) -> Numbers:
-        """Rows of the queries of a part; of all for an empty one."""
+        """Rows of the queries of a part; of all queries if ``part`` is empty."""
         if part and part not in PARTS:
             raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join(PARTS))
         if part and not self.queries_of_parts:
@@ -460,21 +459,21 @@ class Benchmark:
         return found
 
     def grey(self, file: str) -> Bytes:
-        """Grey image (h, w) of a file of the benchmark; raises InvalidInput where it cannot be read."""
+        """Read an image as grey (h, w); raises InvalidInput where it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("L"), np.uint8)
 
     def colours(self, file: str) -> Bytes:
-        """Image (h, w, 3) of a file of the benchmark; raises InvalidInput where it cannot be read."""
+        """Read an image as RGB (h, w, 3); raises InvalidInput where it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("RGB"), np.uint8)
 
 
 def _is_elsewhere(file: str) -> bool:
-    """Whether a file may lie outside the benchmark."""
+    """Whether a path may lead out of the benchmark's folder."""
     return Path(file).is_absolute() or ".." in Path(file).parts
 
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:
-    """Write columns as CSV, whole or not at all; NaN is an empty cell, and sizes of images have no decimals."""
+    """Write columns as CSV atomically; NaN is an empty cell, and image sizes have no decimals."""
     cells = [_cells(column, is_count=name in ("width_px", "height_px")) for name, column in columns.items()]
     write_whole(path, csv_bytes(chain([tuple(columns)], zip(*cells))))
 
@@ -488,7 +487,7 @@ def _cells(column: Sequence[str] | Floats, *, is_count: bool) -> Iterable[str]:
 
 
 def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
-    """Columns of a CSV by name; those of numbers, as ``kinds`` says, as arrays, of which empty cells are NaN."""
+    """Read columns of a CSV; those whose ``kinds`` is true are arrays, with NaN for empty cells."""
     lines = read_rows(path)
     header = next(lines)[1]
     missing = [name for name in kinds if name not in header]
@@ -504,12 +503,12 @@ def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
 
 
 def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of a CSV's header and of each row, which has as many; it may be a pipe by name.
+    """Yield line number and cells of a CSV's header and of each row.
 
     Raises
     ------
     InvalidInput
-        It cannot be read, has no header or one name twice in it, or a row has more cells or fewer.
+        It cannot be read, has no header, repeats a column, or a row differs from the header in length.
     """
     try:
         text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))
@@ -544,7 +543,7 @@ def _check_header(path: Path, header: Sequence[str]) -> None:
 
 
 def read_number(text: str, where: str) -> float:
-    """Return the number of a cell, NaN of an empty one; raises InvalidInput for what is no finite number."""
+    """Parse a cell as a finite number, NaN if empty; raises InvalidInput."""
     if not text.strip():
         return math.nan
     try:

@@ -1,4 +1,4 @@
-"""Pairs of queries and tiles for training, as `dataset.loading` has images and labels."""
+"""Pairs of queries and tiles for training, in the interface of `dataset.loading`."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ Images = tuple[NDArray[Any], NDArray[Any]]
 
 
 class Pairs:
-    """Queries and tiles that show the same ground, each pair by its number, in the order of ``positives.csv``.
+    """Pairs of a query and a tile that show the same ground, in the order of ``positives.csv``.
 
-    `Batches`, `TorchDataset` and `KerasDataset` take an instance in the place of a dataset; images are a query's and a
-    tile's then, and labels ``iou`` and ``positive``.
+    `Batches`, `TorchDataset` and `KerasDataset` accept an instance in place of a dataset, and then return an image of
+    the query and one of the tile, with labels ``iou`` and ``positive``.
 
     Parameters
     ----------
     benchmark : Benchmark or path
     part : {"train", "validation", "test", "all"}
-        Of the queries; tiles are those that they are looked for in.
+        Of the queries; tiles are those of their gallery.
     with_semi : bool
-        Whether tiles that are nearly right are taken as well.
+        Include semi-positive tiles.
     img_size, tile_size : tuple (width, height, channels)
-        What queries, and tiles, are resized to; tiles to what queries are where there is no other.
+        Sizes that queries and tiles are resized to; ``tile_size`` defaults to ``img_size``.
     seed : int
         Of the order.
     shuffle : bool or "auto"
-        ``auto`` shuffles the training part, anew for each epoch.
+        ``auto`` shuffles the training part only. Each epoch has another order.
     dtype : {"float32", "uint8"}
-        Of images: 0 to 1, or 0 to 255.
+        Of images, which are 0 to 1 or 0 to 255.
 
     Attributes
     ----------
@@ -48,13 +48,13 @@ class Pairs:
         Rows of the benchmark's queries and tiles.
     names : tuple of str
     values : array (n, 2) of float32
-        Intersection over union, and 1 for a positive, 0 for a semi-positive.
+        Intersection over union; 1 for a positive, 0 for a semi-positive.
     columns : ("iou", "positive")
 
     Raises
     ------
     InvalidInput
-        No such part or no pairs in it, or a value that is not right.
+        An unknown part, a part without pairs, or an invalid parameter.
     """
 
     columns = ("iou", "positive")
@@ -80,8 +80,8 @@ class Pairs:
         self.seed, self.shuffle = seed, part == TRAIN if isinstance(shuffle, str) else shuffle
         self.dtype, self.folder = np.dtype(dtype), self.benchmark.folder
         truth, one = self.benchmark.truth, "" if part == ALL else part
-        query = np.array([self.benchmark.query_at[name] for name in truth.query], np.int64)
-        reference = np.array([self.benchmark.reference_at[name] for name in truth.reference], np.int64)
+        query = np.array([self.benchmark.query_rows[name] for name in truth.query], np.int64)
+        reference = np.array([self.benchmark.reference_rows[name] for name in truth.reference], np.int64)
         positive = np.array([kind == POSITIVE for kind in truth.kind], np.bool_)
         taken = np.isin(query, self.benchmark.chosen(one)) & np.isin(reference, self.benchmark.gallery(one))
         rows = np.flatnonzero(taken & (positive | with_semi))
@@ -95,18 +95,18 @@ class Pairs:
         return len(self.query)
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
-        """Numbers (n,) of the pairs in the order of an epoch: the same for the same seed and table on every machine."""
+        """Indices (n,) of the pairs in the order of an epoch, which depends on the seed and the table alone."""
         if not self.shuffle:
             return np.arange(len(self))
         return np.argsort(random_numbers(f"{self.seed}:{epoch}", len(self)), kind="stable")
 
     def batch(self, indices: Indices, _epoch: int = 0) -> tuple[Images, NDArray[np.float32]]:
-        """Queries and tiles (b, height, width, channels) of some pairs, and their labels (b, 2).
+        """Images (b, height, width, channels) of queries and of tiles, and labels (b, 2), of some pairs.
 
         Raises
         ------
         InvalidInput
-            An image that cannot be read, which is named.
+            An image cannot be read; the message names it.
         """
         at = np.asarray(indices, np.int64)
         queries, references = self.benchmark.queries, self.benchmark.references

@@ -1,4 +1,4 @@
-"""The run that makes a benchmark: captures of the reference and of the queries, then what is true of them."""
+"""The run that makes a benchmark: captures reference and queries, then writes the truth."""
 
 from __future__ import annotations
 
@@ -44,22 +44,22 @@ from .planning import BenchmarkPlan, tiles_folder
 from .truth import Captured, captured, find_positives, locate_mosaic, make_queries, make_references
 
 Shares = tuple[float, float, float]
-#: Held while a run is at work in a folder.
+#: Locked while a run works in the folder.
 _LOCK_FILE = "run.lock"
 
 
 @dataclass(frozen=True)
 class BenchmarkResult:
-    """What a run did.
+    """Result of a run.
 
     Parameters
     ----------
     results : mapping of str to CaptureResult
-        Of each capture, by its folder.
+        Result of each capture, by its folder.
     benchmark : Benchmark or None
-        None where the run was stopped.
+        None if the run was cancelled.
     hint : Message or None
-        How fewer queries would be in the gap between parts, where many are.
+        How to lose fewer queries to the gap between parts, where many are lost.
     """
 
     folder: Path
@@ -69,12 +69,12 @@ class BenchmarkResult:
 
     @property
     def total(self) -> CaptureResult:
-        """All captures together; what failed or repeats is named by its folder."""
+        """Sum of all captures; failed and repeated images are prefixed with their folder."""
         return combined(self.folder, self.results)
 
 
 def make_benchmark(
-    worked_out: BenchmarkPlan,
+    planned: BenchmarkPlan,
     sources: Mapping[str, Source],
     folder: str | os.PathLike[str],
     *,
@@ -86,38 +86,38 @@ def make_benchmark(
     """Make a benchmark in a folder.
 
     The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; the queries into
-    ``queries/NAME``, with noisy priors. All are datasets as any capture leaves them. ``queries.csv``,
-    ``references.csv`` and ``positives.csv`` say what is true of them, ``benchmark.json`` how all was made. The same
-    settings leave the same bytes, in one go or in several.
+    ``queries/NAME``, with noisy priors. Each is a dataset as any capture leaves it. ``queries.csv``, ``references.csv``
+    and ``positives.csv`` hold the truth, ``benchmark.json`` the settings. The same settings write the same bytes,
+    however often the run is interrupted.
 
     Parameters
     ----------
     sources : mapping of str to Source
-        By the imageries' texts, with the pixel grids that the plan was made for.
+        Keyed by ``str`` of their imagery, with the pixel grids that the plan was made for.
     resume : bool
-        Go on with a folder that holds this benchmark.
+        Continue this benchmark in a folder that holds part of it.
     connections, workers, listener
-        As for `capture`; progress has the folder's name in place of the map type.
+        As in `capture`; progress has the folder's name in place of the map type.
 
     Raises
     ------
     InvalidInput
-        A split that cannot be made, or imagery that its source does not have.
+        The split is impossible, or a source lacks the imagery.
     OutputError
-        A folder that cannot be written, or holds something else, or this benchmark without ``resume``.
+        The folder cannot be written, holds something else, or holds this benchmark and ``resume`` is false.
     SourceError
-        A source cannot serve; what was finished is kept.
+        A source fails; finished images are kept.
     """
-    shares = checked_shares(worked_out.settings.shares)
+    shares = checked_shares(planned.settings.shares)
     path = Path(folder)
-    # As it is read again: JSON has no tuples.
-    about = json.loads(json_bytes(worked_out.settings.to_dict()))
+    # Through JSON, to compare it with what is read: JSON has no tuples.
+    about = json.loads(json_bytes(planned.settings.to_dict()))
     _claim(path, about, resume=resume)
     lock = path / _LOCK_FILE
     with locked(lock) as check:
         check_settings(path, BENCHMARK_FILE, about)
         results = capture_each(
-            {name: (plan, sources[str(one)]) for name, (one, plan) in worked_out.captures.items()},
+            {name: (plan, sources[str(one)]) for name, (one, plan) in planned.captures.items()},
             path,
             connections=connections,
             workers=workers,
@@ -126,12 +126,12 @@ def make_benchmark(
         if any(one.cancelled for one in results.values()):
             return BenchmarkResult(path, results, None)
         check()
-        hint = _write_truth(path, worked_out, about, shares)
+        hint = _write_truth(path, planned, about, shares)
     return BenchmarkResult(path, results, Benchmark.read(path), hint)
 
 
 def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
-    """Make a folder this benchmark's own, unless it holds something else."""
+    """Create a benchmark's folder or check that one holds this benchmark; raises OutputError otherwise."""
     make_folder(path)
     mark = path / BENCHMARK_FILE
     try:
@@ -160,8 +160,8 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
         )
 
 
-def _write_truth(path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: Shares) -> Message | None:
-    whole = captured(path / REFERENCE_FOLDER / MOSAIC, worked_out.mosaic)
+def _write_truth(path: Path, planned: BenchmarkPlan, about: dict[str, object], shares: Shares) -> Message | None:
+    whole = captured(path / REFERENCE_FOLDER / MOSAIC, planned.mosaic)
     if not len(whole.rows):
         raise OutputError(
             "folder {0}: the mosaic of the reference has failed",
@@ -170,27 +170,27 @@ def _write_truth(path: Path, worked_out: BenchmarkPlan, about: dict[str, object]
                 "go on{0} once its source serves, or take a smaller margin", OptionName("resume").in_brackets
             ),
         )
-    mosaic = locate_mosaic(path, worked_out.mosaic, whole)
-    parts, tile_parts, hint = _parts(path, worked_out, shares)
-    queries = make_queries(path, worked_out, parts)
-    references = make_references(path, worked_out, tile_parts)
-    for name in worked_out.queries:
+    mosaic = locate_mosaic(path, planned.mosaic, whole)
+    parts, tile_parts, hint = _parts(path, planned, shares)
+    queries = make_queries(path, planned, parts)
+    references = make_references(path, planned, tile_parts)
+    for name in planned.queries:
         folder = path / QUERIES_FOLDER / name
-        # Those that were made with other figures since are kept.
+        # Priors that were written since with other settings are kept.
         if not any(folder.glob(f"*/{PRIORS_FILE}")):
-            write_priors(folder, Sensors(), worked_out.settings.queries.imagery.seed)
+            write_priors(folder, Sensors(), planned.settings.queries.imagery.seed)
     queries.write(path / QUERIES_FILE)
     references.write(path / REFERENCES_FILE)
-    find_positives(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
-    # Last, so that a benchmark that says where its mosaic lies is whole.
-    write_whole(path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)}))
+    find_positives(planned, mosaic, queries, references).write(path / POSITIVES_FILE)
+    # Written last: `Benchmark.read` takes a benchmark without a mosaic for unfinished.
+    write_whole(path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, planned)}))
     return hint
 
 
-def _credits(path: Path, worked_out: BenchmarkPlan) -> dict[str, object]:
-    """Who made the imagery, by its name."""
+def _credits(path: Path, planned: BenchmarkPlan) -> dict[str, object]:
+    """Source, attribution and date of each imagery."""
     found = {}
-    for name, (imagery, plan) in worked_out.captures.items():
+    for name, (imagery, plan) in planned.captures.items():
         table = captured(path / name, plan).images.table
         if len(table):
             found[imagery.name] = {
@@ -202,12 +202,12 @@ def _credits(path: Path, worked_out: BenchmarkPlan) -> dict[str, object]:
 
 
 def _parts(
-    path: Path, worked_out: BenchmarkPlan, shares: Shares
+    path: Path, planned: BenchmarkPlan, shares: Shares
 ) -> tuple[list[str], dict[str, list[str]], Message | None]:
-    """Parts of the queries of one imagery, and of the tiles of each folder, empty where there are none; and a hint."""
-    settings = worked_out.settings
+    """Parts of the queries of one imagery and of the tiles in each folder, empty without parts; and a hint."""
+    settings = planned.settings
     first = settings.imageries[0].name
-    plan = worked_out.queries[first]
+    plan = planned.queries[first]
     if settings.split == NO_SPLIT:
         return [], {}, None
     if settings.split != CROSS_AREA:
@@ -215,24 +215,23 @@ def _parts(
         of_name = dict(zip(order, assign_counts(len(order), shares)))
         return [of_name[name] for name in plan.names], {}, None
     sets = {f"{QUERIES_FOLDER}/{first}": plan}
-    sets.update((tiles_folder(width), tiles) for width, tiles in worked_out.tiles.items())
+    sets.update((tiles_folder(width), tiles) for width, tiles in planned.tiles.items())
     there = {name: captured(path / name, one) for name, one in sets.items()}
     boxes, names = _ground(path, there)
     part, _, _ = split_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
-    hint = _hint(worked_out, boxes, names, shares, part)
+    hint = _hint(planned, boxes, names, shares, part)
     return found.pop(f"{QUERIES_FOLDER}/{first}"), found, hint
 
 
 def _hint(
-    worked_out: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str]
+    planned: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str]
 ) -> Message | None:
-    """How many queries other settings would leave in the gap, where that is a good part of them."""
-    settings = worked_out.settings
+    """Hint at settings that would leave fewer queries in the gap, if it has more than a tenth of them."""
+    settings = planned.settings
     is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
     lost, count = int(np.count_nonzero(is_query & (np.array(part) == GAP))), int(np.count_nonzero(is_query))
-    # A hint is worth its line where more than a tenth of the queries is lost.
     if lost <= 0.1 * count:
         return None
     gap_m, (train, validation, test) = float(settings.gap_m), shares
@@ -242,13 +241,12 @@ def _hint(
     if validation > 0.0:
         ways.append((Message("without a validation part"), (train + validation, 0.0, test), gap_m))
     found = []
-    for words, own_shares, own_gap_m in ways:
+    for words, other_shares, other_gap_m in ways:
         with contextlib.suppress(InvalidInput):
-            own, _, _ = split_blocks(boxes, names, own_shares, settings.queries.imagery.seed, gap_m=own_gap_m)
-            counts = Counter(np.array(own)[is_query].tolist())
-            # What leaves a part without queries is no way out.
-            serves = all(counts[name] for name, share in zip(PARTS, own_shares) if share > 0.0)
-            if counts[GAP] < lost and serves:
+            other, _, _ = split_blocks(boxes, names, other_shares, settings.queries.imagery.seed, gap_m=other_gap_m)
+            counts = Counter(np.array(other)[is_query].tolist())
+            every_part = all(counts[name] for name, share in zip(PARTS, other_shares) if share > 0.0)
+            if counts[GAP] < lost and every_part:
                 found.append(Message("{0:,} {1}", counts[GAP], words))
     if not found:
         return Message(
@@ -266,7 +264,7 @@ def _hint(
 
 
 def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[GroundBoxes, list[str]]:
-    """Boxes of the ground of images, and their names; of those whose ground is known."""
+    """Boxes and names of the images whose ground is known."""
     tables = [(one.images.table, one.rows) for one in there.values()]
     _, middle_lon = middle_position(
         np.concatenate([table.lat_deg[rows] for table, rows in tables]),

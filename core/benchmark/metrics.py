@@ -1,7 +1,7 @@
-"""Figures of how well queries are found in references: of rankings, and of positions and attitudes.
+"""Metrics of retrieval, and of positions and attitudes.
 
-A ranking is an array (q, k) of distances or of hits, one row for each query, its best answer first. Definitions differ
-between benchmarks that use one name; each here says whose it is.
+A ranking is an array (q, k) of distances or of hits: a row for each query, best answer first. As benchmarks define the
+same name differently, each metric states whose definition it is.
 """
 
 from __future__ import annotations
@@ -14,26 +14,25 @@ import numpy as np
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 
-#: What SDM weighs distances by: DenseUAV counts degrees of latitude and longitude (arXiv 2201.09201), GTA-UAV metres
-#: (arXiv 2409.16925).
+#: Weights of distances in SDM: DenseUAV's of degrees (arXiv 2201.09201) and GTA-UAV's of metres (arXiv 2409.16925).
 SDM_PER_DEG, SDM_PER_M = 5e3, 1e-3
-#: Of PDM (AnyVisLoc, arXiv 2503.10692): how sharply it falls, and the share of a reference's width at which it is half.
+#: Steepness of PDM (AnyVisLoc, arXiv 2503.10692), and the distance in reference widths at which it is one half.
 PDM_SHARPNESS, PDM_HALF = 6.0, 0.9
-#: Metres within which AnyVisLoc counts positions.
+#: AnyVisLoc's limits of positions, metres.
 WITHIN_M = (1.0, 3.0, 5.0, 10.0, 20.0)
-#: Metres and degrees within which poses count together (OrthoLoC).
+#: OrthoLoC's limits of poses, metres and degrees.
 WITHIN_M_DEG = ((0.1, 1.0), (0.25, 2.0), (0.5, 5.0), (1.0, 5.0), (5.0, 10.0))
 
 
 class Shares(NamedTuple):
-    """Errors in figures.
+    """Median of errors, and shares below limits.
 
     Attributes
     ----------
     median : float
         NaN without any.
     within : tuple of float
-        Shares of all queries, those without an answer counted as not within.
+        Shares of all queries; those without an answer count as beyond every limit.
     """
 
     median: float
@@ -41,7 +40,7 @@ class Shares(NamedTuple):
 
 
 def hits(ranking: Numbers, positives: Sequence[Numbers]) -> Flags:
-    """Which ranked references (q, k) are among each query's positives; -1 in a ranking stands for no answer."""
+    """Whether each ranked reference (q, k) is a positive of its query; a ranking is padded with -1."""
     _check_rows(ranking, len(positives))
     return np.array([np.isin(row, wanted) & (row >= 0) for row, wanted in zip(ranking, positives)], bool)
 
@@ -52,19 +51,19 @@ def recall(found: Flags, most: int) -> float:
 
 
 def top_percent(found: Flags, references: int) -> float:
-    """Recall@1 %: University-1652's, whose first hundredth of the references has one more, rounded half to even."""
+    """University-1652's recall@1 %: among one hundredth of the references, rounded half to even, plus one."""
     return recall(found, round(references * 0.01) + 1)
 
 
 def average_precision(found: Flags, positives: Numbers) -> float:
-    """Mean of the queries' average precisions, as scikit-learn and GTA-UAV have it: of precisions at each hit.
+    """Mean average precision, of precisions at each hit, as in scikit-learn and GTA-UAV.
 
     Parameters
     ----------
     found : array (q, k) of bool
         Hits.
     positives : array (q,)
-        How many positives each query has; positives that are not ranked add nothing, queries without any do not count.
+        Number of positives of each query; unranked ones add nothing, and queries without any are left out.
     """
     rank = np.arange(1.0, found.shape[1] + 1.0)
     precision = np.cumsum(found, axis=1) / rank
@@ -72,9 +71,9 @@ def average_precision(found: Flags, positives: Numbers) -> float:
 
 
 def trapezoid_precision(found: Flags, positives: Numbers) -> float:
-    """Average precision by trapezoids, as University-1652 and DenseUAV have it; parameters as of `average_precision`.
+    """Mean average precision by trapezoids, as in University-1652 and DenseUAV; parameters as in `average_precision`.
 
-    Each hit counts the mean of the precision at it and right before it, which at the first rank is 1.
+    Each hit adds the mean of the precisions at its rank and at the rank before, which is 1 for the first rank.
     """
     rank = np.arange(1.0, found.shape[1] + 1.0)
     count = np.cumsum(found, axis=1)
@@ -89,12 +88,14 @@ def _mean_of_precisions(sums: Floats, positives: Numbers) -> float:
 
 
 def sdm(distances: Floats, most: int, weight: float) -> float:
-    """SDM@K, spatial distance metric: nearness of the first ``most`` references, the first ones weighing more.
+    """SDM@K, spatial distance metric: mean of exp(-weight distance) over the first K = ``most`` references.
+
+    Weights are K, K - 1, …, 1.
 
     Parameters
     ----------
     distances : array (q, k)
-        From queries to the references that they are given, in degrees or in metres; NaN for none.
+        From queries to their ranked references, in degrees or metres; NaN for none.
     weight : float
         `SDM_PER_DEG` or `SDM_PER_M`.
     """
@@ -102,9 +103,9 @@ def sdm(distances: Floats, most: int, weight: float) -> float:
 
 
 def pdm(ratios: Floats, most: int) -> float:
-    """PDM@K, AnyVisLoc's: nearness of the first ``most`` references, (q, k), the first ones weighing more.
+    """AnyVisLoc's PDM@K: mean logistic nearness of the first K = ``most`` references, weighted as in `sdm`.
 
-    ``ratios`` are distances over the width of the reference; NaN for none.
+    ``ratios`` (q, k) are distances over the width of the reference; NaN for none.
     """
     with np.errstate(over="ignore"):
         near = 1.0 / (1.0 + np.exp(PDM_SHARPNESS * (ratios[:, : _checked(most)] - PDM_HALF)))
@@ -112,19 +113,19 @@ def pdm(ratios: Floats, most: int) -> float:
 
 
 def _ranked_mean(values: Floats, most: int) -> float:
-    """Mean over queries of values (q, k) weighed K, K - 1, …, 1; what is not there counts 0."""
+    """Mean over queries of values (q, k) with weights K, K - 1, …, 1; NaN counts 0."""
     weights = np.arange(min(most, values.shape[1]), 0.0, -1.0)
     sums = np.nan_to_num(values, nan=0.0) @ weights / weights.sum()
     return float(sums.mean()) if len(sums) else float("nan")
 
 
 def position_figures(errors_m: Floats, within_m: Sequence[float] = WITHIN_M) -> Shares:
-    """Median and shares of errors (q,) of positions; NaN for queries without an answer."""
+    """Median and shares of position errors (q,), which are NaN for queries without an answer."""
     return Shares(_median(errors_m), tuple(float((errors_m <= limit).mean()) for limit in within_m))
 
 
 def pose_figures(errors_m: Floats, errors_deg: Floats, within: Sequence[tuple[float, float]] = WITHIN_M_DEG) -> Shares:
-    """Median of the angles, and shares of poses (q,) whose position and attitude are both below limits (OrthoLoC)."""
+    """Median of angles, and shares of poses (q,) with position and attitude both below limits (OrthoLoC)."""
     both = tuple(float(((errors_m < m) & (errors_deg < deg)).mean()) for m, deg in within)
     return Shares(_median(errors_deg), both)
 

@@ -1,4 +1,4 @@
-"""What a judge leaves: figures as JSON, errors of every query as CSV and GeoJSON, diagrams, and a page."""
+"""Scores as files: figures as JSON, errors of each query as CSV and GeoJSON, diagrams, and a page."""
 
 from __future__ import annotations
 
@@ -39,17 +39,10 @@ from .scoring import ALL, Errors, Figure, Scores
 PAGE, FIGURES_FILE, ERRORS_FILE, MAP_FILE = "index.html", "scores.json", "errors.csv", "errors.geojson"
 RECALL, WITHIN, MAP, FAILURES = "recall.png", "within.png", "map.png", "failures.png"
 _COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE)
-#: Errors that are drawn, metres: from the least to the greatest that the diagram and the map tell apart.
+#: Range of the diagram's axis of errors, metres.
 _LEAST_M, _GREATEST_M = 0.1, 10_000.0
-#: Errors that the map draws in colours of their own, metres.
-_STEPS_M = (5.0, 20.0, 100.0)
-_STEP_COLOURS = (BLUE, SKY, ORANGE, VERMILION)
-#: Pixels of the mosaic under a map along its longer side, and maps beside each other.
-_MAP_PX, _MAPS_ACROSS = 1200, 3
-#: Queries shown on the sheet of failures, and pixels of each cut of the mosaic.
-_SHOWN, _THUMB_PX = 4, 300
-#: Pixels over which the size of the mosaic's is taken, and metres of a degree of latitude, on average.
-_FAR_PX, _DEGREE_M = 100.0, 111_195.0
+#: Side of the cut-outs of the mosaic.
+_CUT_PX = 300
 
 
 def write_scores(
@@ -60,17 +53,17 @@ def write_scores(
     *,
     diagrams: bool = True,
 ) -> Path:
-    """Write figures, errors, diagrams and the page of a method into a folder; returns the page, written last.
+    """Write figures, errors, diagrams and a page into a folder; returns the page, which is written last.
 
     Parameters
     ----------
     diagrams : bool
-        Whether to draw, which needs matplotlib.
+        Draw diagrams, which needs matplotlib.
 
     Raises
     ------
     OutputError
-        The folder cannot be written, or matplotlib, which draws the diagrams, is not installed.
+        The folder cannot be written, or matplotlib is needed and not installed.
     """
     target = Path(folder)
     errors = scores.errors
@@ -94,7 +87,7 @@ def write_scores(
 
 
 def scores_document(scores: Scores, title: str) -> dict[str, Any]:
-    """Figures for JSON; null where nothing was to be counted."""
+    """Figures as JSON-ready values; NaN becomes null."""
     return {
         "method": title,
         "part": scores.part or ALL,
@@ -107,7 +100,7 @@ def scores_document(scores: Scores, title: str) -> dict[str, Any]:
 
 
 def value_text(one: Figure) -> str:
-    """Value of a figure for people: shares in per cent, errors to three digits."""
+    """Value of a figure as text: shares in per cent, errors to three digits."""
     if not math.isfinite(one.value):
         return "–"
     if one.name == "queries":
@@ -122,7 +115,7 @@ def _is_share(one: Figure) -> bool:
 
 
 def figure_rows(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
-    """Rows of a table: each figure's name, its value in each group, and its definition."""
+    """Rows of a table: name of a figure, its value in each group, its definition."""
     names: dict[str, Figure] = {}
     for figures in groups.values():
         for one in figures:
@@ -139,7 +132,7 @@ def figure_rows(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]
 
 
 def _geojson(errors: Errors) -> dict[str, Any]:
-    """Places where queries were taken, with their errors as properties."""
+    """Positions of queries, with errors as properties."""
     features = []
     for at, name in enumerate(errors.query):
         values = {
@@ -179,9 +172,9 @@ def _draw_shares(errors: Errors, title: str) -> bytes:
     drawing = new_figure(8.0, 4.6)
     axes = drawing.add_subplot()
     for name, colour in _colours(errors.imagery).items():
-        own = errors.error_m[_of(errors, name)]
-        known = np.sort(np.clip(own[np.isfinite(own)], _LEAST_M, None))
-        share = 100.0 * np.arange(1, len(known) + 1) / len(own)
+        values = errors.error_m[_rows(errors, name)]
+        known = np.sort(np.clip(values[np.isfinite(values)], _LEAST_M, None))
+        share = 100.0 * np.arange(1, len(known) + 1) / len(values)
         ends = [_LEAST_M, *known, _GREATEST_M], [0.0, *share, share[-1] if len(share) else 0.0]
         axes.step(*ends, where="post", color=colour, linewidth=1.8, label=short_label(name))
     logarithmic(axes, "x")
@@ -193,34 +186,34 @@ def _draw_shares(errors: Errors, title: str) -> bytes:
 
 
 def _colours(names: Iterable[str]) -> dict[str, str]:
-    """Colours of imageries, the same in all diagrams."""
+    """Colour of each imagery, the same in all diagrams."""
     return dict(zip(dict.fromkeys(names), cycle(_COLOURS)))
 
 
-def _of(errors: Errors, imagery: str) -> NDArray[np.intp]:
-    """Rows of an imagery."""
+def _rows(errors: Errors, imagery: str) -> NDArray[np.intp]:
+    """Rows of the queries of an imagery."""
     return np.flatnonzero([one == imagery for one in errors.imagery])
 
 
 def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
-    """Where queries were taken, coloured by their errors, over the reference; one map for each imagery."""
+    """Positions of queries over the reference, coloured by error; a map for each imagery."""
     mosaic = benchmark.mosaic
     grey = Image.fromarray(benchmark.grey(mosaic.file))
-    ground = np.asarray(grey.reduce(max(max(grey.size) // _MAP_PX, 1)))
+    ground = np.asarray(grey.reduce(max(max(grey.size) // 1200, 1)))
     x, y = mosaic.px(errors.lat_deg, errors.lon_deg)
     names = list(dict.fromkeys(errors.imagery))
-    across = min(len(names), _MAPS_ACROSS)
+    across = min(len(names), 3)
     down = -(-len(names) // across)
     shape = min(max(grey.height / grey.width, 0.4), 1.4)
     drawing = new_figure(4.6 * across + 0.2, (4.6 * shape + 0.4) * down + 0.8)
     drawing.suptitle(f"Where queries were taken, by error, {title}", fontsize=FONT["title"])
-    bounds = [0.0, *_STEPS_M, math.inf]
+    bounds, shades = (0.0, 5.0, 20.0, 100.0, math.inf), (BLUE, SKY, ORANGE, VERMILION)
     for at, name in enumerate(names):
         axes = drawing.add_subplot(down, across, at + 1)
         size = (0.0, mosaic.width_px, mosaic.height_px, 0.0)
         axes.imshow(ground, cmap="gray", extent=size, alpha=0.55, vmin=0, vmax=255)
-        rows = _of(errors, name)
-        for low, high, colour in zip(bounds, bounds[1:], _STEP_COLOURS):
+        rows = _rows(errors, name)
+        for low, high, colour in zip(bounds, bounds[1:], shades):
             some = rows[(errors.error_m[rows] >= low) & (errors.error_m[rows] < high)]
             label = f"up to {high:g} m" if math.isfinite(high) else f"farther than {low:g} m"
             axes.scatter(x[some], y[some], s=28, color=colour, edgecolors="white", linewidths=0.6, label=label)
@@ -235,41 +228,37 @@ def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
 
 
 def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
-    """Queries that are farthest off, beside the reference where they were taken and where the answer puts them."""
+    """The four worst queries, each beside the reference at its true and at its predicted position."""
     known = np.flatnonzero(np.isfinite(errors.error_m))
-    worst = known[np.argsort(-errors.error_m[known], kind="stable")][:_SHOWN]
+    worst = known[np.argsort(-errors.error_m[known], kind="stable")][:4]
     whole = Image.fromarray(benchmark.colours(benchmark.mosaic.file))
     drawing = new_figure(7.6, 2.75 * len(worst) + 0.6)
     drawing.suptitle(f"Farthest off, {title}", fontsize=FONT["title"])
     for row, at in enumerate(worst.tolist()):
-        query, side_m = _turned(benchmark, benchmark.query_at[errors.query[at]])
-        index = benchmark.query_at[errors.query[at]]
+        index = benchmark.query_rows[errors.query[at]]
+        query, side_m = _north_up(benchmark, index)
         centre = benchmark.queries.centre_lat_deg[index], benchmark.queries.centre_lon_deg[index]
-        # What the answer puts below the camera lies as far from the middle of the image as in truth.
-        shift = [float(answer[at] - truth[at]) for answer, truth in _places(errors)]
-        moved = centre[0] + shift[0], centre[1] + shift[1]
-        shown = (
-            (query, f"{short_label(shortened(errors.query[at], 40))}\nnorth up"),
-            (_around(whole, benchmark, centre, side_m), "reference where it was taken"),
-            (
-                _around(whole, benchmark, moved, side_m),
-                f"at the answer, {errors.error_m[at]:,.0f} m off",
-            ),
+        # The predicted image centre is as far from the predicted camera as in truth.
+        moved = (
+            centre[0] + float(errors.predicted_lat_deg[at] - errors.lat_deg[at]),
+            centre[1] + float(errors.predicted_lon_deg[at] - errors.lon_deg[at]),
         )
-        for column, (picture, said) in enumerate(shown):
+        shown = (
+            # Titles of up to 40 characters fit over a picture.
+            (query, f"{short_label(shortened(errors.query[at], 40))}\nnorth up"),
+            (_cut_out(whole, benchmark, centre, side_m), "reference where it was taken"),
+            (_cut_out(whole, benchmark, moved, side_m), f"at the answer, {errors.error_m[at]:,.0f} m off"),
+        )
+        for column, (picture, title) in enumerate(shown):
             axes = drawing.add_subplot(len(worst), len(shown), row * len(shown) + column + 1)
             axes.imshow(picture)
-            axes.set_title(said, fontsize=7)
+            axes.set_title(title, fontsize=7)
             axes.set_axis_off()
     return png(drawing)
 
 
-def _places(errors: Errors) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-    return (errors.predicted_lat_deg, errors.lat_deg), (errors.predicted_lon_deg, errors.lon_deg)
-
-
-def _turned(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
-    """A query with north about up, on a square, and the width of that on the ground in metres, about."""
+def _north_up(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
+    """A query rotated to north up and padded to a square, and the approximate width of that in metres."""
     queries = benchmark.queries
     picture = open_image(benchmark.folder / queries.file[index], as_shown=True).convert("RGB")
     turned = picture.rotate(-float(queries.yaw_deg[index]), Image.BILINEAR, expand=True, fillcolor="white")
@@ -280,19 +269,20 @@ def _turned(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
     return square, float(side / queries.fx_px[index] * above_m)
 
 
-def _around(whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float) -> Image.Image:
-    """Square of the mosaic around a place; black where there is none, as of a prediction anywhere on the Earth."""
+def _cut_out(whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float) -> Image.Image:
+    """Square of the mosaic around a position; black outside the mosaic."""
     mosaic = benchmark.mosaic
     lat, lon = place
     x, y = (float(value) for value in mosaic.px(np.array(lat), np.array(lon)))
-    there, _ = mosaic.ground(np.array(x), np.array(y - _FAR_PX))
-    half = side_m / 2.0 * _FAR_PX / max(abs(float(there) - lat) * _DEGREE_M, 1e-6)
-    # Pictures of no more than is there: cut out of nothing, they would take memory all the same.
+    # The size of a pixel, from the latitude 100 px farther north; a degree of latitude has 111,195 m on average.
+    farther_lat, _ = mosaic.ground(np.array(x), np.array(y - 100.0))
+    half = side_m / 2.0 * 100.0 / max(abs(float(farther_lat) - lat) * 111_195.0, 1e-6)
+    # Larger cut-outs would take memory and show nothing more.
     half = min(half, 2.0 * max(whole.size))
     if not (-half < x < whole.width + half and -half < y < whole.height + half):
-        return Image.new("RGB", (_THUMB_PX, _THUMB_PX))
+        return Image.new("RGB", (_CUT_PX, _CUT_PX))
     box = round(x - half), round(y - half), round(x + half), round(y + half)
-    return whole.crop(box).resize((_THUMB_PX, _THUMB_PX), Image.BILINEAR)
+    return whole.crop(box).resize((_CUT_PX, _CUT_PX), Image.BILINEAR)
 
 
 def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> str:

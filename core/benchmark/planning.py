@@ -1,4 +1,4 @@
-"""A benchmark worked out before anything is fetched: its queries, and the reference that holds their ground."""
+"""A benchmark planned before anything is fetched: its queries, and the reference that covers their ground."""
 
 from __future__ import annotations
 
@@ -26,44 +26,40 @@ from ..mission.relief.ground import Heights
 from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 
-#: Field of view across the mosaic and its tiles, whose frames are windows of the map whatever the camera.
+#: Nominal field of view of the mosaic and its tiles; as they are map frames, any other would show the same.
 _FOV_DEG = 30.0
-#: What the mosaic reaches beyond its box: a camera straight above the middle sees its sides' midpoints there.
-_SPARE = 1.01
-#: Least width of a tile: narrower ones show nothing to tell places by, and there would be any number of them.
+#: Least width of a tile: narrower ones show too little to recognise, and their number would have no bound.
 _LEAST_TILE_PX = 16
-#: Corners of imagery are one where they agree to so many digits of a world's width; edges are whole pixels to a share.
-_DIGITS, _SPARE_PX = 12, 1e-3
 
 
 @dataclass(frozen=True)
 class BenchmarkSettings:
-    """What is asked for.
+    """Settings of a benchmark.
 
     Parameters
     ----------
     queries : Mission
-        How queries are taken; its imagery is replaced by each of ``imageries``.
+        Mission of the queries; its imagery is replaced by each of ``imageries``.
     imageries : tuple of NamedImagery
-        What the queries are pictures of; each has all of them.
+        Imageries of the queries; each shows all of them.
     reference : NamedImagery
-        What they are to be found in.
+        Imagery to find them in.
     tile_widths_m : tuple of float
-        Widths of the reference's tiles on the ground; empty for that of a square as large as what a query shows.
+        Widths of the reference's tiles on the ground; if empty, that of a square as large as a query's ground.
     tile_overlap : float
-        Share of a tile that its neighbour shows again, in [0, 1).
+        Overlap of neighbouring tiles as a share of their width, in [0, 1).
     margin_m : float or None
-        Ground of the reference around that of the queries; None for as much as the widest tile is wide.
+        Margin of the reference around the queries' ground; None for the width of the widest tile.
     positive_iou, semi_positive_iou : float
-        Ground that query and tile both show, over ground that either shows, from which a tile is right or nearly so.
+        Least intersection over union, on the ground, of a query and a positive or semi-positive tile.
     split : str
         One of `SPLITS`.
     shares : three numbers
-        Of training, validation and test.
+        Shares of training, validation and test.
     gap_m : float
-        With cross-area: minimum distance between ground of two parts.
+        With cross-area: minimum distance between the ground of two parts.
     inside : bool
-        Leave out queries that see beyond the imagery of one of the ``imageries``, or of the reference.
+        Leave out queries that see beyond one of the ``imageries`` or the reference.
     """
 
     queries: Mission
@@ -101,7 +97,7 @@ class BenchmarkSettings:
             raise InvalidInput("split {0!r}: must be one of {1}", self.split, ", ".join(SPLITS))
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping: the same settings give the same text."""
+        """JSON-ready mapping; equal settings give equal mappings."""
         return {
             "schema": SCHEMA,
             "queries": self.queries.to_dict(),
@@ -115,25 +111,25 @@ class BenchmarkSettings:
             "split": self.split,
             "shares": list(self.shares),
             "gap_m": self.gap_m,
-            # Benchmarks of before had no such setting.
+            # Only where set: benchmarks of earlier versions lack it.
             **({"inside": True} if self.inside else {}),
         }
 
 
 @dataclass(frozen=True, eq=False)
 class BenchmarkPlan:
-    """A benchmark worked out.
+    """Plans of a benchmark's captures.
 
     Attributes
     ----------
     queries : mapping of str to Plan
-        By the imagery's name; captures of one index are of one pose.
+        By name of imagery; captures of equal index have equal poses.
     mosaic : Plan
-        Of one image.
+        Plan of one image.
     tiles : mapping of float to Plan
-        By their width in metres.
+        By width in metres.
     left_out : int
-        Queries of each imagery that see beyond the imagery, where those are left out.
+        Number of queries of each imagery left out by ``inside``.
     """
 
     settings: BenchmarkSettings
@@ -144,7 +140,7 @@ class BenchmarkPlan:
 
     @property
     def captures(self) -> dict[str, tuple[NamedImagery, Plan]]:
-        """Imagery and plan of each capture, by its folder in the benchmark's."""
+        """Imagery and plan of each capture, by its folder."""
         reference = self.settings.reference
         return {
             f"{REFERENCE_FOLDER}/{MOSAIC}": (reference, self.mosaic),
@@ -154,26 +150,26 @@ class BenchmarkPlan:
 
 
 def tiles_folder(width_m: float) -> str:
-    """Folder of tiles of a width, in the benchmark's."""
+    """Folder of the tiles of a width, relative to the benchmark's."""
     return f"{REFERENCE_FOLDER}/{TILES}_{width_m:g}m"
 
 
 def plan_benchmark(
     settings: BenchmarkSettings, grids: Mapping[str, PixelGrid], heights: Heights | None = None
 ) -> BenchmarkPlan:
-    """Work a benchmark out.
+    """Plan a benchmark.
 
     Parameters
     ----------
     grids : mapping of str to PixelGrid
-        Of each imagery's source, by the imagery's text.
+        Of each imagery's source, keyed by ``str`` of the imagery.
     heights : Heights or None
-        Those of the queries' elevation, where they have one.
+        Of the queries' elevation model, if they have one.
 
     Raises
     ------
     InvalidInput
-        Queries that cannot be flown or see the horizon; a reference of more pixels than an image may have.
+        The queries cannot be flown or see the horizon, or the reference exceeds the size of an image.
     """
     mission = settings.queries.replace(frame="camera")
 
@@ -183,21 +179,21 @@ def plan_benchmark(
     queries, left_out = plan_imageries(mission), 0
     if settings.inside:
         asked = len(queries[settings.imageries[0].name])
-        # In wind those that are left are moved otherwise.
+        # Repeated, as in wind the remaining queries move.
         while not (kept := _inside(settings, queries, grids)).all():
             mission = captured_points(mission, queries[settings.imageries[0].name], kept)
             queries = plan_imageries(mission)
         left_out = asked - len(kept)
     first = queries[settings.imageries[0].name]
-    for name, worked_out in queries.items():
-        beyond = np.flatnonzero(~worked_out.corners.hit.all(axis=1))
+    for name, planned in queries.items():
+        beyond = np.flatnonzero(~planned.corners.hit.all(axis=1))
         if len(beyond):
             raise InvalidInput(
                 "queries of {0}: {1:,} of {2:,} see the horizon, first {3}, and no reference holds their ground",
                 name,
                 len(beyond),
-                len(worked_out),
-                worked_out.names[beyond[0]],
+                len(planned),
+                planned.names[beyond[0]],
                 remedy="tilt less, or take a narrower camera",
             )
     widths = settings.tile_widths_m or (round(_side_of_ground_m(first), 1),)
@@ -211,7 +207,7 @@ def plan_benchmark(
 def _inside(
     settings: BenchmarkSettings, queries: Mapping[str, Plan], grids: Mapping[str, PixelGrid]
 ) -> NDArray[np.bool_]:
-    """Which queries see the imagery of all their sources and of the reference alone."""
+    """Whether each query sees nothing beyond the imagery of its sources and of the reference."""
     found = [captures_inside(queries[one.name], grids[str(one)]) for one in settings.imageries]
     found.append(captures_inside(queries[settings.imageries[0].name], grids[str(settings.reference)]))
     whole: NDArray[np.bool_] = np.logical_and.reduce(found)
@@ -219,7 +215,7 @@ def _inside(
 
 
 def _cut(mosaic: Plan) -> Plan:
-    """Plan of one map frame without what lies beyond its source's imagery."""
+    """Plan of one map frame, clipped to its source's imagery."""
     windows, (west, top, east, bottom) = mosaic.windows, _extent_px(mosaic)
     left, upper = np.maximum(windows.left_px, west), np.maximum(windows.top_px, top)
     right = np.minimum(windows.left_px + windows.width_px, east)
@@ -231,25 +227,23 @@ def _cut(mosaic: Plan) -> Plan:
 
 
 def _extent_px(one: Plan) -> tuple[float, float, float, float]:
-    """Left, top, right and bottom of a source's imagery at a plan's zoom; infinite where they are not known.
+    """Left, top, right and bottom of a source's imagery at a plan's zoom.
 
-    They are where the imagery is a rectangle along the grid's own axes, as that of a raster is.
+    Infinite unless the imagery is a rectangle along the axes of the grid, as that of a raster is.
     """
     extent, world = one.grid.extent, one.grid.world_px(one.zoom)
     corners = np.array(extent or (), np.float64).reshape(-1, 2)
-    u, v = np.unique(np.round(corners, _DIGITS), axis=0).T if len(corners) else (corners[:, 0], corners[:, 1])
+    # Equal up to rounding: a 1e-12 of the world's width is 40 micrometres.
+    u, v = np.unique(np.round(corners, 12), axis=0).T if len(corners) else (corners[:, 0], corners[:, 1])
     if len(np.unique(u)) != 2 or len(np.unique(v)) != 2:
         return -math.inf, -math.inf, math.inf, math.inf
-    # Whole pixels, but for the rounding of fractions.
-    low, high = (
-        np.ceil(corners.min(axis=0) * world - _SPARE_PX),
-        np.floor(corners.max(axis=0) * world + _SPARE_PX),
-    )
+    # Whole pixels inside; an edge within 1e-3 px of a whole one is taken for it, as fractions are rounded.
+    low, high = np.ceil(corners.min(axis=0) * world - 1e-3), np.floor(corners.max(axis=0) * world + 1e-3)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def _side_of_ground_m(queries: Plan) -> float:
-    """Side of a square as large as the ground that a query shows, median."""
+    """Side of a square of the median area of the queries' ground."""
     lat, lon = queries.corners.lat_deg, queries.corners.lon_deg
     ring = np.repeat(np.arange(len(lat)), lat.shape[1])
     areas = WGS84.ring_areas_m2(lon.ravel(), lat.ravel(), ring, len(lat))
@@ -257,7 +251,7 @@ def _side_of_ground_m(queries: Plan) -> float:
 
 
 def _ground(queries: Mapping[str, Plan]) -> Box:
-    """Box of all that queries show; longitudes of one mission are continuous."""
+    """Bounding box of the queries' ground; longitudes of a mission are continuous."""
     corners = [one.corners for one in queries.values()]
     lat = np.concatenate([one.lat_deg.ravel() for one in corners])
     lon = np.concatenate([one.lon_deg.ravel() for one in corners])
@@ -265,7 +259,7 @@ def _ground(queries: Mapping[str, Plan]) -> Box:
 
 
 def _grown(box: Box, margin_m: float) -> Box:
-    """Box with a margin around it, within the map."""
+    """Box with a margin, within the map."""
     farthest = np.array(max(abs(box.north_deg), abs(box.south_deg)))
     more_lat = math.degrees(margin_m / float(WGS84.meridional_radius_m(farthest)))
     shrink = max(math.cos(math.radians(float(farthest))), 1e-3)
@@ -279,11 +273,11 @@ def _grown(box: Box, margin_m: float) -> Box:
 
 
 def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any) -> Mission:
-    """Mission of map frames of the reference, as its source has its pixels."""
+    """Mission of map frames of the reference."""
     asked = settings.queries
     values = {
         "frame": "map",
-        # How far a map is from one camera's picture is no error of it.
+        # The reference is a map, and not meant to resemble a camera's image.
         "accept_error": True,
         "image_format": asked.output.image_format,
         "crs": asked.imagery.crs,
@@ -297,13 +291,14 @@ def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any
 def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid) -> Plan:
     """Plan of the reference as one image."""
     middle = (box.north_deg + box.south_deg) / 2.0
-    # At the latitude that is nearest to the equator the box is widest.
+    # A box is widest at its latitude nearest to the equator.
     widest = 0.0 if box.south_deg <= 0.0 <= box.north_deg else min(abs(box.south_deg), abs(box.north_deg))
     width_m = (
         math.radians(box.span_deg) * float(WGS84.normal_radius_m(np.array(widest))) * math.cos(math.radians(widest))
     )
     height_m = math.radians(box.north_deg - box.south_deg) * float(WGS84.meridional_radius_m(np.array(middle)))
-    width_m, height_m = width_m * _SPARE, height_m * _SPARE
+    # Spare for the midpoints of its sides, which a camera above the middle sees outside the box.
+    width_m, height_m = width_m * 1.01, height_m * 1.01
     px = math.ceil(max(width_m, height_m) / gsd_m)
     camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
     agl_m = width_m / camera.ground_size_m(1.0)[0]
@@ -331,7 +326,7 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
 
 
 def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
-    """Plan of tiles: windows of the mosaic, of one size, to its ends; as far apart as the overlap asks, or nearer."""
+    """Plan of tiles: windows of equal size that cover the mosaic exactly, with at least the overlap asked for."""
     grid, zoom = mosaic.grid, mosaic.zoom
     left, top, wide, high = (int(part[0]) for part in mosaic.windows)
     lat, lon = (angle[:1] for angle in mosaic.frame_centres)
@@ -357,7 +352,7 @@ def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
 
 
 def _steps(length_px: int, side_px: int, overlap: float) -> NDArray[np.int64]:
-    """Where tiles begin along a side, from its one end to its other."""
+    """First pixels of tiles along a side, evenly spaced from end to end."""
     count = math.ceil((length_px - side_px) / max(side_px * (1.0 - overlap), 1.0)) + 1
     starts: NDArray[np.int64] = np.round(np.linspace(0.0, length_px - side_px, count)).astype(np.int64)
     return starts

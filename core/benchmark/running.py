@@ -1,4 +1,4 @@
-"""The run of a method over the queries of a benchmark."""
+"""Built-in and user's methods, and their run over the queries of a benchmark."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .folder import Benchmark
 
 
 def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
-    """Method that says the middle of the reference, whatever it is asked: what every other has to beat."""
+    """Method that always answers with the middle of the reference: the baseline that any other has to beat."""
     mosaic = benchmark.mosaic
     lat, lon = (
         float(angle) for angle in mosaic.ground(np.array(mosaic.width_px / 2.0), np.array(mosaic.height_px / 2.0))
@@ -35,12 +35,12 @@ def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
 
 
 def method_named(name: str) -> Method:
-    """Return a method by its name, or one of the user's by ``module:function``.
+    """Return a built-in method by name, or a user's by ``module:function``.
 
     Raises
     ------
     InvalidInput
-        There is none, or it cannot be imported.
+        It does not exist or cannot be imported.
     """
     if name in METHODS:
         module, function = METHODS[name]
@@ -48,7 +48,7 @@ def method_named(name: str) -> Method:
     module, colon, function = name.partition(":")
     if not colon:
         raise InvalidInput("method {0!r}: must be one of {1}, or module:function of your own", name, ", ".join(METHODS))
-    # As with `python -m`: modules of the current folder are found.
+    # Finds modules of the current folder, as `python -m` does.
     if "" not in sys.path:
         sys.path.insert(0, "")
     found = _imported(name, module, function)
@@ -66,7 +66,7 @@ def method_named(name: str) -> Method:
 
 
 def _imported(name: str, module: str, function: str) -> Any:
-    """Function of a module of the user's; raises InvalidInput."""
+    """Import a function of a user's module; raises InvalidInput."""
     try:
         with output_apart:
             return getattr(importlib.import_module(module), function)
@@ -85,21 +85,21 @@ def run_method(
     progress: Callable[[int, int], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> Predictions | None:
-    """Answers of a method to the queries of a part; None where cancelled.
+    """Run a method over the queries of a part; None if cancelled.
 
     Parameters
     ----------
     part : str
-        As for `score`.
+        As in `score`.
     progress : callable
-        Called with the number of queries that are answered, and that of all.
+        Called with the number of answered queries and the number of all.
     cancelled : callable
-        Asked before each query.
+        Called before each query.
 
     Raises
     ------
     InvalidInput
-        A part without queries, or a method that answers with something else than an `Answer`.
+        The part has no queries, or the method does not return an `Answer`.
     """
     rows = benchmark.chosen(part).tolist()
     locate = method(benchmark, benchmark.gallery(part))
@@ -117,12 +117,12 @@ def run_method(
 
 
 def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
-    """Answer of a method as plain values: those of a user's may be of any type."""
+    """Have a query answered and convert the answer to plain values; a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
         raise InvalidInput("method: answers {0} with {1}, which is no Answer", query.id, safe_str(answer, repr))
     try:
-        # One more than there are is enough to be refused: a generator may have no end.
+        # One more than there are is enough to refuse it: a generator may be endless.
         references = tuple(islice(iter(answer.references), tiles + 1))
         pose = {name: float(getattr(answer, name)) for name in POSE}
     except (TerrAInavError, MemoryError):
@@ -147,10 +147,10 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
 
 
 def scores_folder(folder: Path, name: str, part: str = "") -> Path:
-    """Folder of the scores of a method over a part, or over all queries, in that of the benchmark."""
+    """Folder in the benchmark's for the scores of a method over a part, or over all queries."""
     return folder / "scores" / (f"{name}-{part}" if part else name).replace(":", "-")
 
 
 def prediction_file(folder: Path, name: str) -> Path:
-    """File of the predictions of a method, beside its scores."""
+    """File for the predictions of a method, beside its scores."""
     return folder / f"{name.replace(':', '-')}.csv"

@@ -1,4 +1,4 @@
-"""The judge: how near answers are to the truth, in the figures that the field reports."""
+"""Answers compared with the truth, in the figures that publications report."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from . import metrics
 from .answers import POSE, Predictions
 from .folder import Benchmark, Columns
 
-#: Ranks at which figures of retrieval are given.
+#: Ranks K at which retrieval is reported.
 RANKS = (1, 5, 10)
 ALL = "all"
 
 
 class Figure(NamedTuple):
-    """One figure.
+    """A number with its unit and definition.
 
     Attributes
     ----------
     name, unit : str
-        The unit is empty for a share, from 0 to 1.
+        The unit is empty for a share, which is from 0 to 1.
     value : float
-        NaN where nothing was to be counted.
+        NaN where there is nothing to count.
     definition : str
     """
 
@@ -44,25 +44,24 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Errors(Columns):
-    """What became of each query that was to be found; NaN where there is no answer of that kind.
+    """Errors of the answers to q queries; NaN where an answer has no such part.
 
     Parameters
     ----------
     query, imagery : tuple of str
     lat_deg, lon_deg : array (q,)
-        Where it was taken.
+        True position of the camera.
     predicted_lat_deg, predicted_lon_deg : array (q,)
-        Where the answer says so.
     error_m : array (q,)
-        Between the two, along the ground.
+        Distance between the two along the ground.
     distance_m : array (q,)
-        Between camera and answer in space, where the answer has a height.
+        Distance between true and predicted camera in space.
     error_deg : array (q,)
         Angle between the attitudes.
     rank : array (q,)
-        Of the first tile that is right, from 1.
+        Rank of the first positive, from 1.
     tile_m : array (q,)
-        From the ground in the middle of the query to the middle of the first tile.
+        Distance from the ground at the query's centre to the centre of the first tile.
     seconds : array (q,)
     """
 
@@ -82,19 +81,19 @@ class Errors(Columns):
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """The figures of a method.
+    """Figures of a method.
 
     Attributes
     ----------
     groups : dict of str to tuple of Figure
-        By the queries' imagery; `ALL` for all together, where there are several.
+        By the queries' imagery, with `ALL` for their union where there are several.
     recall : dict of str to array (k,)
-        Recall at each rank up to the last that was asked for, of the same.
+        Recall@1 to recall@k of each group.
     errors : Errors
     tiles : int
-        In the gallery.
+        Number in the gallery.
     part : str
-        Of the queries; empty for all.
+        Part of the queries; empty for all.
     """
 
     groups: dict[str, tuple[Figure, ...]]
@@ -104,8 +103,8 @@ class Scores:
     part: str
 
 
-class _Judged(NamedTuple):
-    """What figures are made of, for q queries and their first k tiles, and of which kinds there are answers at all."""
+class _Compared(NamedTuple):
+    """Errors, hits (q, k), and distances of tiles (q, k); and whether any answer has a ranking, position, attitude."""
 
     errors: Errors
     hits: NDArray[np.bool_]
@@ -117,9 +116,9 @@ class _Judged(NamedTuple):
     is_placed: bool
     is_posed: bool
 
-    def of(self, rows: Numbers) -> _Judged:
-        """Some of the queries."""
-        return _Judged(
+    def take(self, rows: Numbers) -> _Compared:
+        """Return those of some queries."""
+        return _Compared(
             self.errors.take(rows),
             self.hits[rows],
             self.positives[rows],
@@ -133,37 +132,37 @@ class _Judged(NamedTuple):
 
 
 def score(benchmark: Benchmark, predictions: Predictions, part: str = "") -> Scores:
-    """Judge predictions.
+    """Compare predictions with the truth.
 
     Parameters
     ----------
     part : str
-        ``train``, ``validation`` or ``test``: queries of that part, found among its tiles; empty for all.
+        ``train``, ``validation`` or ``test``: its queries, searched among its tiles; empty for all.
 
     Raises
     ------
     InvalidInput
-        A part without queries, or answers that rank tiles of another part.
+        The part has no queries, or an answer ranks tiles of another part.
     """
     rows, gallery = benchmark.chosen(part), benchmark.gallery(part)
-    judged = _judged(benchmark, predictions, rows, gallery)
-    imagery = np.array(judged.errors.imagery)
-    names = list(dict.fromkeys(judged.errors.imagery))
-    of_group = {name: np.flatnonzero(imagery == name) for name in names}
+    compared = _compare(benchmark, predictions, rows, gallery)
+    imagery = np.array(compared.errors.imagery)
+    names = list(dict.fromkeys(compared.errors.imagery))
+    rows_by_group = {name: np.flatnonzero(imagery == name) for name in names}
     if len(names) > 1:
-        of_group = {ALL: np.arange(len(rows)), **of_group}
+        rows_by_group = {ALL: np.arange(len(rows)), **rows_by_group}
     groups, recall = {}, {}
-    for name, some in of_group.items():
-        group = judged.of(some)
+    for name, some in rows_by_group.items():
+        group = compared.take(some)
         groups[name] = tuple(_figures(group, len(gallery)))
         findable = group.hits[group.positives > 0]
         if group.is_ranked and len(findable):
             recall[name] = np.logical_or.accumulate(findable, axis=1).mean(axis=0)
-    return Scores(groups, recall, judged.errors, len(gallery), part)
+    return Scores(groups, recall, compared.errors, len(gallery), part)
 
 
-def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gallery: Numbers) -> _Judged:
-    """Compare answers with the truth, for queries by their rows."""
+def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gallery: Numbers) -> _Compared:
+    """Compare the answers to some queries with the truth."""
     queries, tiles = benchmark.queries, benchmark.references
     answer = np.full(len(queries), -1, np.int64)
     answer[predictions.index] = np.arange(len(predictions.index))
@@ -209,7 +208,7 @@ def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, galle
     )
     widths = np.where(ranking >= 0, tiles.width_m[ranking], np.nan)
     counts = np.array([len(one) for one in positives], np.int64)
-    return _Judged(
+    return _Compared(
         errors,
         hits,
         counts,
@@ -222,22 +221,22 @@ def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, galle
     )
 
 
-def _figures(judged: _Judged, tiles: int) -> list[Figure]:
-    """Figures of some queries."""
-    errors = judged.errors
+def _figures(compared: _Compared, tiles: int) -> list[Figure]:
+    """All figures of a group."""
+    errors = compared.errors
     count = len(errors.query)
     said = np.isfinite(errors.error_m) | np.isfinite(errors.tile_m)
     found = [Figure("queries", float(count), "", f"asked for; {int(said.sum()):,} answered")]
-    if judged.is_ranked:
-        found += _ranking_figures(judged, tiles)
-    if judged.is_placed:
+    if compared.is_ranked:
+        found += _ranking_figures(compared, tiles)
+    if compared.is_placed:
         position = metrics.position_figures(errors.error_m)
         found.append(Figure("position", position.median, "m", "median error along the ground, of those answered"))
         found += [
             Figure(f"within {limit:g} m", share, "", "of all queries, along the ground")
             for limit, share in zip(metrics.WITHIN_M, position.within)
         ]
-    if judged.is_posed:
+    if compared.is_posed:
         pose = metrics.pose_figures(errors.distance_m, errors.error_deg)
         found.append(Figure("attitude", pose.median, "deg", "median angle between attitudes, of those answered"))
         found += [
@@ -249,10 +248,10 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
     return found
 
 
-def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
+def _ranking_figures(compared: _Compared, tiles: int) -> list[Figure]:
     """Figures of retrieval."""
-    findable = judged.positives > 0
-    hits, counts = judged.hits[findable], judged.positives[findable]
+    findable = compared.positives > 0
+    hits, counts = compared.hits[findable], compared.positives[findable]
     rest = int((~findable).sum())
     of_what = f"of {len(counts):,} queries that have a tile that is right" + (f", {rest:,} have none" if rest else "")
     found = [
@@ -278,19 +277,19 @@ def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
         found += [
             Figure(
                 f"SDM@{k} per metre",
-                metrics.sdm(judged.centre_m, k, metrics.SDM_PER_M),
+                metrics.sdm(compared.centre_m, k, metrics.SDM_PER_M),
                 "",
                 f"mean of exp(-0.001 d), d in metres to the {weights} (GTA-UAV)",
             ),
             Figure(
                 f"SDM@{k} per degree",
-                metrics.sdm(judged.centre_deg, k, metrics.SDM_PER_DEG),
+                metrics.sdm(compared.centre_deg, k, metrics.SDM_PER_DEG),
                 "",
                 f"mean of exp(-5000 d), d in degrees to the {weights} (DenseUAV)",
             ),
             Figure(
                 f"PDM@{k}",
-                metrics.pdm(judged.centre_m / judged.widths, k),
+                metrics.pdm(compared.centre_m / compared.widths, k),
                 "",
                 f"mean of 1 / (1 + exp(6 (d - 0.9))), d in tile widths to the {weights} (AnyVisLoc)",
             ),
@@ -298,7 +297,7 @@ def _ranking_figures(judged: _Judged, tiles: int) -> list[Figure]:
     found.append(
         Figure(
             "Dis@1",
-            _mean(judged.centre_m[:, 0]),
+            _mean(compared.centre_m[:, 0]),
             "m",
             "mean distance from the ground in the middle of the query to the middle of the first tile (GTA-UAV)",
         )
@@ -312,21 +311,20 @@ def _mean(values: Floats) -> float:
 
 
 def _tile_distances(benchmark: Benchmark, rows: Numbers, ranking: Numbers) -> tuple[Floats, Floats]:
-    """Distances (q, k) from the ground in the middle of queries to the middles of their tiles, metres and degrees."""
+    """Distances (q, k) from the ground at queries' centres to the centres of tiles, in metres and in degrees."""
     queries, tiles = benchmark.queries, benchmark.references
     lat, lon = (np.where(ranking >= 0, angle[ranking], np.nan) for angle in (tiles.lat_deg, tiles.lon_deg))
-    own_lat, own_lon = (
+    query_lat, query_lon = (
         np.broadcast_to(angle[rows, np.newaxis], lat.shape)
         for angle in (queries.centre_lat_deg, queries.centre_lon_deg)
     )
-    dlon = lon - own_lon
-    return _ground_m(own_lat, own_lon, lat, lon), np.sqrt(
-        (lat - own_lat) ** 2 + (dlon - 360.0 * np.rint(dlon / 360.0)) ** 2
-    )
+    dlon = lon - query_lon
+    dlon -= 360.0 * np.rint(dlon / 360.0)
+    return _ground_m(query_lat, query_lon, lat, lon), np.sqrt((lat - query_lat) ** 2 + dlon**2)
 
 
 def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) -> Floats:
-    """Geodesic distances (any shape), NaN where a place is not known."""
+    """Geodesic distances (any shape); NaN where a position is NaN."""
     found = np.full(lat.shape, np.nan)
     known = np.isfinite(lat) & np.isfinite(lon) & np.isfinite(other_lat) & np.isfinite(other_lon)
     *_, found[known] = geodesics(*(values[known] for values in (lat, lon, other_lat, other_lon)))
@@ -334,7 +332,7 @@ def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) ->
 
 
 def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Straight distances (q,) between places by latitude, longitude and height; NaN where one is not known."""
+    """Distances (q,) in space of positions (latitude, longitude, height); NaN where one is NaN."""
     found = np.full(len(place[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         frame = LocalFrame(*(float(values[at]) for values in place))
@@ -343,14 +341,14 @@ def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
 
 
 def _between_deg(pose: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Angles (q,) between attitudes by latitude, longitude, yaw, tilt and roll; NaN where one is not known."""
+    """Angles (q,) between poses (latitude, longitude, yaw, tilt, roll); NaN where one is NaN."""
     found = np.full(len(pose[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         axes = [
             np.stack(image_axes(*attitude)) @ enu_axes(lat, lon)
             for lat, lon, *attitude in ([float(values[at]) for values in one] for one in (pose, other))
         ]
-        # From the chord between axes, which keeps digits where the arccosine of a trace has none.
+        # From the chord between axes: the arccosine of the trace loses the digits of small angles.
         chord = np.linalg.norm(axes[0] - axes[1])
         found[at] = math.degrees(2.0 * math.asin(min(float(chord) / math.sqrt(8.0), 1.0)))
     return found

@@ -1,4 +1,4 @@
-"""What is true of a benchmark: where its queries were taken, where its tiles lie, and which of both show one ground."""
+"""Ground truth: poses of queries, positions of tiles, and which of them show the same ground."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .planning import BenchmarkPlan, tiles_folder
 
 
 class Captured(NamedTuple):
-    """Images of a capture that are there: their set, their rows in its table, and their captures in the plan."""
+    """Images that exist: their set, their rows in its table, and their indices in the plan."""
 
     images: ImageSet
     rows: Numbers
@@ -28,16 +28,16 @@ class Captured(NamedTuple):
 
     @property
     def stems(self) -> list[str]:
-        """Names without ending."""
+        """Names without extension."""
         return [Path(self.images.table.img_names[row]).stem for row in self.rows.tolist()]
 
     def files(self, root: Path) -> list[str]:
-        """Files, from a folder."""
+        """Paths relative to a folder."""
         return [self.images.path(row).relative_to(root).as_posix() for row in self.rows.tolist()]
 
 
 def captured(folder: Path, plan: Plan) -> Captured:
-    """Images of a plan that its capture has left in a folder."""
+    """Find the images of a plan in the folder of its capture."""
     (images,) = read_dataset(folder).image_sets.values()
     at = {name: index for index, name in enumerate(plan.names)}
     rows = np.flatnonzero(images.there)
@@ -46,7 +46,7 @@ def captured(folder: Path, plan: Plan) -> Captured:
 
 
 def locate_mosaic(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
-    """Where the mosaic lies."""
+    """Georeference the mosaic."""
     west, _, _, north = (float(edge[0]) for edge in plan.edges)
     across, down = plan.grid.pixel_size(plan.zoom)
     return ReferenceMosaic(
@@ -61,10 +61,10 @@ def locate_mosaic(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
     )
 
 
-def make_queries(root: Path, worked_out: BenchmarkPlan, parts: list[str]) -> Queries:
-    """Queries whose images are there; ``parts`` are those of the captures of one imagery, or empty."""
+def make_queries(root: Path, planned: BenchmarkPlan, parts: list[str]) -> Queries:
+    """Queries whose images exist; ``parts`` has the part of each capture of an imagery, or is empty."""
     found = []
-    for name, plan in worked_out.queries.items():
+    for name, plan in planned.queries.items():
         images = captured(root / QUERIES_FOLDER / name, plan)
         index = images.at
         poses = plan.poses.take(index)
@@ -101,17 +101,17 @@ def make_queries(root: Path, worked_out: BenchmarkPlan, parts: list[str]) -> Que
 
 
 def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
-    """Ground in the middle of images, degrees, its longitude wrapped."""
+    """Latitude and longitude, wrapped, of the ground at image centres."""
     middle, poses = ((0.0, 0.0),), plan.poses.take(index)
     poses = poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))
     seen, _ = plan.relief.seen(poses, plan.height_m[index], middle)
     return seen.lat_deg[:, 0], wrap_lon_deg(seen.lon_deg[:, 0])
 
 
-def make_references(root: Path, worked_out: BenchmarkPlan, parts: dict[str, list[str]]) -> References:
-    """Tiles whose images are there; ``parts`` are those of the captures of each folder, or empty."""
+def make_references(root: Path, planned: BenchmarkPlan, parts: dict[str, list[str]]) -> References:
+    """Tiles whose images exist; ``parts`` has the part of each capture, by folder, or is empty."""
     found = []
-    for width_m, plan in worked_out.tiles.items():
+    for width_m, plan in planned.tiles.items():
         folder = tiles_folder(width_m)
         images = captured(root / folder, plan)
         index = images.at
@@ -135,7 +135,7 @@ def make_references(root: Path, worked_out: BenchmarkPlan, parts: dict[str, list
 
 
 class _Ring(NamedTuple):
-    """Ring of a query's ground in the reference's plane."""
+    """Outline of a query in the reference's plane."""
 
     x: Floats
     y: Floats
@@ -145,18 +145,17 @@ class _Ring(NamedTuple):
 
 
 def find_positives(
-    worked_out: BenchmarkPlan, mosaic: ReferenceMosaic, queries: Queries, references: References
+    planned: BenchmarkPlan, mosaic: ReferenceMosaic, queries: Queries, references: References
 ) -> Positives:
-    """Pairs of queries and tiles whose ground meets as much as the settings ask for.
+    """Pairs of queries and tiles that are positive or semi-positive.
 
-    What a query shows is its outline on the ground (over relief, on that), traced by the exact camera. Areas are those
-    of the ellipsoid.
+    Outlines of queries are traced by the exact camera, onto the relief if there is one. Areas are on the ellipsoid.
     """
-    settings = worked_out.settings
+    settings = planned.settings
     edges = references.west, references.south, references.east, references.north
     areas = _rectangles_m2(mosaic, *edges)
     rows: list[tuple[str, str, str, float]] = []
-    for index, (lat, lon) in enumerate(_outlines(worked_out, queries)):
+    for index, (lat, lon) in enumerate(_outlines(planned, queries)):
         x, y = mosaic.xy(lat, lon)
         near = np.flatnonzero((edges[0] < x.max()) & (edges[2] > x.min()) & (edges[1] < y.max()) & (edges[3] > y.min()))
         if not len(near):
@@ -173,12 +172,10 @@ def find_positives(
     return Positives(tuple(query), tuple(reference), tuple(kinds), np.array(values, np.float64))
 
 
-def _outlines(worked_out: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Floats, Floats]]:
-    """Latitudes and longitudes of the outline of each query."""
+def _outlines(planned: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Floats, Floats]]:
+    """Yield latitudes and longitudes of the outline of each query."""
     at = {
-        (name, stem): (plan, index)
-        for name, plan in worked_out.queries.items()
-        for index, stem in enumerate(plan.names)
+        (name, stem): (plan, index) for name, plan in planned.queries.items() for index, stem in enumerate(plan.names)
     }
     for one in queries.id:
         name, _, stem = one.partition("/")
@@ -188,7 +185,7 @@ def _outlines(worked_out: BenchmarkPlan, queries: Queries) -> Iterator[tuple[Flo
 
 
 def _rectangles_m2(mosaic: ReferenceMosaic, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
-    """Ground of rectangles of the reference's plane, (r,)."""
+    """Areas (r,) on the ellipsoid of rectangles in the reference's plane."""
     x, y = np.stack([west, east, east, west], axis=1), np.stack([south, south, north, north], axis=1)
     lat, lon = mosaic.lat_lon(x, y)
     lon = lon - 360.0 * np.rint((lon - lon[:, :1]) / 360.0)
@@ -197,6 +194,6 @@ def _rectangles_m2(mosaic: ReferenceMosaic, west: Floats, south: Floats, east: F
 
 
 def _continuous(mosaic: ReferenceMosaic, about_deg: float, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Latitudes and longitudes of places in the reference's plane, continuous about a meridian."""
+    """Latitudes and longitudes of points in the reference's plane, continuous about a meridian."""
     lat, lon = mosaic.lat_lon(x, y)
     return lat, lon - 360.0 * np.rint((lon - about_deg) / 360.0)

@@ -297,8 +297,8 @@ def _gta(under_way: _Export) -> None:
     right: dict[int, list[tuple[float, int, bool]]] = {}
     truth = benchmark.truth
     for query, tile, kind, iou in zip(truth.query, truth.reference, truth.kind, truth.iou.tolist()):
-        pair = (-iou, benchmark.reference_at[tile], kind == POSITIVE)
-        right.setdefault(benchmark.query_at[query], []).append(pair)
+        pair = (-iou, benchmark.reference_rows[tile], kind == POSITIVE)
+        right.setdefault(benchmark.query_rows[query], []).append(pair)
     area = "cross" if benchmark.about.get("split") == CROSS_AREA else "same"
     seen = frame.enu(queries.centre_lat_deg, queries.centre_lon_deg, np.zeros(len(queries)))[:, :2]
     shown, poses = seen * (1.0, -1.0), queries.poses

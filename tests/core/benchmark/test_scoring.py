@@ -301,6 +301,6 @@ def test_a_page_without_positions_has_no_map_of_them(benchmark, tmp_path):
 @pytest.mark.parametrize("side_m", [100.0, 1e12])
 def test_pictures_of_predictions_far_off_are_small_and_black(benchmark, place, side_m):
     whole = Image.new("RGB", (40, 30), "white")
-    picture = pages._around(whole, benchmark, place, side_m)
+    picture = pages._cut_out(whole, benchmark, place, side_m)
     assert picture.width == picture.height < 1000
     assert picture.getextrema() == ((0, 0),) * 3

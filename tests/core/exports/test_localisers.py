@@ -99,7 +99,7 @@ def queries_of(folder: Path) -> dict[str, str]:
 
 
 def part_of(benchmark: Benchmark, query: str) -> str:
-    return benchmark.queries.part[benchmark.query_at[query]]
+    return benchmark.queries.part[benchmark.query_rows[query]]
 
 
 def geocentric(origin: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -226,7 +226,7 @@ def test_anyvisloc(ground, request, tmp_path):
             assert np.abs(pose @ back - np.eye(4)).max() < 1e-12
             assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
             assert back[:3, 3] == pytest.approx(xyz * (1.0, -1.0, 1.0))
-            row_at = benchmark.query_at[query]
+            row_at = benchmark.query_rows[query]
             camera = float(benchmark.queries.lon_deg[row_at]), float(benchmark.queries.lat_deg[row_at])
             at, height = utm((back[:3, 3] + first)[np.newaxis], about["origin"])
             assert at[0] == pytest.approx(
@@ -280,7 +280,7 @@ def test_gta_uav(relief, tmp_path):
     for part in ("train", "validation", "test"):
         for entry in json.loads((folder / f"same-area-drone2sate-{part}.json").read_text()):
             query = named[f"{entry['drone_img_dir']}/{entry['drone_img_name']}"]
-            at = relief.query_at[query]
+            at = relief.query_rows[query]
             assert part_of(relief, query) == part
             queries = relief.queries
             centre = metres(float(queries.centre_lat_deg[at]), float(queries.centre_lon_deg[at]))
@@ -320,7 +320,7 @@ def test_uav_visloc(level, tmp_path):
         check_colours(pixels, at, 1.0, 2.0)
         for flown in table(folder / number / f"{number}.csv"):
             query = named[f"{number}/drone/{flown['filename']}"]
-            index, queries = level.query_at[query], level.queries
+            index, queries = level.query_rows[query], level.queries
             assert float(flown["lat"]) == queries.centre_lat_deg[index]
             assert float(flown["lon"]) == queries.centre_lon_deg[index]
             assert float(flown["height"]) == pytest.approx(60.0)
@@ -360,7 +360,7 @@ def test_places(layout, level, tmp_path):
             for path in drone:
                 query = named.get(path.relative_to(folder).as_posix())
                 if query is not None:
-                    assert path.samefile(level.folder / level.queries.file[level.query_at[query]])
+                    assert path.samefile(level.folder / level.queries.file[level.query_rows[query]])
                     assert part_of(level, query) == inside.partition("/")[0]
                     check_middle(level, query, views["satellite"][label][0])
         if not dense:
@@ -378,7 +378,7 @@ def test_places(layout, level, tmp_path):
     for line in (folder / "Dense_GPS_ALL.txt").read_text().splitlines():
         file, east, north, height = line.split(" ")
         told[file.split("/")[-2]] = float(east.split("E")[-1]), float(north.split("N")[-1]), float(height)
-        at = level.query_at[named[file]]
+        at = level.query_rows[named[file]]
         centre = float(level.queries.centre_lon_deg[at]), float(level.queries.centre_lat_deg[at])
         assert told[file.split("/")[-2]] == pytest.approx((*centre, 60.0), abs=1e-8)
     assert {int(label) for label in told} == labels
@@ -390,7 +390,7 @@ def check_middle(benchmark: Benchmark, query: str, file: Path) -> None:
         pixels = np.asarray(image, float)
     side = len(pixels)
     assert pixels.shape == (side, side, 3)
-    at = benchmark.query_at[query]
+    at = benchmark.query_rows[query]
     lon, lat = float(benchmark.queries.centre_lon_deg[at]), float(benchmark.queries.centre_lat_deg[at])
     x, y = TO_UTM.transform(lon, lat)
     # Cut at whole pixels of 1 m: 4 levels a metre along each axis, and JPEG's noise.
