@@ -321,14 +321,14 @@ class Benchmark:
             about = parse_json(decoded(read_limited(mark, MAX_SETTINGS_BYTES)))
         except (OSError, InvalidInput) as wrong:
             raise InvalidInput(
-                "folder {0}: is no benchmark, as {1} in it cannot be read ({2})",
+                "folder {0}: is not a benchmark, as {1} cannot be read ({2})",
                 folder,
                 BENCHMARK_FILE,
                 getattr(wrong, "strerror", None) or wrong,
                 remedy="make one first (terrainav benchmark make)",
             ) from wrong
         if not isinstance(about, dict) or about.get("schema") != SCHEMA:
-            raise InvalidInput("{0}: is not of a benchmark that this version reads", mark)
+            raise InvalidInput("{0}: is not of a benchmark that this version can read", mark)
         if "mosaic" not in about:
             raise InvalidInput(
                 "folder {0}: is not finished",
@@ -344,7 +344,7 @@ class Benchmark:
             if not (np.isfinite(middle).all() and abs(middle[0][0]) <= 90.0):
                 raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", "west", mosaic.west)
         except (TypeError, InvalidInput, ProjError) as wrong:
-            raise InvalidInput("{0}: does not say where the mosaic lies ({1})", mark, wrong) from wrong
+            raise InvalidInput("{0}: does not state where the mosaic lies ({1})", mark, wrong) from wrong
         found = cls(
             path,
             about,
@@ -360,10 +360,10 @@ class Benchmark:
         for rows, name in ((self.queries, QUERIES_FILE), (self.references, REFERENCES_FILE)):
             if len(set(rows.id)) < len(rows):
                 twice = next(one for one, count in Counter(rows.id).items() if count > 1)
-                raise InvalidInput("{0}: {1!r} is there twice", self.folder / name, twice)
+                raise InvalidInput("{0}: {1!r} appears twice", self.folder / name, twice)
             for file in rows.file:
                 if _is_elsewhere(file):
-                    raise InvalidInput("{0}: {1!r} is no file of the benchmark", self.folder / name, file)
+                    raise InvalidInput("{0}: {1!r} is not a file of the benchmark", self.folder / name, file)
             for column in fields(rows):
                 if column.type == "Floats":
                     values = getattr(rows, column.name)
@@ -384,7 +384,7 @@ class Benchmark:
         ):
             for one in named:
                 if one not in known:
-                    raise InvalidInput("{0}: names {1!r}, which is not there", self.folder / POSITIVES_FILE, one)
+                    raise InvalidInput("{0}: names {1!r}, which does not exist", self.folder / POSITIVES_FILE, one)
 
     @cached_property
     def query_rows(self) -> dict[str, int]:

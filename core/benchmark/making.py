@@ -142,7 +142,7 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
     if found is None:
         if foreign:
             raise OutputError(
-                "folder {0}: holds {1} but no {2}, so it is no benchmark's",
+                "folder {0}: holds {1} but no {2}, so it is not a benchmark",
                 path,
                 foreign[0],
                 BENCHMARK_FILE,

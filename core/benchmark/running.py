@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Numbers
 from ..errors import InvalidInput, Message, TerrAInavError
 from ..external.user_code import called, is_ctrl_c, output_apart
-from ..text.plain import safe_str
+from ..text.plain import error_text, safe_str
 from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, visible_query
 from .choices import METHODS
 from .folder import Benchmark
@@ -58,7 +58,7 @@ def method_named(name: str) -> Method:
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
         locate = called(name, found, benchmark, gallery)
         if not callable(locate):
-            raise InvalidInput("method {0}: returns {1}, which is no function of a query", name, safe_str(locate, repr))
+            raise InvalidInput("method {0}: returns {1}, not a function of a query", name, safe_str(locate, repr))
         tiles = len(benchmark.references)
         return lambda query: called(name, _answered, locate, query, tiles)
 
@@ -73,8 +73,7 @@ def _imported(name: str, module: str, function: str) -> Any:
     except BaseException as wrong:
         if is_ctrl_c(wrong):
             raise
-        said = safe_str(wrong) if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
-        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, said) from wrong
+        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, error_text(wrong)) from wrong
 
 
 def run_method(
@@ -120,7 +119,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
     """Have a query answered and convert the answer to plain values; a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
-        raise InvalidInput("method: answers {0} with {1}, which is no Answer", query.id, safe_str(answer, repr))
+        raise InvalidInput("method: answers {0} with {1}, not an Answer", query.id, safe_str(answer, repr))
     try:
         # One more than there are is enough to refuse it: a generator may be endless.
         references = tuple(islice(iter(answer.references), tiles + 1))
@@ -128,20 +127,13 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
     except (TerrAInavError, MemoryError):
         raise
     except Exception as wrong:
-        raise InvalidInput(
-            "method: answers {0} with what cannot be read: {1}: {2}",
-            query.id,
-            type(wrong).__name__,
-            safe_str(wrong),
-        ) from wrong
+        raise InvalidInput("method: the answer to {0} cannot be read ({1})", query.id, error_text(wrong)) from wrong
     if len(references) > tiles:
         raise InvalidInput("method: answers {0} with more references than there are: {1:,}", query.id, tiles)
     for reference in references:
         if not isinstance(reference, str):
             raise InvalidInput(
-                "method: answers {0} with the reference {1}, which is no text",
-                query.id,
-                safe_str(reference, repr),
+                "method: answers {0} with the reference {1}, not a text", query.id, safe_str(reference, repr)
             )
     return Answer(references, **checked_pose(pose, Message("method: answer to {0}:", query.id)))
 

@@ -1,4 +1,4 @@
-"""Import of libraries that read settings of their own."""
+"""Import of libraries that read settings of the user."""
 
 from __future__ import annotations
 
@@ -11,27 +11,25 @@ from ..errors import OutputError
 def imported(name: str) -> Any:
     """Import a library that may be missing.
 
-    Some read files and environment variables of their own meanwhile, and raise whatever they like where one is wrong.
+    Some read configuration files and environment variables on import, and raise errors of any type for wrong ones.
 
     Raises
     ------
     ImportError
         It is missing.
     OutputError
-        It fails for another reason, which is shown.
+        It fails for another reason, which the message states.
     """
     try:
         return importlib.import_module(name)
     except (ImportError, MemoryError):
         raise
     except Exception as wrong:
-        # Only where something is wrong: the command imports this for its help.
-        from ..text.plain import one_line, safe_str
+        # Imported late, as the command imports this module even for its help.
+        from ..text.plain import error_text
 
-        # A library's text may be pages long.
         raise OutputError(
-            "{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong",
+            "{0}: cannot be imported ({1}); its settings, in a file or the environment, may be wrong",
             name,
-            type(wrong).__name__,
-            one_line(safe_str(wrong), 120),
+            error_text(wrong),
         ) from wrong

@@ -1,4 +1,4 @@
-"""Code of the user's own, called within a run: it may neither end the program nor print into its output."""
+"""Calls of the user's code, which may neither end the program nor print into its output."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput, TerrAInavError
-from ..text.plain import safe_str
+from ..text.plain import error_text
 
-#: File descriptors of the process's output and error output, whatever Python's own are.
+#: File descriptors of the process's output and error output, wherever `sys.stdout` and `sys.stderr` lead.
 _OUTPUT, _ERRORS = 1, 2
 
 
 def called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
-    """Return what a function of the user's method returns; what it prints goes to the error output.
+    """Call a function of the user's method, with its output redirected to the error output.
 
     Parameters
     ----------
     name : str
-        Of the method, as ``module:function``.
+        Name of the method, ``module:function``.
 
     Raises
     ------
     InvalidInput
-        It raised anything but an error of ours, also ``SystemExit``: one line, with its place in the module.
+        It raised anything but a `TerrAInavError`, even ``SystemExit``; the message has the line in the module.
     """
     try:
         with output_apart:
@@ -41,22 +41,22 @@ def called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
         if is_ctrl_c(wrong):
             raise
         frames = traceback.extract_tb(wrong.__traceback__)
-        own = getattr(sys.modules.get(name.partition(":")[0]), "__file__", None)
-        last = next((frame for frame in reversed(frames) if frame.filename == own), frames[-1])
+        module_file = getattr(sys.modules.get(name.partition(":")[0]), "__file__", None)
+        last = next((frame for frame in reversed(frames) if frame.filename == module_file), frames[-1])
         raise InvalidInput(
-            "method {0}: failed with {1}: {2} ({3}, line {4})",
+            "method {0}: failed with {1} ({2}, line {3})",
             name,
-            type(wrong).__name__,
-            safe_str(wrong),
+            error_text(wrong),
             Path(last.filename).name,
             last.lineno,
         ) from wrong
 
 
 def is_ctrl_c(wrong: BaseException) -> bool:
-    """Whether an exception is the user's wish to stop, and none that his code has raised by itself.
+    """Whether an exception stems from Ctrl-C rather than from the user's code.
 
-    The command raises a kind of its own. Python's own handler raises the plain one, in the main thread alone.
+    The command's handler raises a subclass of KeyboardInterrupt. Python's raises KeyboardInterrupt, in the main thread
+    only.
     """
     if not isinstance(wrong, KeyboardInterrupt):
         return False
@@ -67,10 +67,10 @@ def is_ctrl_c(wrong: BaseException) -> bool:
 
 
 class _OutputApart:
-    """Context in which all that the process prints goes to its error output, from C as well.
+    """Context that redirects the output of the process, from C code too, to its error output.
 
-    Several threads may be in it at once: the first one in leads the output away, the last one out leads it back.
-    Programs without such files, as QGIS on Windows is one, have Python's own output led away alone.
+    Several threads may be inside: the first to enter redirects, the last to leave restores. In programs without these
+    file descriptors, such as QGIS on Windows, only `sys.stdout` is redirected.
     """
 
     def __init__(self) -> None:
@@ -99,7 +99,7 @@ output_apart = _OutputApart()
 
 @contextlib.contextmanager
 def _file_apart() -> Iterator[None]:
-    """Lead the file of the output to that of the error output, if there are both."""
+    """Redirect the descriptor of the output to that of the error output, if both exist."""
     _flush()
     try:
         os.fstat(_ERRORS)
@@ -117,10 +117,10 @@ def _file_apart() -> Iterator[None]:
 
 
 def _flush() -> None:
-    """Have all that is printed leave the process: what waits would come out elsewhere."""
+    """Flush the buffers of Python and C, which would otherwise be written to the other file."""
     import ctypes
 
-    # What cannot be printed any more is found out by who prints next.
+    # An output that is closed or broken is reported to whoever prints next.
     with contextlib.suppress(OSError, ValueError, AttributeError):
         sys.stdout.flush()
     with contextlib.suppress(OSError, AttributeError):

@@ -93,6 +93,12 @@ def safe_str(thing: object, shown: Callable[[Any], str] = str) -> str:
         return f"<{type(thing).__name__}, which cannot be printed>"
 
 
+def error_text(error: BaseException) -> str:
+    """Type and text of an error that somebody else's code raised, in one line of `MAX_LINE_CHARACTERS` at most."""
+    text = printable(safe_str(error)[:MAX_TEXT_CHARACTERS])
+    return shortened(": ".join(filter(None, (type(error).__name__, " ".join(text.split())))), MAX_LINE_CHARACTERS)
+
+
 def listed(name: str, title: str) -> str:
     """What lists show of a thing that has a title and a name, and what it can be named by, too.
 

@@ -7215,8 +7215,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>folder {0}: is no benchmark, as {1} in it cannot be read ({2})</source>
-        <translation>carpeta {0}: no es un banco de pruebas, pues no se puede leer su {1} ({2})</translation>
+        <source>folder {0}: is not a benchmark, as {1} cannot be read ({2})</source>
+        <translation>carpeta {0}: no es un banco de pruebas, pues no se puede leer {1} ({2})</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
@@ -7304,8 +7304,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>{0}: does not say where the mosaic lies ({1})</source>
-        <translation>{0}: no dice dónde está el mosaico ({1})</translation>
+        <source>{0}: does not state where the mosaic lies ({1})</source>
+        <translation>{0}: no indica dónde está el mosaico ({1})</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
@@ -7315,23 +7315,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>{0}: is not of a benchmark that this version reads</source>
-        <translation>{0}: no es de un banco de pruebas que lea esta versión</translation>
+        <source>{0}: is not of a benchmark that this version can read</source>
+        <translation>{0}: no es de un banco de pruebas que esta versión pueda leer</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>{0}: names {1!r}, which is not there</source>
-        <translation>{0}: nombra {1!r}, que no está</translation>
+        <source>{0}: names {1!r}, which does not exist</source>
+        <translation>{0}: nombra {1!r}, que no existe</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <source>{0}: {1!r} is no file of the benchmark</source>
+        <source>{0}: {1!r} appears twice</source>
+        <translation>{0}: {1!r} aparece dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: {1!r} is not a file of the benchmark</source>
         <translation>{0}: {1!r} no es un archivo del banco de pruebas</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/folder.py"/>
-        <source>{0}: {1!r} is there twice</source>
-        <translation>{0}: {1!r} está dos veces</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
@@ -7379,8 +7379,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
-        <source>folder {0}: holds {1} but no {2}, so it is no benchmark's</source>
-        <translation>carpeta {0}: contiene {1} pero ningún {2}, así que no es de un banco de pruebas</translation>
+        <source>folder {0}: holds {1} but no {2}, so it is not a benchmark</source>
+        <translation>carpeta {0}: contiene {1} pero ningún {2}, así que no es un banco de pruebas</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
@@ -7510,8 +7510,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method {0}: returns {1}, which is no function of a query</source>
-        <translation>método {0}: devuelve {1}, que no es una función de una consulta</translation>
+        <source>method {0}: returns {1}, not a function of a query</source>
+        <translation>método {0}: devuelve {1}, no una función de una consulta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
@@ -7525,18 +7525,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method: answers {0} with the reference {1}, which is no text</source>
+        <source>method: answers {0} with the reference {1}, not a text</source>
         <translation>método: responde a {0} con la referencia {1}, que no es un texto</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method: answers {0} with what cannot be read: {1}: {2}</source>
-        <translation>método: responde a {0} con algo que no se puede leer: {1}: {2}</translation>
+        <source>method: answers {0} with {1}, not an Answer</source>
+        <translation>método: responde a {0} con {1}, no con un Answer</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method: answers {0} with {1}, which is no Answer</source>
-        <translation>método: responde a {0} con {1}, que no es un Answer</translation>
+        <source>method: the answer to {0} cannot be read ({1})</source>
+        <translation>método: no se puede leer la respuesta a {0} ({1})</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/scoring.py"/>
@@ -7649,8 +7649,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
-        <source>cluster local:{0}: its processes cannot be started ({1}: {2})</source>
-        <translation>clúster local:{0}: no se pueden iniciar sus procesos ({1}: {2})</translation>
+        <source>cluster local:{0}: its processes cannot be started ({1})</source>
+        <translation>clúster local:{0}: no se pueden iniciar sus procesos ({1})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
@@ -8884,8 +8884,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/external/importing.py"/>
-        <source>{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong</source>
-        <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
+        <source>{0}: cannot be imported ({1}); its settings, in a file or the environment, may be wrong</source>
+        <translation>{0}: no se puede importar ({1}); puede que su configuración, en un archivo o en el entorno, sea incorrecta</translation>
     </message>
     <message>
         <location filename="../../core/external/native_calls.py"/>
@@ -8899,8 +8899,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/external/user_code.py"/>
-        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
-        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
+        <source>method {0}: failed with {1} ({2}, line {3})</source>
+        <translation>método {0}: falló con {1} ({2}, línea {3})</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>

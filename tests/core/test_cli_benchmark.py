@@ -98,8 +98,8 @@ def test_imagery_without_a_name_is_called_as_its_source(terrainav):
     ("arguments", "said"),
     [
         (("benchmark",), "benchmark: needs one of make, run, score"),
-        (("benchmark", "run", "nowhere", "--method", "ncc"), "folder nowhere: is no benchmark"),
-        (("benchmark", "score", "nowhere", "mine.csv"), "folder nowhere: is no benchmark"),
+        (("benchmark", "run", "nowhere", "--method", "ncc"), "folder nowhere: is not a benchmark"),
+        (("benchmark", "score", "nowhere", "mine.csv"), "folder nowhere: is not a benchmark"),
     ],
 )
 def test_bad_input_is_one_line(terrainav, arguments, said):

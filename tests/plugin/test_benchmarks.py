@@ -243,7 +243,7 @@ def test_answers_without_positions_have_figures_and_no_map(made, tmp_path):
 
 
 def test_what_cannot_be_judged_is_one_line(made, tmp_path, monkeypatch):
-    assert "is no benchmark" in refusal("scorebenchmark", BENCHMARK=str(tmp_path))
+    assert "is not a benchmark" in refusal("scorebenchmark", BENCHMARK=str(tmp_path))
     assert "was made without parts" in refusal("scorebenchmark", BENCHMARK=str(made), PART="test")
     monkeypatch.setitem(sys.modules, "cv2", None)
     assert "OpenCV, which finds and matches features, is not installed" in refusal(

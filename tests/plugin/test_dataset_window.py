@@ -181,7 +181,7 @@ def test_only_what_a_dataset_can_become_is_offered(desk, window, dataset, tmp_pa
         assert tab.kinds[kind].isEnabled(), kind
     for kind in ("university-1652", "ortholoc"):
         assert not tab.kinds[kind].isEnabled()
-        assert "is no benchmark" in tab.kinds[kind].toolTip()
+        assert "is not a benchmark" in tab.kinds[kind].toolTip()
     assert tab.notes[2].text() == "This folder is no benchmark."
     target = tmp_path / "out"
     choose(tab.kinds["nerfstudio"])

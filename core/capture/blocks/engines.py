@@ -26,7 +26,7 @@ from ...external.importing import imported
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
 from ...storage.stores import check_no_credentials
-from ...text.plain import one_line, safe_str
+from ...text.plain import error_text, safe_str
 from ...waiting import wait_until_done
 
 _log = logging.getLogger(__name__)
@@ -162,10 +162,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         except Exception as wrong:
             # Dask passes on whatever the system raises for lack of processes, ports and threads.
             raise OutputError(
-                "cluster local:{0}: its processes cannot be started ({1}: {2})",
-                processes,
-                type(wrong).__name__,
-                one_line(safe_str(wrong), 120),
+                "cluster local:{0}: its processes cannot be started ({1})", processes, error_text(wrong)
             ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:

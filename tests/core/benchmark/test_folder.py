@@ -54,25 +54,25 @@ def without(name):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (without("benchmark.json"), "is no benchmark, as benchmark.json in it cannot be read"),
-        (lambda folder: (folder / "benchmark.json").write_text("{"), "is no benchmark"),
+        (without("benchmark.json"), "is not a benchmark, as benchmark.json cannot be read"),
+        (lambda folder: (folder / "benchmark.json").write_text("{"), "is not a benchmark"),
         (
             lambda folder: (folder / "benchmark.json").write_text("[]"),
-            "is not of a benchmark that this version reads",
+            "is not of a benchmark that this version can read",
         ),
         (
             replaced("benchmark.json", '"schema": 1', '"schema": 99'),
-            "is not of a benchmark that this version reads",
+            "is not of a benchmark that this version can read",
         ),
         (replaced("benchmark.json", '"mosaic"', '"mosaik"'), "is not finished"),
-        (replaced("benchmark.json", '"pixel_width"', '"pixels"'), "does not say where the mosaic lies"),
+        (replaced("benchmark.json", '"pixel_width"', '"pixels"'), "does not state where the mosaic lies"),
         (without("queries.csv"), "queries.csv: cannot be read"),
         (replaced("queries.csv", "fy_px", "lat_deg"), "queries.csv: has column lat_deg more than once"),
         (replaced("queries.csv", "fx_px", "focal"), "has no column fx_px"),
         (replaced("queries.csv", "old/", "old/,"), "line 2: has 20 cells, not 19"),
-        (replaced("queries.csv", "queries/old", "/etc/passwd"), "is no file of the benchmark"),
-        (replaced("references.csv", "reference/tiles", "../../elsewhere"), "is no file of the benchmark"),
-        (replaced("positives.csv", "old/", "other/"), "which is not there"),
+        (replaced("queries.csv", "queries/old", "/etc/passwd"), "is not a file of the benchmark"),
+        (replaced("references.csv", "reference/tiles", "../../elsewhere"), "is not a file of the benchmark"),
+        (replaced("positives.csv", "old/", "other/"), "which does not exist"),
     ],
 )
 def test_broken_ones_are_refused_in_one_line(copy, change, said):
@@ -97,7 +97,7 @@ def test_mosaics_that_cannot_be_are_refused(copy, name, value):
     about = json.loads((copy / "benchmark.json").read_text(encoding="utf-8"))
     about["mosaic"][name] = value
     (copy / "benchmark.json").write_text(json.dumps(about), encoding="utf-8")
-    with pytest.raises(InvalidInput, match="does not say where the mosaic lies"):
+    with pytest.raises(InvalidInput, match="does not state where the mosaic lies"):
         Benchmark.read(copy)
 
 
@@ -127,7 +127,7 @@ def test_numbers_that_cannot_be_are_named_with_their_row(copy, table, column, va
 def test_rows_of_one_name_are_refused(copy, table):
     header, first, *rest = (copy / table).read_text(encoding="utf-8").splitlines()
     (copy / table).write_text("\n".join([header, first, *rest, first]) + "\n", encoding="utf-8")
-    with pytest.raises(InvalidInput, match="is there twice"):
+    with pytest.raises(InvalidInput, match="appears twice"):
         Benchmark.read(copy)
 
 

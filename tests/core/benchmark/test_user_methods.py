@@ -64,7 +64,7 @@ RAISING = {
     "leaves": "SystemExit: 0 (spoiling.py, line 9)",
     "leaves_later": "SystemExit: enough (spoiling.py, line 12)",
     "own": "Own: mine (spoiling.py, line 18)",
-    "ends": "GeneratorExit:  (spoiling.py, line 21)",
+    "ends": "GeneratorExit (spoiling.py, line 21)",
     "one_by_one": "SystemExit: 0 (spoiling.py, line 26)",
 }
 
@@ -115,7 +115,7 @@ def test_a_module_that_ends_the_program_is_one_line(mine, capfd):
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("leaves", RAISING["leaves"]), ("stops", "KeyboardInterrupt:  (spoiling.py, line 15)")],
+    [("leaves", RAISING["leaves"]), ("stops", "KeyboardInterrupt (spoiling.py, line 15)")],
 )
 def test_the_command_names_the_method(benchmark, mine, name, said):
     ran = terrainav(mine, benchmark, "--method", f"spoiling:{name}", "--json", "--quiet")

@@ -72,7 +72,7 @@ def test_settings_of_a_library_that_are_wrong_are_told_in_one_line(tmp_path, lib
     assert done.returncode == 0, done.stderr
     line, rest = done.stdout.split("\n", 1)
     assert (line[: len(first)], rest) == (first, "")
-    assert line.endswith("); its own settings, in a file or the environment, may be wrong")
+    assert line.endswith("); its settings, in a file or the environment, may be wrong")
 
 
 def test_a_library_that_is_missing_is_told_by_who_needs_it():

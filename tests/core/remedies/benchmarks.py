@@ -79,7 +79,7 @@ def _not_finished(case: Case) -> None:
 
 @remedy(
     "benchmark/folder.py",
-    "folder {}: is no benchmark, as {} in it cannot be read ({}); make one first (terrainav benchmark make)",
+    "folder {}: is not a benchmark, as {} cannot be read ({}); make one first (terrainav benchmark make)",
 )
 def _no_benchmark(case: Case) -> None:
     case.refused(lambda: Benchmark.read(case.tmp_path / "out"))
@@ -126,7 +126,7 @@ def _already(case: Case) -> None:
     case.follow("choose another folder", lambda: made(case.tmp_path / "other"))
 
 
-@remedy("benchmark/making.py", "folder {}: holds {} but no {}, so it is no benchmark's; choose another folder")
+@remedy("benchmark/making.py", "folder {}: holds {} but no {}, so it is not a benchmark; choose another folder")
 def _foreign(case: Case) -> None:
     (case.tmp_path / "mine.txt").write_text("mine")
     case.refused(lambda: made(case.tmp_path))
