@@ -11,7 +11,7 @@ _BASIC, _HEADER = "Basic", "APIHeader"
 
 
 def read_key(authcfg: str) -> str | None:
-    """API key: the password of a Basic configuration, or the value of an API header; None if there is none.
+    """API key: the password of a Basic configuration, or the value of an API header; None without a key.
 
     Main thread only: QGIS may ask for the master password.
     """

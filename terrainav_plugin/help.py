@@ -151,7 +151,7 @@ class GuideWindow(QTextBrowser):
         bar.setValue(round(share * bar.maximum()))
 
     def show_heading(self, topic: str) -> None:
-        """Scroll to a heading, named as in links; to the beginning if there is none."""
+        """Scroll to a heading, named as in links; to the beginning if it is missing."""
         block = self.document().begin()
         while block.isValid():
             if block.blockFormat().headingLevel() and _anchor(block.text()) == topic:

@@ -45,7 +45,7 @@ def tr(text: str) -> str:
 
 
 def install_translator() -> QTranslator | None:
-    """Install the user's language in Qt; None if there is no translation or none is needed."""
+    """Install the user's language in Qt; None if it is missing or not needed."""
     path = _FOLDER / f"terrainav_{language()}.qm"
     if not path.is_file():
         return None

@@ -117,7 +117,7 @@ class Session(QObject):
 
     @property
     def planned(self) -> PlannedMission | None:
-        """Plan of what is entered; None while there is none."""
+        """Plan of the mission entered; None until it exists."""
         return self.planning.latest
 
     def show_dock(self, visible: bool) -> None:

@@ -43,8 +43,8 @@ def mission_grid(mission: Mission) -> PixelGrid:
     Raises
     ------
     FormError
-        Field ``source``, ``date`` or ``crs``: there is no such source. Field ``bands`` or ``stretch``: the source does
-        not have them.
+        For the field ``source``, ``date`` or ``crs`` if the source does not exist, ``bands`` or ``stretch`` if it lacks
+        them.
     """
     from ..core.imagery.systems import refused
 
@@ -142,7 +142,7 @@ def request_costs(name: str) -> Costs:
 
 
 def source_policy(name: str) -> Policy | None:
-    """Terms of a source's provider; None if there are none, or only the network has them."""
+    """Terms of a source's provider; None if it states none, or only over the network."""
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
     source = _named(name)

@@ -467,7 +467,7 @@ class NumberBox(QgsDoubleSpinBox):
         return text.removesuffix(suffix).strip()
 
     def _read(self, text: str) -> float | None:
-        """Number of a text, in the range and rounded to the decimals; None if there is none."""
+        """Number of a text, in the range and rounded to the decimals; None if it is invalid."""
         if self.may_be_left_out and text in ("", self.specialValueText()):
             return self.minimum()
         value = self._number(text)
@@ -629,7 +629,7 @@ class FieldMarks:
         return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
 
     def out_of_sight(self, messages: dict[str, str]) -> str:
-        """Messages at hidden fields; empty if there are none."""
+        """Messages at hidden fields, as one text."""
         hidden = self.hidden()
         texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
         return "\n".join(texts)

@@ -554,7 +554,7 @@ class AreaControl(QObject):
 
 
 def _takeoff_place(state: FormState) -> Points | None:
-    """Take-off point entered; None if there is none or it is invalid."""
+    """Take-off point entered; None if missing or invalid."""
     try:
         place = takeoff(state)
     except TerrAInavError:

@@ -108,7 +108,7 @@ def read_polygons(
     Raises
     ------
     InvalidInput
-        There is no feature; or one has no valid polygon, or a hole around a pole (the message names it).
+        No feature; or a feature without a valid polygon, or with a hole around a pole (the message names it).
     Cancelled
         ``cancelled`` has returned True.
     """
@@ -174,8 +174,8 @@ def read_points(
     Raises
     ------
     InvalidInput
-        There is no feature; or one has no point, or a height, angle or time that is missing or outside its domain (the
-        message names it).
+        No feature; or a feature without a point, or with a height, angle or time that is missing or outside its domain
+        (the message names it).
     Cancelled
         ``cancelled`` has returned True.
     """
@@ -217,7 +217,7 @@ def read_lines(
     Raises
     ------
     InvalidInput
-        There is no feature; or one has no line, or a side through a pole (the message names it).
+        No feature; or a feature without a line, or with a side through a pole (the message names it).
     Cancelled
         ``cancelled`` has returned True.
     """

@@ -129,7 +129,7 @@ class AreaOutline:
         return [_finite(point) for point in points.asMultiPoint()]
 
     def _find_cut(self, area: Area) -> float | None:
-        """Longitude inside an area at which the map is cut; None if there is none."""
+        """Longitude inside an area at which the map is cut, or None."""
         box = area.bounds
         west, span = box.west_deg, box.span_deg
         lat = (box.north_deg + box.south_deg) / 2.0

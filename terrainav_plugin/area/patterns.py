@@ -50,7 +50,7 @@ def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
     Raises
     ------
     InvalidInput
-        There is no area for random poses.
+        No area is entered for random poses.
     """
     window = iface.mainWindow()
     if way == AreaAction.RANDOM:
@@ -218,7 +218,7 @@ class OrbitDialog(QDialog):
 
 
 class RandomDialog(QDialog):
-    """Ask for distributions of poses inside the area entered; raises InvalidInput if there is none."""
+    """Ask for distributions of poses inside the area entered; raises InvalidInput without one."""
 
     def __init__(self, parent: QWidget, state: FormState) -> None:
         area = entered_area(state)

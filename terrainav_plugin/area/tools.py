@@ -156,7 +156,7 @@ class BoxTool(TemporaryTool):
         self._band.addPoint(QgsPointXY(west, north), True)
 
     def _say_size(self, at: QPoint) -> None:
-        """Show the size of the box beside the pointer; nothing if there is no area."""
+        """Show the size of the box beside the pointer; nothing without an area."""
         try:
             text = readout(self._area(at), self.length_unit)
         except (TerrAInavError, QgsCsException):

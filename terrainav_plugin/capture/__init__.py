@@ -1,9 +1,9 @@
 """Captures: the queue, questions before a run, and messages after it.
 
-run         one capture, from the queue to its end, and what is said of it
-task        a capture as a QGIS task, and what makes its images fit for the map
-queue       one works, the others wait for it; those that are over stay until they are dismissed
-questions   is there a folder, is it free, is there a key, do the source's terms allow it
-unfinished  captures that did not end, as after a crash, found again and offered
-endings     results on the map, and a message that says how a run ended
+run         one capture, from the queue to its end, and texts on its state
+task        a capture as a QGIS task, with its mosaics
+queue       one capture runs, the others wait; ended ones are listed until dismissed
+questions   checks of the folder, the key and the source's terms
+unfinished  captures that did not end, for example after a crash, offered again
+endings     results on the map, and a message about the outcome
 """

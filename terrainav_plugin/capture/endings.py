@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 
 
 class Endings(QObject):
-    """Brings runs to the map and to the message bar, and offers what can be done about them.
+    """Show the results of runs on the map and in the message bar, with follow-up actions.
 
     Parameters
     ----------
     messages : Messages
     open_project : OpenProject
     group : callable
-        Group of the mission in the panel, which test shots come into.
+        Returns the group of the panel's mission, for test shots.
 
     Signals
     -------
     shown(object)
-        The folder of a run whose images are all on the map.
+        Folder of a run whose images are all on the map.
     test_shot_shown(object)
-        The layer of a test shot.
+        Layer of a test shot.
     resume_wanted(object), failed_wanted(object)
-        A run that is to go on, or whose failed images are to be captured again.
+        A run to resume, or whose failed images are to be captured again.
     missing_wanted(object, str, int)
-        A run, the SHA-256 of a tile that is to count as missing, and how many of its images show the tile.
+        A run, the SHA-256 of a tile to count as missing, and the number of its images with the tile.
     """
 
     shown = pyqtSignal(object)
@@ -61,11 +61,11 @@ class Endings(QObject):
         self._begun_in: dict[BackgroundRun, int] = {}
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._begun_in.clear()
 
     def show_failed(self, run: BackgroundRun, layer: QgsVectorLayer | None) -> None:
-        """Show what has failed so far."""
+        """Show the images that have failed so far."""
         if self._is_open(run) and not run.test_shot:
             group = self._open_project.mission_group(run.folder)
             show_failed(group, layer)
@@ -73,7 +73,7 @@ class Endings(QObject):
                 group.remember_mission(run.mission.to_json())
 
     def warn_of_mosaic(self, run: BackgroundRun, reason: str) -> None:
-        """Say before a run captures that there will be no mosaic."""
+        """Warn before a capture that there will be no mosaic."""
         with self._messages.about(str(run.folder)):
             self._messages.warning(
                 tr("{name}: there will be no mosaic: {reason}. Its images are captured all the same.").format(
@@ -82,12 +82,12 @@ class Endings(QObject):
             )
 
     def begin(self, run: BackgroundRun) -> None:
-        """Note which project a run belongs to; what was said of an earlier one of its folder no longer holds."""
+        """Note the project of a run, and remove messages about an earlier run into the same folder."""
         self._messages.withdraw(str(run.folder))
         self._begun_in[run] = self._open_project.number
 
     def tell(self, run: BackgroundRun) -> None:
-        """Show what a run has made, and say how it ended."""
+        """Show the results of a run and report its outcome."""
         with self._messages.about(str(run.folder)):
             self._tell(run)
 
@@ -102,9 +102,9 @@ class Endings(QObject):
             self._show(lambda: self._load_results(run))
         else:
             self._show(lambda: place_mosaics(self._open_project.project, run.task.mosaics))
-        # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
+        # Release layers that are not shown: they keep files open, and runs stay listed.
         run.task.opened = None
-        # What comes last lies on top: failures before all, else what the user may want to look into.
+        # The last message is on top: failures first of all, then other problems.
         if run.task.failed or (run.result is not None and run.result.failed):
             self._tell_repeated(run)
             self._say(run, is_open)
@@ -122,10 +122,10 @@ class Endings(QObject):
             self._messages.error(translate(wrong))
 
     def _load_results(self, run: BackgroundRun) -> None:
-        # Images that have failed may be gone: those of tiles that count as missing by now.
+        # Images reported as failed may be gone: those with tiles that count as missing now.
         changed = run.result is None or bool(run.result.written or run.result.failed)
         show_results(self._open_project.mission_group(run.folder), run.task.opened, changed=changed)
-        # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
+        # With all images there, the plan would only hide them; otherwise the rest of it is still of interest.
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)
 
@@ -162,7 +162,7 @@ class Endings(QObject):
                 text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
             open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
             if run.task.without_mosaic:
-                # It stays until it is read.
+                # This message stays until it is read.
                 self._messages.warning(f"{name}: {text}", action=open_folder)
             else:
                 self._messages.success(f"{name}: {text}", open_folder)
@@ -181,7 +181,7 @@ class Endings(QObject):
         self._messages.warning(text, "\n".join(lines), again)
 
     def _tell_repeated(self, run: BackgroundRun) -> None:
-        """Name tiles that came for places far apart, and offer to do without them."""
+        """Report tiles received for distant places, and offer to count them as missing."""
         # The journal has all of them.
         for repeat in run.result.repeated[:3] if run.result is not None else ():
             images = len(repeat.images)

@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
 
 class Questions:
-    """Ask questions before a run, and show what prevents it at the field that can change it.
+    """Ask questions before a run, and show problems at the field that can solve them.
 
     Parameters
     ----------
     messages : Messages
     window : QWidget
-        That dialogs belong to.
+        Parent of dialogs.
     mark : callable
-        Shows messages at the entries that they are about.
+        Shows messages at their entries.
     capture_into : callable
-        Captures what is entered into another folder.
+        Captures the mission entered into another folder.
     taken : callable
-        Folders of runs of this session, which need not be there yet.
+        Returns the folders of this session's runs, which may not exist yet.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class Questions:
         self._mark, self._capture_into, self._taken = mark, capture_into, taken
 
     def folder_is_given(self, text: str) -> bool:
-        """Whether a writable folder is chosen; otherwise shows so at the field."""
+        """Whether a writable folder is chosen; shows the problem at the field otherwise."""
         if not text.strip():
             message = tr("no folder: choose where to save the images")
         elif not (message := why_unchangeable(entered_folder(text))):
@@ -62,7 +62,7 @@ class Questions:
         return False
 
     def has_usable_key(self, source: str) -> bool:
-        """Whether the key or the authentication of a source can be used; says so at the field where it cannot."""
+        """Whether a source's key or authentication can be used; shows the problem at the field otherwise."""
         try:
             problem = credentials_problem(source)
         except TerrAInavError as wrong:
@@ -73,10 +73,10 @@ class Questions:
         return not problem
 
     def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
-        """Whether the folder holds another mission; takes one beside it where that may be, or offers one."""
+        """Whether the folder holds another mission; if so, uses another folder if allowed, or offers one."""
         from ...core.capture.folder import holds_mission
 
-        # What cannot be read the run itself says.
+        # The run itself reports what cannot be read.
         if holds_mission(plan, folder) is not False:
             return False
         text = tr("{folder} holds another mission; nothing was changed there.")
@@ -84,7 +84,7 @@ class Questions:
         return True
 
     def is_queued(self, mission: Mission, folder: Path, others: list[BackgroundRun]) -> bool:
-        """Whether one of the runs that are not over captures into the folder already; says so."""
+        """Whether an unfinished run captures into the folder already; reports it."""
         found = next((run for run in others if path_key(run.folder) == path_key(folder)), None)
         if found is None:
             return False
@@ -96,15 +96,15 @@ class Questions:
         return True
 
     def _offer_other(self, folder: Path, text: str, *, may_count_on: bool) -> None:
-        """Take a folder beside one that is not free and that the panel has proposed; of any other, offer to.
+        """Use another folder if the panel has proposed the one taken; otherwise offer another.
 
         Parameters
         ----------
         folder : Path
         text : str
-            Why it is not free.
+            Why the folder cannot be used.
         may_count_on : bool
-            Whether the mission as a whole is to be captured, which can be done in any folder.
+            Whether the whole mission is captured, which any folder allows.
         """
         other = next_folder(folder, self._taken())
         if may_count_on and path_key(folder) == path_key(entered_folder(Settings().suggested_folder)):
@@ -116,19 +116,19 @@ class Questions:
         )
 
     def check_limits(self, mission: Mission, requests: int) -> bool:
-        """Whether a run is within what the source's terms allow at all, agreed to or not; says so where it is not."""
+        """Whether a source's terms can allow a run, with or without consent; reports it if not."""
         problem = terms_problem(mission, requests)
         return problem is None or problem[1] or self.terms_allow(mission, requests)
 
     def terms_allow(self, mission: Mission, requests: int) -> bool:
-        """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""
+        """Whether a source's terms allow a run; asks the user if consent is enough."""
         problem = terms_problem(mission, requests)
         if problem is None:
             return True
         text, can_agree = problem
         window, title = self._window, tr("TerrAInav: terms of the source")
         if not can_agree:
-            # The message bar shows its first lines only.
+            # The message bar shows the first lines only.
             plain = QTextDocument()
             plain.setHtml(text)
             label = tr("Terms and alternatives")

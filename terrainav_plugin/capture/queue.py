@@ -1,4 +1,4 @@
-"""The queue of captures: one works, the others wait for it; those that are over stay until they are dismissed."""
+"""The queue of captures: one runs, the others wait; ended ones are listed until dismissed."""
 
 from __future__ import annotations
 
@@ -35,35 +35,35 @@ if TYPE_CHECKING:
 
 
 class Runs(QObject):
-    """Captures in the order they were asked for.
+    """Captures in the order of their requests.
 
-    One that is paused keeps its place, and the others wait behind it.
+    A paused capture keeps its place, and the others wait behind it.
 
     Parameters
     ----------
     messages : Messages
     window : QWidget
-        That dialogs belong to.
+        Parent of dialogs.
     open_project : OpenProject
     group : callable
-        Group of the mission in the panel, which test shots come into.
+        Returns the group of the panel's mission, for test shots.
 
     Signals
     -------
     listed(object)
-        A run has come into the list.
+        A run was added to the list.
     dismissed(object)
-        A run has left the list.
+        A run was removed from the list.
     moved()
-        The queue has moved on.
+        The queue has advanced.
     running(bool)
-        A run has begun while none was under way, or the last one has ended.
+        The first run has begun, or the last one has ended.
     refused(object)
-        What is wrong with entries, by their fields.
+        Errors of entries, by field.
     other_folder_wanted(object)
-        What is entered is to be captured into another folder.
+        The folder into which to capture the mission entered.
     results_shown(object), test_shot_shown(object)
-        As `Endings` has them.
+        As of `Endings`.
     """
 
     listed = pyqtSignal(object)
@@ -102,32 +102,32 @@ class Runs(QObject):
 
     @property
     def waiting(self) -> list[BackgroundRun]:
-        """Those that are not over, in their order; the first of them is at work."""
+        """Unfinished runs in order; the first is running."""
         return [run for run in self.runs if not run.has_ended]
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is to be done."""
+        """Whether no run is running or waiting."""
         return not self.waiting
 
     @property
     def task(self) -> CaptureTask | None:
-        """Task of the run at work; None when idle."""
+        """Task of the running capture; None when idle."""
         return next((run.task for run in self.waiting), None)
 
     @property
     def folders(self) -> list[Path]:
-        """Folders of the datasets that are captured or have been, in the order they were asked for."""
+        """Folders of all runs, in the order of their requests."""
         return [run.folder for run in self.runs if not run.test_shot]
 
     def can_start(self, state: FormState) -> bool:
-        """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
+        """Whether there is a folder for the capture, and the key of its source; reports what is missing."""
         return self.questions.folder_is_given(state.folder) and self.questions.has_usable_key(state.source_name)
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
-        """Put the capture of a plan into the queue, after what has to be asked has been asked."""
+        """Put the capture of a plan into the queue, after the questions."""
         requests = self._requests(planned.plan)
-        # What no folder can change is said before folders are asked about.
+        # First the problems that no other folder can solve.
         if not self.questions.check_limits(planned.plan.mission, requests):
             return
         if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
@@ -135,7 +135,7 @@ class Runs(QObject):
         self._enqueue(planned.plan, folder, only_failed, requests)
 
     def offer_unfinished(self) -> None:
-        """Offer to resume captures of earlier sessions that did not end; nothing changes until the user says so."""
+        """Offer to resume unfinished captures of earlier sessions; changes nothing without consent."""
         self._finding = FindTask()
         self._finding.begin(self._offer)
 
@@ -148,7 +148,7 @@ class Runs(QObject):
                 text = tr("{name}: its capture did not end: {there} of {total} images.").format(
                     name=left.name, there=number_text(left.there), total=total
                 )
-            # Gone as soon as the folder is captured into: forgetting would then be about that capture.
+            # Removed once the folder is captured into: "Forget" would then apply to that capture.
             with self._messages.about(str(left.folder)):
                 self._messages.warning(
                     text,
@@ -177,11 +177,11 @@ class Runs(QObject):
             self._enqueue(task.plan, left.folder, left.only_failed, self._requests(task.plan))
 
     def capture_failed(self, run: BackgroundRun) -> None:
-        """Capture the images again that have failed in a run that is over, and nothing else."""
+        """Capture the failed images of an ended run again, and nothing else."""
         self._capture_again(run, run.task.failed, only_failed=True)
 
     def treat_as_missing(self, run: BackgroundRun, digest: str, images: int) -> None:
-        """Have a tile count as missing from now on, and capture the images of a run again that show it."""
+        """Count a tile as missing from now on, and capture a run's images with it again."""
         Settings().treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
@@ -194,14 +194,14 @@ class Runs(QObject):
             self.dismiss(run)
 
     def resume(self, run: BackgroundRun) -> None:
-        """Let a run that is paused go on, or put one that has ended early into the queue again."""
+        """Resume a paused run, or put one that ended early into the queue again."""
         if not run.has_ended:
             run.pause(False)
         elif self.questions.has_usable_key(run.mission.imagery.source):
             self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
-        """Capture one picture above a point, with camera, height and source as entered."""
+        """Capture one image above a point, with camera, height and source as entered."""
         from ..sources import worked_out
 
         if not self.idle:
@@ -223,19 +223,19 @@ class Runs(QObject):
             self._add(BackgroundRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
 
     def dismiss(self, run: BackgroundRun) -> None:
-        """Take a run that is over off the list."""
+        """Remove an ended run from the list."""
         if run in self.runs and run.has_ended:
             self.runs.remove(run)
             self.dismissed.emit(run)
             run.deleteLater()
 
     def cancel(self) -> None:
-        """Stop all that is under way or waiting; what is finished is kept."""
+        """Stop all runs; finished images are kept."""
         for run in reversed(self.waiting):
             run.cancel()
 
     def close(self) -> None:
-        """Stop everything and wait for its end, without a word."""
+        """Stop all runs and wait for their end, without messages."""
         self._closed = True
         self._endings.close()
         self._unfinished.close()
@@ -254,7 +254,7 @@ class Runs(QObject):
         if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(mission, requests):
             return False
         try:
-            # A copy: what a plan keeps of its views belongs to whoever captures it.
+            # A copy: the views that a plan caches belong to the capture.
             run = BackgroundRun(replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
@@ -264,7 +264,7 @@ class Runs(QObject):
 
     def _add(self, run: BackgroundRun) -> None:
         if self._closed:
-            # Unloaded while it was asked for the terms.
+            # The plugin was unloaded during the question about terms.
             run.close()
             return
         self._endings.begin(run)

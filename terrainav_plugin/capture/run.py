@@ -1,4 +1,4 @@
-"""One capture, from the queue to its end, and what is said of it. Knows no widget."""
+"""One capture, from the queue to its end, and texts on its state. No widgets."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Stage(enum.Enum):
-    """Where a run is."""
+    """Stage of a run."""
 
     WAITING = "waiting"
     RUNNING = "running"
@@ -31,12 +31,12 @@ class Stage(enum.Enum):
     BROKEN = "broken"
 
 
-#: Stages of a run that still has something to do.
+#: Stages of an unfinished run.
 _UNDER_WAY = (Stage.RUNNING, Stage.PAUSED, Stage.STOPPING)
 
 
 class BackgroundRun(QObject):
-    """A capture of a plan as it was when it was asked for; what is entered later does not touch it.
+    """A capture of a plan at the time of the request; later entries do not affect it.
 
     Parameters
     ----------
@@ -45,23 +45,23 @@ class BackgroundRun(QObject):
     key : str or None
         API key.
     test_shot, only_failed : bool
-        As for a `CaptureTask`.
+        As for `CaptureTask`.
 
     Signals
     -------
     changed()
-        Stage or figures are others now.
+        The stage or the figures have changed.
     failed_changed(object, object)
-        The run, and what has failed of its dataset by now as a layer; None for nothing.
+        The run, and its dataset's failed images as a layer; None for none.
     mosaic_refused(object, str)
-        The run, which has not begun to capture, and why there will be no mosaic.
+        The run, before its first image, and why there will be no mosaic.
     ended(object)
-        The run itself, whatever became of it.
+        The run, whatever its end.
 
     Raises
     ------
     TerrAInavError
-        Where the source cannot be used.
+        The source cannot be used.
     """
 
     changed = pyqtSignal()
@@ -100,7 +100,7 @@ class BackgroundRun(QObject):
 
     @property
     def result(self) -> CaptureResult | None:
-        """Result of the run once it has ended."""
+        """Result once the run has ended."""
         return self.task.result
 
     @property
@@ -110,22 +110,22 @@ class BackgroundRun(QObject):
 
     @property
     def under_way(self) -> bool:
-        """Whether it has begun and not ended."""
+        """Whether the run has begun and not ended."""
         return self.stage in _UNDER_WAY
 
     @property
     def can_pause(self) -> bool:
-        """Whether there is something to hold: while a mosaic is made there is not."""
+        """Whether pausing is possible: not while a mosaic is made."""
         return self.stage is Stage.PAUSED or (self.stage is Stage.RUNNING and not self.all_made)
 
     @property
     def all_made(self) -> bool:
-        """Whether every picture is there or has failed."""
+        """Whether every image is there or has failed."""
         progress = self.progress
         return progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
 
     def begin(self) -> None:
-        """Hand it to QGIS's task manager: its turn has come."""
+        """Start the task: it is the run's turn."""
         self.task.progressed.connect(self._progressed)
         self.task.progressChanged.connect(self._show_progress)
         self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
@@ -134,25 +134,25 @@ class BackgroundRun(QObject):
         self.task.begin(self._ended)
 
     def pause(self, paused: bool) -> None:
-        """Hold it in its place, or let it go on."""
+        """Pause or resume the run."""
         if self.stage in (Stage.RUNNING, Stage.PAUSED):
             self.task.paused = paused
             self._become(Stage.PAUSED if paused else Stage.RUNNING)
 
     def cancel(self) -> None:
-        """Stop it; what is finished is kept and shown. The second time, or with every picture there, stop that, too."""
+        """Stop the run and show finished images; a second call, or one after the last image, also stops the mosaic."""
         if self.stage is Stage.WAITING:
             self.task.discard()
             self._become(Stage.STOPPED)
             self.ended.emit(self)
         elif self.under_way:
             end = self.task.cancel if self.stage is Stage.STOPPING or self.all_made else self.task.stop
-            # Before the task is cancelled, as that may end it at once.
+            # Before the task is cancelled, which may end it at once.
             self._become(Stage.STOPPING)
             end()
 
     def close(self) -> None:
-        """Stop it and wait for its end, without a word."""
+        """Stop the run and wait for its end, without messages."""
         if self.stage is Stage.WAITING:
             self.task.discard()
         elif self.under_way:
@@ -194,7 +194,7 @@ class BackgroundRun(QObject):
 
 
 def run_title(run: BackgroundRun) -> str:
-    """Name that a run goes by."""
+    """Title of a run in the list."""
     if run.test_shot:
         return tr("Test shot")
     if run.only_failed:
@@ -203,12 +203,12 @@ def run_title(run: BackgroundRun) -> str:
 
 
 def row_text(run: BackgroundRun, place: int = 0) -> str:
-    """How far a run is, in a line.
+    """One-line state of a run.
 
     Parameters
     ----------
     place : int
-        Runs before it in the queue.
+        Number of runs before it in the queue.
     """
     if run.stage is Stage.WAITING:
         return tr("Waiting: next") if place <= 1 else tr("Waiting: {place} ahead of it").format(place=place)
@@ -219,7 +219,7 @@ def row_text(run: BackgroundRun, place: int = 0) -> str:
     if run.progress is None:
         if run.stage is Stage.PAUSED:
             return tr("Paused")
-        # What is written first is traced over the relief.
+        # First, the images are traced over the relief.
         return tr("Reading heights…") if run.mission.terrain.elevation else tr("Starting…")
     if run.stage is Stage.PAUSED:
         return tr("Paused: {counts}").format(counts=_counts(run.progress))
@@ -227,7 +227,7 @@ def row_text(run: BackgroundRun, place: int = 0) -> str:
 
 
 def done_text(result: CaptureResult) -> str:
-    """Describe what an ended run has done."""
+    """Summary of an ended run."""
     if not result.total:
         return tr("No images were missing.")
     if not result.written:
@@ -248,7 +248,7 @@ def done_text(result: CaptureResult) -> str:
 
 
 def mention_kept_images(error: str, result: CaptureResult | None) -> str:
-    """Error of a run, and that its images are there all the same."""
+    """Error of a run, with a note that images were saved."""
     return error if result is None else tr("{error} (the images were saved)").format(error=error)
 
 
@@ -261,16 +261,16 @@ def _counts(progress: Progress) -> str:
 
 
 def _pace(progress: Progress, making_mosaic: bool) -> str:
-    """Rate and remaining time, of the time that the run has worked: pauses do not count."""
+    """Rate and remaining time, by the time worked without pauses."""
     done = progress.done + progress.failed
     left = progress.total - progress.skipped - done
     if not left:
         return tr("; making the mosaic…") if making_mosaic else ""
-    # The first images wait for connections, so their rate means nothing.
+    # The first images wait for connections: their rate is not representative.
     if done < 10 or progress.active_s <= 0.0:
         return ""
     rate = done / progress.active_s
-    # Decimals of a higher rate mean nothing.
+    # Decimals of a higher rate are not significant.
     shown = number_text(rate, ".0f") if rate >= 10.0 else number_text(rate, ".1f")
     return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
 

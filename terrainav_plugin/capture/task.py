@@ -1,4 +1,4 @@
-"""A capture as a QGIS task, and what makes its pictures fit for the map."""
+"""A capture as a QGIS task, with mosaics of its images."""
 
 from __future__ import annotations
 
@@ -21,34 +21,33 @@ if TYPE_CHECKING:
     from ..dataset.layers import FailedImages, OpenedResults
     from ..dataset.mosaic import MosaicRaster
 
-#: Shortest time between two looks at what has failed so far, and how much longer than such a look takes.
+#: Shortest time between two checks for failed images, and its least ratio to the time of a check.
 _FAILED_LOOK_S = 3.0
 
 
 class CaptureTask(Task):
-    """Captures a plan into a folder; makes a mosaic of its images, and lays a test shot on the map.
+    """Capture a plan into a folder; make a mosaic of its images, or place a test shot on the map.
 
-    Everything it needs is handed over when it is made, on the main thread, and stays as it is then; `run` uses plain
-    values only.
+    All data is passed to the constructor on the main thread and does not change afterwards; `run` uses plain values.
 
     Parameters
     ----------
     plan : Plan
     folder : Path
-        Goes on where an earlier run of the same mission was stopped.
+        Resumes an interrupted run of the same mission.
     key : str or None
         API key.
     test_shot : bool
-        Whether it is a single picture, to be looked at.
+        Whether it is a single image to look at.
     only_failed : bool
-        Whether those that an earlier run has noted as failed are captured, and nothing else.
+        Whether to capture only images that have failed earlier.
 
     Signals
     -------
     progressed(object)
         `Progress`, about ten times a second.
     failed_changed(object)
-        What has failed of the dataset by now, in any run, as a layer for the main thread; None for nothing. Every few
+        Images of the dataset that have failed in any run, as a layer for the main thread; None for none. Every few
         seconds at most.
     mosaic_refused(str)
         Why there will be no mosaic; before the first image.
@@ -56,17 +55,17 @@ class CaptureTask(Task):
     Attributes
     ----------
     paused : bool
-        Set on the main thread; while it is True nothing is asked for and no picture is begun.
+        Set on the main thread; while True, nothing is requested and no image is begun.
     result : CaptureResult or None
     mosaics : list of MosaicRaster
     without_mosaic : str
-        Reason why it is missing although there are images.
+        Why the mosaic is missing although images exist.
     opened : OpenedResults or None
         Layers of the results, for the main thread.
     failed : int
-        Images of the dataset that are still missing because they failed.
+        Number of images of the dataset that have failed.
     picture : Path or None
-        Of a test shot: what shows it on the map.
+        File that shows a test shot on the map.
     """
 
     progressed = pyqtSignal(object)
@@ -95,7 +94,7 @@ class CaptureTask(Task):
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = mission_snapshot(plan.mission)
         self._with_mosaic = not test_shot
-        # Share of capturing in the progress; the mosaic takes the rest, and longer where it is orthorectified.
+        # Share of capturing in the progress; mosaics take the rest, and orthorectified ones longer.
         self._capture_share = 0.9 if plan.frames.is_north_up else 0.6
         self._connections = Settings().connections
         self._transport = source_transport(plan.mission.imagery.source)
@@ -106,11 +105,11 @@ class CaptureTask(Task):
 
     @property
     def stopped(self) -> bool:
-        """Whether the user ended it."""
+        """Whether the user has stopped the capture."""
         return self._stopping or self.isCanceled()
 
     def stop(self) -> None:
-        """Capture no more; what is finished is made fit for the map, unless the task is cancelled, too."""
+        """Stop capturing; finished images still get a mosaic, unless the task is cancelled too."""
         self._stopping = True
 
     def work(self) -> None:
@@ -118,19 +117,19 @@ class CaptureTask(Task):
         try:
             self._capture()
         finally:
-            # Of a source that serves nothing, a message says enough.
+            # For a source that cannot be reached, a message suffices.
             if self.result is not None or self._there:
                 self._look_at_failed()
         if self._shows_results:
             self._open_results()
 
     def discard(self) -> None:
-        """End a task that was never begun."""
+        """Dispose of a task that was never started."""
         self._transport.close()
 
     def finished(self, result: bool) -> None:
-        """Tell; on the main thread."""
-        # A task that is cancelled before its turn does not run.
+        """Emit `ended`, on the main thread."""
+        # A task cancelled before its turn does not run.
         self._transport.close()
         super().finished(result)
 
@@ -164,14 +163,14 @@ class CaptureTask(Task):
 
     @property
     def _shows_results(self) -> bool:
-        """Whether there is something for the map, and somebody waits for it."""
+        """Whether there are results for the map, and they are wanted."""
         result = self.result
         if result is None or self._test_shot or self.isCanceled():
             return False
         return not result.cancelled or result.written + result.skipped > 0
 
     def _check_mosaics(self) -> None:
-        """Tell before the first image that there will be no mosaic of them."""
+        """Report before the first image that there will be no mosaic."""
         from ..dataset.mosaic import check_mosaics
 
         if not self._with_mosaic:
@@ -187,7 +186,7 @@ class CaptureTask(Task):
         try:
             self.mosaics = build_any_mosaics(self.plan, self.folder, mission_heights, self._mosaic_progress)
         except (InvalidInput, SourceError) as wrong:
-            # Such as images of a pole, which no map has; they can be looked at one by one.
+            # Such as images of a pole, which Web Mercator lacks; they can be viewed one at a time.
             self.without_mosaic = translate(wrong)
 
     def _open_results(self) -> None:
@@ -218,7 +217,7 @@ class CaptureTask(Task):
             self._look_at_failed()
 
     def _look_at_failed(self) -> None:
-        """Bring what is known of failed images up to date, and tell where it has changed."""
+        """Update the list of failed images, and emit it if it has changed."""
         if self._failures is None:
             return
         from ..dataset.layers import open_failed

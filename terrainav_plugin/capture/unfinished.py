@@ -1,4 +1,4 @@
-"""Captures that have not ended, noted in the user's profile: after a crash they are found again and offered."""
+"""Unfinished captures, noted in the user's profile: after a crash they are found and offered again."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NOTE, _LOCK = ".json", ".lock"
 
 
 class Unfinished:
-    """Notes of the captures of this session that wait or are under way; each goes with the end of its capture.
+    """Notes of this session's captures, each removed when its capture ends.
 
     A lock beside each note shows other QGIS instances on this machine that the capture is running.
     """
@@ -61,30 +61,30 @@ class Unfinished:
         self._locks[run].tryLock(0)
 
     def forget(self, run: BackgroundRun) -> None:
-        """Take away the note of a run that has ended, however it did."""
+        """Remove the note of an ended run, whatever its end."""
         lock = self._locks.pop(run, None)
         if lock is not None:
             _remove(_notes() / f"{_digest(run.folder)}{_NOTE}")
             lock.unlock()
 
     def close(self) -> None:
-        """Leave the notes of what has not ended to the next session."""
+        """Leave the notes of unfinished captures to the next session."""
         for lock in self._locks.values():
             lock.unlock()
         self._locks.clear()
 
 
 class Left:
-    """A capture of an earlier session that has not ended.
+    """An unfinished capture of an earlier session.
 
     Attributes
     ----------
     folder : Path
     mission : Mission
     images : int
-        That it is to have.
+        Planned number of images.
     there : int or None
-        Images that are there; None where nobody has looked, as into folders of other machines.
+        Existing images; None if not counted, as in folders on other machines.
     only_failed : bool
     """
 
@@ -99,18 +99,18 @@ class Left:
         return self.folder.name or str(self.folder)
 
     def forget(self) -> None:
-        """Offer it no more; its files stay."""
+        """Remove the note; the files stay."""
         _remove(self._path)
 
     def count(self) -> None:
-        """Count the images that are there, without a look at what is in them."""
+        """Count the images without opening them."""
         ending = f".{self.mission.output.image_format}"
         folders = [self.folder / map_type for map_type in self.mission.imagery.map_types]
         self.there = sum(1 for folder in folders for _ in folder.glob(f"*{ending}"))
 
 
 class FindTask(Task):
-    """Finds the captures that have not ended.
+    """Find the unfinished captures.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class FindTask(Task):
         self.found: list[Left] = []
 
     def work(self) -> None:
-        """Read the notes, and look how far each capture has come; nothing is changed."""
+        """Read the notes, and count the images of each capture; changes nothing."""
         for path in sorted(_notes().glob(f"*{_NOTE}"), key=lambda path: path.stat().st_mtime):
             lock = _make_lock(path)
             if not lock.tryLock(0):
@@ -137,12 +137,12 @@ class FindTask(Task):
 
 
 class PlanTask(Task):
-    """Plans such a capture again.
+    """Plan an unfinished capture again.
 
     Attributes
     ----------
     plan : Plan or None
-        Once it is there.
+        Set once the task has succeeded.
     """
 
     def __init__(self, mission: Mission, find_grid: Callable[[], PixelGrid]) -> None:
@@ -156,7 +156,7 @@ class PlanTask(Task):
 
 
 def _read(path: Path) -> Left | None:
-    """Content of a note; None where it cannot be read."""
+    """Content of a note; None if it cannot be read."""
     try:
         note = parse_json(read_limited(path, MAX_MISSION_BYTES))
         mission = Mission.from_dict(note["mission"])
@@ -171,14 +171,14 @@ def _notes() -> Path:
 
 
 def _digest(folder: Path) -> str:
-    # Of another machine's folder links are not followed: it is asked nothing.
+    # Do not resolve links in a folder of another machine, which must not be asked.
     place = str(folder) if is_remote(folder) else path_key(folder)
     return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def _make_lock(path: Path) -> QLockFile:
     lock = QLockFile(str(path.with_suffix(_LOCK)))
-    # However old: a capture may take days. QGIS that has crashed is found by its process.
+    # However old: a capture may take days. Locks of a crashed QGIS are detected by its process.
     lock.setStaleLockTime(0)
     return lock
 

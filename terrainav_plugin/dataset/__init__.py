@@ -1,12 +1,12 @@
-"""A dataset's files as QGIS shows them. Knows no window; on any thread, except where layers come into a project.
+"""A dataset's files as QGIS shows them. No windows; on any thread, except where layers are added to a project.
 
-footprints      where the footprints are, by place and by number
+footprints      spatial and numeric access to the footprints
 shown           images of any bands, as 8 bits
-picture         an image read for the screen
-rectify         an image of a camera frame, laid on the map
-mosaic          one raster over all images of a run, and its overviews
-layers          footprints, mosaics and failed images, opened as layers
+picture         an image read for display
+rectify         a camera frame laid on the map
+mosaic          one raster of all images of a run, with overviews
+layers          footprints, mosaics and failed images as layers
 placing         these layers in their mission's group
-splitting       what forms and Processing say of a split
-scores          layers of a benchmark in its group, and the errors of a method
+splitting       texts of a split for forms and Processing
+scores          layers of a benchmark in its group, with a method's errors
 """

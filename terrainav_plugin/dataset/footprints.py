@@ -1,9 +1,9 @@
-"""Footprints of a dataset, by position and by number. On any thread; no file stays open.
+"""Footprints of a dataset, by position and index. On any thread; no file stays open.
 
 QGIS reads a GeoJSON file from its beginning for every query, which takes seconds for a hundred thousand features. Files
-of captures have one footprint in each line: they are read once, and then only where a footprint is. A JSON parser would
-hold Python's lock and block the user interface for seconds even on another thread, so bounds are read by numpy on whole
-arrays, which releases the lock.
+of captures have one footprint per line: they are read once, and then only at the footprints needed. A JSON parser would
+hold the GIL and block the user interface for seconds even on another thread, so numpy reads the bounds from whole
+arrays, which releases the GIL.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from ...core.storage.files import open_foreign, read_line, too_long_line
 from ...core.text.safe_json import parse_json
 from ..i18n import tr
 
-#: Read in one go: enough for arrays to be worth it, little memory.
+#: Block size: worthwhile for arrays, without much memory.
 _BLOCK_BYTES = 1 << 20
-#: How the lines of footprints begin.
+#: Beginning of a footprint's line.
 _FEATURE = b'{"type": "Feature",'
 Bounds = tuple[float, float, float, float]
 _LINE_END, _BRACKET, _MINUS, _DOT, _ZERO = (ord(sign) for sign in "\n[-.0")
-#: Characters of the longest number that is read digit by digit: a sign, 17 significant digits, a dot, leading zeros.
+#: Longest number read digit by digit: a sign, 17 significant digits, a point, leading zeros.
 _WIDTH = 24
 _TEN = 10
 _NUMBER = re.compile(rb"-?[0-9.]+(?:[eE][-+]?[0-9]+)?")
@@ -82,13 +82,13 @@ class FootprintFile:
         return len(self._offsets)
 
     def covering(self, lat_deg: float, lon_deg: float) -> list[int]:
-        """Numbers of the footprints whose bounds contain a position."""
+        """Indices of the footprints whose bounds contain a position."""
         west, south, east, north = self._bounds.T
         inside = (west <= lon_deg) & (lon_deg <= east) & (south <= lat_deg) & (lat_deg <= north)
         return [int(number) for number in np.flatnonzero(inside)]
 
     def read(self, number: int) -> dict[str, Any]:
-        """GeoJSON feature by number; raises InvalidInput where it cannot be read."""
+        """GeoJSON feature with an index; raises InvalidInput if it cannot be read."""
         try:
             with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 file.seek(int(self._offsets[number]))
@@ -101,18 +101,18 @@ class FootprintFile:
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """Outlines of the footprints of a dataset, as rings of places one after the other.
+    """Outlines of a dataset's footprints, as concatenated rings.
 
     Parameters
     ----------
     stems : tuple of str
-        Names of the images, without ending.
+        Names of the images, without extension.
     x, y : array (n,)
-        Of all rings: degrees of longitude and latitude, or what they have been projected to.
+        Of all rings: longitude and latitude in degrees, or projected coordinates.
     starts : array (r + 1,)
-        Where each ring begins.
+        Start of each ring.
     owners : array (r,)
-        Number of the image that a ring is of.
+        Index of each ring's image.
     """
 
     stems: tuple[str, ...]
@@ -122,12 +122,12 @@ class Outlines:
     owners: Numbers
 
     def projected(self, wkt: str) -> Outlines:
-        """Outlines in another CRS, by its WKT; places that have none in it are infinite.
+        """Outlines in another CRS, by its WKT; points outside its domain are infinite.
 
         Raises
         ------
         InvalidInput
-            A CRS that cannot be projected to.
+            The CRS cannot be projected to.
         """
         try:
             transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
@@ -137,7 +137,7 @@ class Outlines:
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
     def bounds(self, stem: str) -> Bounds | None:
-        """West, south, east and north of an image; None where it has no outline here."""
+        """West, south, east and north of an image; None if it has no outline here."""
         if stem not in self.stems:
             return None
         rings = np.flatnonzero(self.owners == self.stems.index(stem))
@@ -151,14 +151,14 @@ class Outlines:
 
 
 def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
-    """Outlines of the footprints of a capture; empty without such a file.
+    """Outlines of a capture's footprints; empty without a file.
 
     Raises
     ------
     InvalidInput
-        A file that cannot be read.
+        The file cannot be read.
     Cancelled
-        ``cancelled`` returned True.
+        ``cancelled`` has returned True.
     """
     path = folder / FOOTPRINTS_FILE
     stems: list[str] = []
@@ -166,9 +166,9 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
     y: list[float] = []
     starts, owners = [0], []
     try:
-        # Images from elsewhere have none.
+        # Images from other programs have no footprints.
         for feature in map(read_feature, feature_lines(path) if path.is_file() else ()):
-            # Ask every 500 footprints whether to go on.
+            # Check every 500 footprints whether to stop.
             if len(stems) % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             for ring in chain.from_iterable(polygon_rings(feature)):
@@ -191,7 +191,7 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
 
 
 def file_stamp(path: Path) -> tuple[int, int]:
-    """Modification time and length of a file; zeros where it does not exist."""
+    """Modification time and length of a file; zeros if it does not exist."""
     try:
         found = path.stat()
     except OSError:
@@ -203,14 +203,14 @@ def polygon_rings(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
     """Polygons of a feature, each a list of closed rings of longitudes and latitudes."""
     geometry = feature["geometry"]
     coordinates = geometry["coordinates"]
-    # Several rings of ours are parts on either side of the antimeridian.
+    # Captures write several rings for parts on either side of the antimeridian.
     return coordinates if geometry["type"] == "MultiPolygon" else [coordinates]
 
 
 def feature_lines(path: Path) -> Iterator[bytes]:
     """Lines of the features of a file."""
-    # A thread that reads little at a time gives Python's lock away and takes it back before another one wakes: the main
-    # one would wait for most of a second.
+    # A thread that reads little at a time releases the GIL and retakes it before another thread wakes: the main thread
+    # would wait for most of a second.
     with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
         while line := read_line(file):
             if line.startswith(_FEATURE):
@@ -224,14 +224,14 @@ def read_feature(line: bytes) -> dict[str, Any]:
 
 
 def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
-    """Where each line begins, (n,), and the bounds of its positions, (n, 4); NaN for a line that has none.
+    """Start of each line, (n,), and the bounds of its positions, (n, 4); NaN for a line without any.
 
-    Bounds are west, south, east and north, right to the last place but one of a double.
+    Bounds are west, south, east and north, exact to the last digit but one of a double.
 
     Parameters
     ----------
     text : array of bytes
-        Whole lines in which a bracket before a number begins a position, as Python's `json` writes them.
+        Whole lines in which a bracket before a number begins a position, as written by Python's `json`.
     """
     starts = np.concatenate([[0], np.flatnonzero(text[:-1] == _LINE_END) + 1])
     padded = np.concatenate([text, np.zeros(_WIDTH, np.uint8)])
@@ -250,7 +250,7 @@ def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
 
 
 def _blocks(file: IO[bytes]) -> Iterator[tuple[int, Bytes]]:
-    """Blocks of whole lines, and where each begins in the file."""
+    """Blocks of whole lines, with their offsets in the file."""
     offset, rest = 0, b""
     while chunk := file.read(_BLOCK_BYTES):
         whole, end, new_rest = chunk.rpartition(b"\n")
@@ -267,7 +267,7 @@ def _blocks(file: IO[bytes]) -> Iterator[tuple[int, Bytes]]:
 
 
 def _features(block: Bytes) -> tuple[Numbers, Floats]:
-    """Where the lines of features begin in a block, and their bounds."""
+    """Starts of the feature lines in a block, and their bounds."""
     starts, bounds = lines_and_bounds(block)
     beginning = np.frombuffer(_FEATURE, np.uint8)
     at = np.minimum(starts[:, np.newaxis] + np.arange(len(beginning)), len(block) - 1)
@@ -284,7 +284,7 @@ def _begins_number(signs: Bytes) -> NDArray[np.bool_]:
 
 
 def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
-    """Numbers that begin at some places, and how many characters each has."""
+    """Numbers that begin at some positions, and their lengths in characters."""
     negative = padded[at] == _MINUS
     alive = np.ones(len(at), np.bool_)
     fraction = np.zeros(len(at), np.bool_)
@@ -298,8 +298,8 @@ def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
         alive = is_digit | is_dot
         if not alive.any():
             break
-        # Digits beyond those that a whole number holds do not count.
-        # A longer mantissa would overflow the integer that it is read as.
+        # Digits beyond the precision of the integer do not count.
+        # A longer mantissa would overflow the integer.
         taken = is_digit & (digits < 18)
         mantissa = np.where(taken, mantissa * _TEN + digit, mantissa)
         digits += taken & (mantissa > 0)

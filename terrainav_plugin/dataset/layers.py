@@ -1,4 +1,4 @@
-"""Layers of a dataset, opened away from the main thread, and what has failed of it."""
+"""Layers of a dataset, opened off the main thread, and its failed images."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .mosaic import MosaicRaster
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Beside the dataset's own footprints, while there is something in it.
+#: Name of the file of failed images, beside the dataset's footprints.
 FAILED_FILE = "failed.geojson"
 _FAILED_MARK = f'"{FAILED}"'.encode()
 _HALF_TURN_DEG = 180.0
@@ -46,10 +46,10 @@ _NAME = re.compile(rb'"name": "([^"]*)"')
 
 
 class OpenedResults(NamedTuple):
-    """Layers of a dataset that are in no project yet; they belong to the main thread.
+    """Layers of a dataset that are not in a project yet; they belong to the main thread.
 
-    A mosaic has none that is still to be put in its place, or that the main thread alone can open. Images that are no
-    files in the folder have no paths.
+    A mosaic has no layer if it still has to be put in place, or only the main thread can open it. Images have no paths
+    if they are not files in the folder.
     """
 
     folder: Path
@@ -65,11 +65,11 @@ def open_results(folder: Path, mission: Mission, mosaics: list[MosaicRaster]) ->
     Raises
     ------
     InvalidInput, OutputError
-        Where one of them is not what it is called, or QGIS cannot open it.
+        One of them is not what its name says, or QGIS cannot open it.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
-    # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
-    # (3.40) leaves that to the project's own setting, which is the user's.
+    # Footprints of a mission do not change, so their extent need not be read when a project is opened. Newer QGIS
+    # (3.40) has a project setting for this, which is the user's choice.
     footprints.setReadExtentFromXml(True)
     footprints = _move_to_main_thread(footprints)
     opened = [None if mosaic.is_made else _opened(mosaic) for mosaic in mosaics]
@@ -84,7 +84,7 @@ def _opened(mosaic: MosaicRaster) -> QgsRasterLayer | None:
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     """Open a file of footprints as a layer; raises InvalidInput and OutputError.
 
-    A style that lies beside it is not taken: it may fetch symbols from servers, and run actions.
+    A style file beside it is ignored: it might fetch symbols from servers, and run actions.
     """
     check_vector(path)
     options = QgsVectorLayer.LayerOptions()
@@ -92,15 +92,15 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     layer = QgsVectorLayer(str(path), title, "ogr", options)
     if not layer.isValid():
         raise OutputError("footprints {0}: QGIS cannot open them", path)
-    # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
+    # QGIS would request the extent on the main thread, and read the whole file; this caches it.
     layer.extent()
     return layer
 
 
 def hide_antimeridian(layer: QgsVectorLayer) -> None:
-    """Draw no outlines along ±180° and the poles, where files cut footprints: about a pole they would be lines across.
+    """Hide outlines along ±180° and the poles, where files cut footprints: near a pole they would cross the map.
 
-    Only where a layer reaches both, as drawing by an expression is slower.
+    Only for layers that reach both, as drawing by an expression is slower.
     """
     extent = layer.extent()
     if extent.xMinimum() > -_HALF_TURN_DEG or extent.xMaximum() < _HALF_TURN_DEG:
@@ -118,7 +118,7 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
-    """Open a picture as a layer; raises OutputError. As of footprints, a style beside it is not taken."""
+    """Open an image as a layer, ignoring a style file beside it; raises OutputError."""
     try:
         check_raster(path)
     except InvalidInput as wrong:
@@ -128,21 +128,21 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
     layer = QgsRasterLayer(str(path), title, "gdal", options)
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)
-    # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
+    # Smooth when several image pixels share a screen pixel; enlarged pixels stay squares.
     layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
     return layer
 
 
 def open_failed(folder: Path) -> QgsVectorLayer | None:
-    """Open what has failed of a dataset, on any thread; None where nothing has."""
+    """Open the failed images of a dataset, on any thread; None if none has failed."""
     path = folder / FAILED_FILE
     return _move_to_main_thread(open_footprints(path, tr("Failed images"))) if file_exists(path) else None
 
 
 class FailedImages:
-    """The failed captures of a folder, followed along its journal while that grows.
+    """The failed captures of a folder, from its growing journal.
 
-    Files only, so that it works on any thread, beside a run in this or another process.
+    Uses files only: works on any thread, beside a run in this or another process.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -154,21 +154,21 @@ class FailedImages:
 
     @property
     def path(self) -> Path:
-        """Where they are written."""
+        """Path of their file."""
         return self._folder / FAILED_FILE
 
     def __len__(self) -> int:
         return len(self._reasons)
 
     def update(self) -> bool:
-        """Write what the journal says now; whether that is something new.
+        """Write the journal's current failures; returns whether they have changed.
 
         Without failures the file does not exist.
 
         Raises
         ------
         OutputError
-            Where the journal or the footprints cannot be read, or the file not be written or removed.
+            The journal or the footprints cannot be read, or the file not be written or removed.
         """
         try:
             self._follow_journal()
@@ -197,7 +197,7 @@ class FailedImages:
             rest = b""
             # A thread that reads little at a time holds up all others.
             while chunk := file.read(1 << 20):
-                # The text after the last line end is still being written; longer lines are not from a capture.
+                # Text after the last line end is still being written; longer lines are not from a capture.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)
                 if len(rest) > MAX_JOURNAL_LINE_BYTES:
@@ -205,7 +205,7 @@ class FailedImages:
                 self._read_bytes = file.tell() - len(rest)
 
     def _note(self, lines: bytes) -> None:
-        # Most journals are long and know no failure; reading their lines would hold up all other threads.
+        # Most journals are long and have no failures; parsing their lines would hold up all other threads.
         if not self._reasons and _FAILED_MARK not in lines:
             return
         for line in lines.split(b"\n"):
@@ -218,7 +218,7 @@ class FailedImages:
                 self._reasons.pop((outcome.map_type, outcome.name), None)
 
     def _find_footprints(self) -> None:
-        """Take the footprints of those that are new from the dataset's, a line each."""
+        """Copy the footprints of new failures from the dataset's, one line each."""
         wanted = {name for _, name in self._reasons} - set(self._footprints)
         if not wanted:
             return
@@ -243,7 +243,7 @@ class FailedImages:
 def _move_to_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
     main = QgsApplication.instance().thread()
     if QThread.currentThread() != main:
-        # The same CRS, but as the main thread has read it (see `tasks`); one that is equal would not be taken.
+        # The same CRS, but as read by the main thread (see `tasks`); setting an equal one would have no effect.
         layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != crs)))
         layer.setCrs(crs_named(crs))
         layer.moveToThread(main)
@@ -251,7 +251,7 @@ def _move_to_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
 
 
 def _footprint(line: bytes) -> dict[str, Any] | None:
-    """Feature of a line, or None where the file is not as a capture leaves it."""
+    """Feature of a line, or None if a capture has not written it."""
     try:
         feature = read_feature(line)
     except InvalidInput:

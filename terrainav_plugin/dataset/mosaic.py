@@ -1,6 +1,6 @@
-"""One raster over all images of a run, and its overviews.
+"""One raster of all images of a run, with overviews.
 
-Of map frames it is a GDAL virtual raster, whose overviews are made straight from the images; of camera frames it is an
+Map frames become a GDAL virtual raster, with overviews made directly from the images; camera frames become an
 orthomosaic. Runs in the background.
 """
 
@@ -44,33 +44,33 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Sums = NDArray[np.uint32]
 
-#: A virtual raster names every picture in every band; beyond this many, QGIS would read its text for minutes.
+#: A virtual raster names every image in every band; with more images, QGIS would parse it for minutes.
 MOST_PICTURES = 100_000
-#: Ending of the overviews' file, after the mosaic's own name, and of both files until they are put in place.
+#: Endings after the mosaic's name: of the overviews, and of both files until they are put in place.
 _OVERVIEWS, _MADE = ".ovr", ".new"
 #: Ending of the orthomosaic of camera frames.
 _ORTHOPHOTO = ".tif"
-#: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
+#: Ending of GDAL's metadata about a file, such as statistics, which may be outdated.
 _NOTES = ".aux.xml"
 _SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
 _SRS = re.compile(r"<SRS[^<>]*>([^<]+)</SRS>")
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 Progress = Callable[[float], bool]
-#: Pixels of the mosaic along a side of one of its first overview. Finer ones cost disk and gain little: a screen
-#: at half size still needs a few dozen pictures only.
+#: Mosaic pixels along a side of a first overview's pixel. A finer overview costs disk space and gains little: at half
+#: size, a screen needs a few dozen images only.
 FACTOR = 4
-#: Overviews go on until the mosaic fits about a thumbnail.
+#: Size up to which overviews continue: about a thumbnail.
 _LAST_PX = 256
-#: Lossless and quick: level 1 packs aerial imagery within a few percent of the default.
+#: Lossless and fast: level 1 is within a few percent of the default for aerial imagery.
 _OPTIONS = ("COMPRESS=DEFLATE", "PREDICTOR=2", "ZLEVEL=1", "TILED=YES", "BIGTIFF=IF_SAFER")
-#: Share of the work that the first overview is; the rest is made from it.
+#: Share of the first overview in the progress; the others are made from it.
 _FIRST_SHARE = 0.9
 
 
 class Placed(NamedTuple):
-    """Pictures in the pixels of their mosaic; arrays (n,), ordered from north to south.
+    """Images in the pixels of their mosaic; arrays (n,), from north to south.
 
-    ``width_px, height_px`` are the pixels a picture takes there; its file has others where pictures are resized.
+    ``width_px, height_px`` are sizes in the mosaic; files of resized images have others.
     """
 
     paths: list[Path]
@@ -81,16 +81,16 @@ class Placed(NamedTuple):
 
 
 class MosaicRaster(NamedTuple):
-    """A raster over a run's pictures: a virtual one and its overviews, or the orthomosaic of camera frames.
+    """A raster of a run's images: a virtual raster with overviews, or the orthomosaic of camera frames.
 
-    It is made beside the one that is there and put in its place afterwards: no file is written while a layer may
-    have it open. GDAL writes a virtual raster as it closes it, with the statistics that QGIS has taken of it, and so
-    brings the one back that a layer was opened from; and Windows replaces no file that is open.
+    A new raster is written beside the old one and then put in place: no file is written while a layer may have it open.
+    GDAL writes a virtual raster when closing it, with the statistics QGIS has computed, and would thus restore the one
+    that a layer was opened from; and Windows replaces no open file.
 
     Parameters
     ----------
     is_made : bool
-        Whether it lies beside its place, to be put there.
+        Whether it is still to be put in place.
     """
 
     map_type: str
@@ -99,7 +99,7 @@ class MosaicRaster(NamedTuple):
     is_made: bool = False
 
     def crs(self) -> str:
-        """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
+        """``EPSG:code`` of the current raster, or WKT if it has no code; raises OutputError."""
         if self.path.suffix == _ORTHOPHOTO:
             raster = open_image(self.path)
             if raster is None:
@@ -107,7 +107,7 @@ class MosaicRaster(NamedTuple):
             return named_crs(read_reference(raster.GetProjection()))
         try:
             with open_foreign(self.path) as file:
-                # A virtual raster has at most so many bytes before its first band.
+                # The part of a virtual raster before its first band is shorter.
                 head = file.read(1 << 16).decode("utf-8", "replace")
         except OSError as wrong:
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
@@ -116,12 +116,12 @@ class MosaicRaster(NamedTuple):
         return named_crs(read_reference(wkt))
 
     def put_in_place(self) -> MosaicRaster:
-        """Have what was made replace what was there; returns the mosaic that is there now.
+        """Replace the old raster by the new one; returns the mosaic in place.
 
         Raises
         ------
         OutputError
-            Where it cannot, for instance because a program on Windows has it open.
+            The file cannot be replaced, for instance because a program on Windows has it open.
         """
         overviews = _with(self.path, _OVERVIEWS)
         with _replacing(self.path):
@@ -135,7 +135,7 @@ class MosaicRaster(NamedTuple):
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep it as it is, whatever is written in its place meanwhile; raises OutputError."""
+        """Preserve the raster, whatever is written in its place meanwhile; raises OutputError."""
         with _replacing(self.path):
             os.replace(self.path, _made(self.path))
             try:
@@ -145,7 +145,7 @@ class MosaicRaster(NamedTuple):
 
 
 def build_any_mosaics(plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress) -> list[MosaicRaster]:
-    """Write the mosaics that suit a run's pictures: virtual rasters or orthomosaics; none of too many pictures.
+    """Write the mosaics for a run's images: virtual rasters or orthomosaics; none for too many images.
 
     Parameters and errors are those of `build_mosaics` and `build_orthomosaics`.
     """
@@ -157,24 +157,24 @@ def build_any_mosaics(plan: Plan, folder: Path, open_heights: OpenHeights, progr
 
 
 def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
-    """Refuse a plan of whose images no mosaic can be made, as far as that is known before they are there.
+    """Refuse a plan whose images allow no mosaic, as far as this is known before they exist.
 
     Raises
     ------
     InvalidInput, SourceError
-        As `build_any_mosaics` does: heights that cannot be had again for the dataset, or images of what no map has.
+        As for `build_any_mosaics`: heights that are not available to the dataset, or images outside the map.
     """
     if len(plan) > MOST_PICTURES or plan.frames.is_north_up:
         return
     open_heights(captured_mission(plan))
-    # What one of them shows is enough for a mosaic.
+    # One image within the map suffices for a mosaic.
     problems = [_find_problem(plan, index) for index in sorted({0, len(plan) // 2, len(plan) - 1})]
     if problems[0] is not None and None not in problems:
         raise problems[0]
 
 
 def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
-    """Why an image shows nothing that a mosaic could be made of; None where it does."""
+    """Reason why an image shows nothing for a mosaic; None if it does."""
     try:
         mosaic_raster(CameraImages.from_plan(plan, index, Path(plan.names[index])))
     except InvalidInput as wrong:
@@ -183,24 +183,24 @@ def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
 
 
 def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[MosaicRaster]:
-    """Write a virtual raster for every map type of a run, of the pictures that are there.
+    """Write a virtual raster of the existing images for every map type of a run.
 
-    Where there is one already, the new one lies beside it until it is put in its place. A mission across the
-    antimeridian has two for each, because the map ends there.
+    If there is one already, the new one is beside it until it is put in place. A mission across the antimeridian has
+    two of each, because the map ends there.
 
     Parameters
     ----------
     folder : Path
         The dataset's folder.
     progress : callable
-        Takes the share done, 0 to 1; an answer of False stops.
+        Takes the share done, 0 to 1; stops the work by returning False.
 
     Raises
     ------
     Cancelled
-        When ``progress`` said so.
+        ``progress`` has returned False.
     OutputError
-        Where something cannot be read or written.
+        A file cannot be read or written.
     """
     wanted = list(_mosaics(plan, folder))
     made = []
@@ -210,7 +210,7 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[MosaicRa
         before, share = done / total, len(placed.paths) / total
         build_mosaic(plan, mosaic.path, placed, lambda part, at=before, of=share: progress(at + part * of))
         done += len(placed.paths)
-        # Nothing can have a file open that is not there.
+        # A file that does not exist cannot be open.
         made.append(mosaic if mosaic.path.exists() else mosaic.put_in_place())
     return made
 
@@ -223,7 +223,7 @@ def build_orthomosaics(
     Parameters
     ----------
     open_heights : callable
-        Gives the heights of a mission.
+        Returns the heights of a mission.
 
     Raises
     ------
@@ -246,8 +246,8 @@ def build_orthomosaics(
 def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
     """Write one virtual raster and its overviews, beside their place.
 
-    Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
-    transparent; where pictures overlap, the one farther south-east shows.
+    It names images by relative paths, so that the folder can be moved; ground without an image is transparent; where
+    images overlap, the one farther south-east is visible.
     """
     origin = float(placed.left_px.min()), float(placed.top_px.min())
     inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
@@ -273,7 +273,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
 
 
 def existing_mosaics(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
-    """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
+    """Mosaics left in a dataset by an earlier run; None if they do not show its current images."""
     found: list[MosaicRaster] = []
     try:
         journal_s = (folder / JOURNAL_FILE).stat().st_mtime
@@ -314,22 +314,22 @@ def build_overviews(
     target: Path,
     progress: Callable[[float], bool],
 ) -> None:
-    """Write the file that GDAL takes for a raster's overviews, whole or not at all.
+    """Write the overviews of a raster, as a file that GDAL finds, completely or not at all.
 
-    Every overview pixel is the mean of all picture pixels in it, and opaque where there is one.
+    An overview pixel is the mean of all image pixels in it, and opaque if there are any.
 
     Parameters
     ----------
     placed : Placed
-        Pictures in the pixels of the mosaic.
+        Images in the pixels of the mosaic.
     size : tuple
         Width and height of the mosaic in px.
     channels : int
-        1 or 3, of the pictures.
+        1 or 3, of the images.
     target : Path
-        Where to; what is there is gone afterwards, also where the mosaic is so small that it needs none.
+        Path of the file; an existing one is removed, even if the mosaic is too small for overviews.
     progress : callable
-        Takes the share done, 0 to 1; an answer of False stops.
+        Takes the share done, 0 to 1; stops the work by returning False.
 
     Raises
     ------
@@ -418,7 +418,7 @@ def _virtual_raster(
     west, _, _, north = (float(edge) for edge in plan.grid.edges(*origin, *size, plan.zoom))
     across, down = plan.grid.pixel_size(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
-    # The axes are those of the geotransform, in whatever order the CRS itself has them.
+    # The axes are those of the geotransform, whatever their order in the CRS.
     axes = "" if plan.grid.plane.wraps else ' dataAxisToSRSAxisMapping="1,2"'
     yield f"<SRS{axes}>{xml_text(wkt_1(plan.grid.plane.crs))}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {across!r}, 0.0, {north!r}, 0.0, {-down!r}</GeoTransform>\n"
@@ -448,7 +448,7 @@ def _virtual_raster(
 
 
 def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterator[tuple[str, str, str]]:
-    """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
+    """Name, properties and position of every image; with the sizes, GDAL need not open the files beforehand."""
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
         own_width, own_height = plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
@@ -464,7 +464,7 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
 
 
 def _shown_files(mosaic: Path) -> set[str]:
-    """Files' names of the pictures that a virtual raster shows, of its last band."""
+    """File names of the images in a virtual raster, from its last band."""
     text = read_limited(mosaic, MAX_VRT_BYTES)
     band = text[text.rfind(b"<VRTRasterBand") :]
     return {Path(os.fsdecode(name)).name for name in _SOURCE.findall(band)}
@@ -477,13 +477,13 @@ def _pictures(folder: Path, image_format: str) -> set[str]:
 
 
 def _made_s(mosaic: Path) -> float:
-    """When a mosaic was made: its overviews tell, as GDAL itself may have written the virtual raster since."""
+    """Time when a mosaic was made: that of its overviews, as GDAL may have rewritten the virtual raster."""
     overviews = _with(mosaic, _OVERVIEWS)
     return (overviews if overviews.is_file() else mosaic).stat().st_mtime
 
 
 def _title(map_type: str, number: int = 0) -> str:
-    """Name of a mosaic's layer; of a part of it where there is a ``number``."""
+    """Title of a mosaic's layer, or of a numbered part of it."""
     titles = {
         "satellite": tr("Satellite images"),
         "roadmap": tr("Roadmap images"),
@@ -504,7 +504,7 @@ def _fill(
     channels: int,
     progress: Callable[[float], bool],
 ) -> None:
-    """Add up the pictures from north to south, and write rows that no later picture reaches."""
+    """Add up the images from north to south, and write rows that no later image reaches."""
     band_top = 0
     sums = np.zeros((0, size[0], channels + 1), np.uint32)
     tops = (placed.top_px // FACTOR).astype(np.int64)
@@ -512,7 +512,7 @@ def _fill(
         if not progress(_FIRST_SHARE * index / len(placed.paths)):
             raise Cancelled("mosaic: stopped")
         settled = int(tops[index]) - band_top
-        # Whole blocks of the file at a time; a picture's rounding may start it a row before its neighbours.
+        # Whole blocks of the file at a time; rounding may start an image a row before its neighbours.
         if settled > 256:
             _write(raster, sums[: settled - 1], band_top)
             sums, band_top = sums[settled - 1 :], band_top + settled - 1
@@ -524,7 +524,7 @@ def _fill(
 
 
 def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
-    """Left, top, and the sums and counts of the overview's pixels for each picture, in order."""
+    """Left, top, and sums and counts of the overview pixels for each image, in order."""
     count = os.cpu_count() or 1
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     jobs = zip(placed.paths, *(values.astype(np.int64).tolist() for values in columns))
@@ -545,8 +545,8 @@ def _reduce_picture(channels: int, path: Path, left: int, top: int, width: int, 
     pixels = picture.ReadAsArray(buf_xsize=width, buf_ysize=height) if picture is not None else None
     if pixels is None:
         raise _failed(path)
-    # Lines of the picture as (column, channel), the last channel counting the pixels.
-    # Sixteen bits hold the sum of an overview pixel of one picture: FACTOR² * 255.
+    # Image rows as (column, channel), where the last channel counts pixels.
+    # Sixteen bits suffice for the sum in an overview pixel: FACTOR² * 255.
     lines = np.empty((height, width, channels + 1), np.uint16)
     lines[..., :channels] = np.moveaxis(pixels.reshape(-1, height, width)[:channels], 0, -1)
     lines[..., channels] = 1
@@ -555,7 +555,7 @@ def _reduce_picture(channels: int, path: Path, left: int, top: int, width: int, 
 
 
 def _starts(first: int, length: int) -> NDArray[np.int64]:
-    """Where along a picture's side the overview's pixels begin."""
+    """Starts of the overview's pixels along an image's side."""
     return np.r_[0, np.arange(FACTOR - first % FACTOR, length, FACTOR)]
 
 
@@ -572,7 +572,7 @@ def _write(raster: gdal.Dataset, sums: Sums, top: int) -> None:
 
 
 def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[float], bool]) -> None:
-    """Halve the first overview again and again, inside the same file."""
+    """Halve the first overview repeatedly, in the same file."""
     factors, factor = [], 2
     while max(size) * FACTOR // factor > _LAST_PX * FACTOR:
         factors.append(factor)

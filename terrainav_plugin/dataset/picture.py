@@ -1,4 +1,4 @@
-"""A picture and its depth, read for the screen. On any thread; no file stays open."""
+"""An image and its depth, read for display. On any thread; no file stays open."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..i18n import tr
 from .shown import open_image, open_shown
 
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
-#: Colours from near to far, evenly spaced: matplotlib's viridis, even to the eye, also to the colour-blind one.
+#: Colours from near to far, evenly spaced: matplotlib's viridis, perceptually uniform, also for the colour-blind.
 _VIRIDIS = (
     (68, 1, 84),
     (71, 45, 123),
@@ -36,19 +36,19 @@ _VIRIDIS = (
 
 
 class DisplayImage(NamedTuple):
-    """A picture, no larger than it is shown.
+    """An image, at most at its display size.
 
     Parameters
     ----------
     path : Path
     image : QImage or None
-        Four channels; pixels without imagery are transparent. None without an image.
+        Four channels; pixels without imagery are transparent. None if it cannot be read.
     width_px, height_px : int
         Of the file.
     metadata : mapping of str to str
-        The file's own.
+        Metadata of the file.
     problem : str
-        Reason why there is no image.
+        Reason why the image is missing.
     """
 
     path: Path
@@ -60,18 +60,18 @@ class DisplayImage(NamedTuple):
 
 
 class Depth(NamedTuple):
-    """The depth of a picture.
+    """The depth of an image.
 
     Parameters
     ----------
     metres : array (h, w) of float32
-        Along the optical axis, NaN where no ground is seen; of the pixels that are shown.
+        Along the optical axis, of the displayed pixels; NaN where no ground is visible.
     least_m, most_m : float
-        Of all pixels; NaN where none sees the ground.
+        Of all pixels; NaN if none shows the ground.
     image : QImage
         Depth in colours on a logarithmic scale, which distinguishes both near and far.
     problem : str
-        Reason why it cannot be read; then there is no image and no pixel.
+        Reason why it cannot be read; image and pixels are empty then.
     """
 
     metres: np.ndarray
@@ -81,24 +81,24 @@ class Depth(NamedTuple):
     problem: str = ""
 
     def metres_at_point(self, x: float, y: float) -> float:
-        """Metres at a point, in shares of width and height from 0 to 1; NaN without ground."""
+        """Metres at a point, given as shares of width and height from 0 to 1; NaN without ground."""
         height, width = self.metres.shape
         return float(self.metres[min(int(y * height), height - 1), min(int(x * width), width - 1)])
 
     def to_metres(self, share: float) -> float:
-        """Depth whose colour stands at a share of the scale from near to far."""
+        """Depth at a share of the colour scale from near to far."""
         return float(self.least_m ** (1.0 - share) * self.most_m**share)
 
 
 def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth | None:
-    """Read the depth of an image, reduced as by `read_picture` but with the nearest rule; None without depth.
+    """Read the depth of an image, reduced as by `read_picture` but to the nearest pixel; None without depth.
 
     Parameters
     ----------
     path : Path
     longest_px : int
     data : bytes or None
-        Of the file, where it is not on this machine.
+        Contents of a remote file.
     """
     if data is None and not file_exists(path):
         return None
@@ -113,7 +113,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
                 raise RuntimeError(gdal.GetLastErrorMsg())
             del band, file
     except (RuntimeError, InvalidInput) as wrong:
-        # The picture is shown all the same.
+        # The image is shown nevertheless.
         problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
         return Depth(np.empty((0, 0), np.float32), np.nan, np.nan, None, problem)
     metres = np.where(mask == 0, np.nan, read).astype(np.float32)
@@ -130,23 +130,23 @@ def legend_image(width: int) -> QImage:
 
 
 def depth_colours(share: np.ndarray) -> np.ndarray:
-    """Colours (..., 3) of shares of the way from near, 0, to far, 1; grey where they are NaN."""
+    """Colours (..., 3) for shares of the way from near, 0, to far, 1; grey for NaN."""
     at = np.linspace(0.0, 1.0, len(_VIRIDIS))
     channels = [np.interp(share, at, channel) for channel in zip(*_VIRIDIS)]
-    # Pixels without ground are grey, which no colour of the scale is.
+    # Grey, which is not in the scale, for pixels without ground.
     colours = np.where(np.isnan(share)[..., np.newaxis], (128, 128, 128), np.stack(channels, axis=-1))
     return np.rint(colours).astype(np.uint8)
 
 
 def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> DisplayImage:
-    """Read a GeoTIFF, JPEG or PNG, made smaller where its longer side has more than ``longest_px``.
+    """Read a GeoTIFF, JPEG or PNG, reduced if its longer side exceeds ``longest_px``.
 
     Parameters
     ----------
     path : Path
     longest_px : int
     data : bytes or None
-        Of the file, where it is not on this machine.
+        Contents of a remote file.
     """
     if data is None and not file_exists(path):
         return DisplayImage(path, None, problem=tr("There is no image (yet)."))
@@ -158,7 +158,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
             width, height = file.RasterXSize, file.RasterYSize
             bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **_size(file, longest_px))
             metadata = dict(file.GetMetadata())
-            # Before what it reads is gone.
+            # Before the file that it reads is released.
             del file
     except (RuntimeError, InvalidInput) as wrong:
         return DisplayImage(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
@@ -170,7 +170,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
 
 @contextmanager
 def _openable(path: Path, data: bytes | None) -> Iterator[str]:
-    """Name that GDAL opens a file by; one of memory for bytes that were fetched."""
+    """Name under which GDAL opens a file; in memory for fetched bytes."""
     if data is None:
         yield str(path)
         return
@@ -185,7 +185,7 @@ def _openable(path: Path, data: bytes | None) -> Iterator[str]:
 
 
 def _size(file: gdal.Dataset, longest_px: int) -> dict[str, int]:
-    """Size at which a file is read for the screen."""
+    """Size at which to read a file for display."""
     width, height = file.RasterXSize, file.RasterYSize
     share = min(longest_px / max(width, height), 1.0)
     return {"buf_xsize": max(round(width * share), 1), "buf_ysize": max(round(height * share), 1)}
@@ -200,5 +200,5 @@ def _image(bands: np.ndarray) -> QImage:
     pixels = np.empty((height, width, 4), np.uint8)
     pixels[..., :3] = np.moveaxis(np.broadcast_to(colours, (3, height, width)), 0, -1)
     pixels[..., 3] = bands[-1] if masked else 255
-    # A copy: the image does not own what it is made from.
+    # A copy: QImage does not own the array's memory.
     return QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()

@@ -1,4 +1,4 @@
-"""Results in their mission's group: a mosaic of map frames for each map type, the footprints, and what has failed."""
+"""Results in their mission's group: mosaics, footprints and failed images."""
 
 from __future__ import annotations
 
@@ -31,28 +31,28 @@ if TYPE_CHECKING:
 
 
 class OpenProject:
-    """Which of a session's projects is open: the one that work was begun in, or one after it.
+    """Tracks which of a session's projects is open: the one in which work began, or a later one.
 
-    Work goes on when its project is closed. Its results are shown only where that project is still open, or another is
+    Work continues after its project is closed. Its results are shown only if that project is still open, or another one
     that has a group for the same folder.
     """
 
     def __init__(self, project: QgsProject) -> None:
         self.project = project
-        #: How many have been closed before it.
+        #: Number of projects closed before it.
         self.number = 0
         project.cleared.connect(self._closed)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self.project.cleared.disconnect(self._closed)
 
     def mission_group(self, folder: Path) -> MissionGroup:
-        """Group of the mission that is captured into a folder."""
+        """Group of the mission captured into a folder."""
         return MissionGroup(self.project, folder)
 
     def shows(self, number: int | None, folder: Path) -> bool:
-        """Whether results of a folder are shown that were begun in the project of a number."""
+        """Whether to show results of a folder for work begun in the project with a number."""
         return number == self.number or self.mission_group(folder).find() is not None
 
     def _closed(self) -> None:
@@ -60,12 +60,12 @@ class OpenProject:
 
 
 def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = True) -> list[QgsMapLayer]:
-    """Add a run's layers to its mission's group; those that are there already show their files anew.
+    """Add a run's layers to its mission's group; existing layers reload their files.
 
     Parameters
     ----------
     changed : bool
-        Whether pictures have been written since the group's layers were opened.
+        Whether images have been written since the group's layers were opened.
     """
     footprints = _show_footprints(group, opened)
     mosaics = [_show_mosaic(group, mosaic, layer, changed) for mosaic, layer in opened.mosaics]
@@ -74,14 +74,14 @@ def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = Tru
 
 
 def reread_footprints(group: MissionGroup) -> None:
-    """Have the layer of a group's footprints, if there is one, show what its file holds now."""
+    """Reload a group's footprint layer, if any."""
     layer = group.layer(CAPTURED)
     if layer is not None:
         layer.setDataSource(layer.source(), layer.name(), "ogr", QgsDataProvider.ProviderOptions())
 
 
 def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
-    """Show the images that have failed, in place of those that had before; none, where nothing has."""
+    """Replace the layer of failed images; None removes it."""
     if layer is None:
         group.remove(FAILED)
         return
@@ -98,28 +98,28 @@ def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
 
 
 def load_test_shot(group: MissionGroup, picture: Path, title: str) -> QgsRasterLayer:
-    """Add the picture of a test shot to the group; raises OutputError where QGIS cannot open it."""
+    """Add the image of a test shot to the group; raises OutputError if QGIS cannot open it."""
     layer = open_raster(picture, title)
     group.add(layer, "test-shot", 0).setExpanded(False)
     return layer
 
 
 def place_mosaics(project: QgsProject, mosaics: Iterable[MosaicRaster]) -> None:
-    """Put those mosaics in their places that have been made beside them, as `show_results` does; raises OutputError."""
+    """Put new mosaics in place, as `show_results` does; raises OutputError."""
     for mosaic in mosaics:
         if mosaic.is_made:
             _place(project, mosaic)
 
 
 def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
-    """Put a mosaic that has been made in its place; layers that show it let go of it, and then read it anew.
+    """Put a new mosaic in place; layers release the old file and then open the new one.
 
-    A Processing model calls it on another thread, where layers must not be touched.
+    A Processing model calls this on another thread, where layers must not be used.
 
     Raises
     ------
     OutputError
-        Where the file cannot be replaced; layers go on showing what was there.
+        The file cannot be replaced; layers then keep showing the old one.
     """
     place = path_key(mosaic.path)
     on_main_thread = QThread.currentThread() == QgsApplication.instance().thread()
@@ -142,7 +142,7 @@ def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
 
 
 def _set_source(layer: QgsRasterLayer, source: str) -> None:
-    """Have a layer show another file, or none; its style and name stay."""
+    """Change the file of a layer, or remove it; style and name stay."""
     layer.setDataSource(source, layer.name(), "gdal", QgsDataProvider.ProviderOptions())
 
 
@@ -160,7 +160,7 @@ def _show_mosaic(
 
 
 def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
-    """Footprints of a mission do not change from one run to the next: a layer that shows them goes on doing so."""
+    """Footprints of a mission are the same in every run: an existing layer keeps showing them."""
     layer = group.layer(CAPTURED)
     if layer is not None and layer.isValid():
         layer.triggerRepaint()
@@ -176,16 +176,16 @@ def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
 
 
 def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> None:
-    """Give footprints the paths of their pictures: as attributes, in map tips, and to be opened.
+    """Give footprints the paths of their images: as attributes, in map tips, and for opening.
 
-    Paths follow the layer: a folder can be moved together with its project. Where images are no files here, map tips
-    show poses alone.
+    Paths are relative to the layer: a folder can be moved with its project. If images are not local files, map tips
+    show poses only.
     """
     tips = []
     for map_type in mission.imagery.map_types if has_paths else ():
         ending = mission.output.image_format
         path = path_inside(f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}'", "name", f".{ending}")
-        # A field of the file with this name would stand in for ours.
+        # A field of the file with this name would hide the virtual one.
         taken, name = layer.fields().names(), f"{map_type}_file"
         while name in taken:
             name += "_"
@@ -209,7 +209,7 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> 
 
 
 def _above_rasters(group: MissionGroup) -> int:
-    """Place below the mission's other vector layers and above its first raster."""
+    """Index below the mission's other vector layers and above its first raster."""
     found = group.find()
     children = found.children() if found is not None else []
     for index, node in enumerate(children):

@@ -1,7 +1,7 @@
-"""Camera frames laid on the map, one or all of a dataset, with overviews. Runs in the background; knows no widget.
+"""Lay camera frames on the map, one or all of a dataset, with overviews. Runs in the background; no widgets.
 
-GDAL and QGIS can place such an image by its ground control points alone, but only through polynomials or splines:
-those put an image tilted by 60 degrees a hundred pixels off, or its corners forty. The core knows the exact camera.
+With ground control points alone, GDAL and QGIS can only place such an image by polynomials or splines, which displace
+an image tilted by 60 degrees by a hundred pixels, or its corners by forty. The core has the exact camera.
 """
 
 from __future__ import annotations
@@ -30,28 +30,28 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from ...core.mission.relief.ground import Heights
 
-#: Folder in a dataset of the images that are laid on the map one by one.
+#: Folder in a dataset for single images laid on the map.
 ON_MAP_FOLDER = "on-map"
 
 OpenHeights = Callable[["Mission"], "Heights | None"]
 
 
 def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
-    """Write a camera frame as a GeoTIFF in the CRS of its source's pixels, transparent where it shows no ground.
+    """Write a camera frame as GeoTIFF in the CRS of its source's pixels, transparent outside the ground.
 
     Parameters
     ----------
     plan : Plan
-        Of this one capture.
+        Plan of this single capture.
     picture : Path
-        As it was captured.
+        The captured image.
     target : Path
-        Written whole or not at all.
+        Written completely or not at all.
 
     Raises
     ------
     InvalidInput, OutputError
-        Where a file cannot be read or written, or the image shows nothing of the map.
+        A file cannot be read or written, or the image shows nothing within the map.
     """
     _lay_on_map(CameraImages.from_plan(plan, 0, picture), target)
 
@@ -63,7 +63,7 @@ def lay_image_on_map(
     open_heights: OpenHeights,
     fetch: Callable[[Path], None] | None = None,
 ) -> Path:
-    """Make what shows one image of a dataset on the map; returns its file, of a map frame the image itself.
+    """Create a file that shows an image of a dataset on the map, and return its path; a map frame is returned itself.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def lay_image_on_map(
     Raises
     ------
     InvalidInput, OutputError, SourceError
-        As `lay_on_map` does; an image that is not in the dataset, or is rejected.
+        As from `lay_on_map`; the image is not in the dataset, or is rejected.
     """
     if fetch is not None:
         picture = fetched_file(folder, map_type, file)
@@ -105,7 +105,7 @@ def lay_image_on_map(
 
 def fetched_file(folder: Path, map_type: str, file: str) -> Path:
     """Path for a fetched image from outside the dataset's folder."""
-    # Subfolder for images from outside the dataset's folder: at an address, or in a shard.
+    # Subfolder for images from outside the dataset's folder: remote ones and those in shards.
     return folder / ON_MAP_FOLDER / map_type / "fetched" / file
 
 
@@ -117,13 +117,13 @@ def write_mosaic(
     progress: Callable[[float], bool],
     gsd_m: float | None = None,
 ) -> Orthomosaic:
-    """Write one orthophoto of all images of a map type, with overviews; the ground sample distance as the size allows.
+    """Write one orthophoto of all images of a map type, with overviews; by default at a GSD that suits the size.
 
     Raises
     ------
     InvalidInput, OutputError, SourceError, Cancelled
     """
-    # A mosaic has at most a gigabyte: some minutes of work for two cores, or half an hour over relief.
+    # A mosaic has at most a gigabyte: minutes of work for two cores, or half an hour over relief.
     made = make_orthomosaic(
         folder,
         target,
@@ -140,7 +140,7 @@ def write_mosaic(
 def _lay_on_map(frames: CameraImages, target: Path) -> None:
     try:
         with partial_file(target, ".new") as made:
-            # Sharp on a screen, and made in seconds.
+            # Sharp on a screen, and quick to make.
             orthorectify(frames, made, 2000)
             _add_overviews(made)
     except OSError as wrong:
@@ -153,7 +153,7 @@ def _add_overviews(path: Path) -> None:
     if raster is None:
         raise _failed(path)
     factors, factor = [], 2
-    # Overviews go on until the map fits about a thumbnail.
+    # Overviews continue down to about a thumbnail.
     while max(raster.RasterXSize, raster.RasterYSize) // factor * 2 > 256:
         factors.append(factor)
         factor *= 2
@@ -163,7 +163,7 @@ def _add_overviews(path: Path) -> None:
 
 
 def _is_placed(path: Path) -> bool:
-    """Whether an image is georeferenced, which map frames alone are."""
+    """Whether an image is georeferenced, as only map frames are."""
     image = open_image(path)
     return image is not None and image.GetGeoTransform(can_return_null=True) is not None
 

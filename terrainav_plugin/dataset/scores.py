@@ -1,4 +1,4 @@
-"""Layers of a benchmark in its group: the reference, the footprints of queries, the errors of a method."""
+"""Layers of a benchmark in its group: the reference, the queries' footprints, a method's errors."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from ..paths import style
 from ..plain import escaped_field
 from .layers import hide_antimeridian
 
-#: Roles in the group, and where they go in it.
+#: Roles in the group, and their positions.
 REFERENCE, QUERIES, ERRORS = "reference", "queries", "errors"
 _TOP, _BOTTOM = 0, -1
 
 
 def into_group(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
-    """Move a layer that Processing has loaded into the group of the benchmark's folder, and style it.
+    """Style a layer that Processing has loaded, and move it into the group of the benchmark's folder.
 
     Parameters
     ----------
     role : str
         `REFERENCE`, or `QUERIES` or `ERRORS` with ``/`` and a name.
     known : collection of str
-        Ids of the layers that the project had before: one of the same file is taken instead of a new one.
+        Ids of the project's earlier layers: one with the same file is reused instead of a new one.
     """
     waiting = _waiting()
     waiting[:] = [one for one in waiting if not sip.isdeleted(one)]
@@ -44,7 +44,7 @@ def into_group(folder: Path, role: str, known: Collection[str]) -> QgsProcessing
 
 @lru_cache(None)
 def _waiting() -> list[_IntoGroup]:
-    """Those that Processing has not done with: it deletes them in the end, but does not keep their Python halves."""
+    """Post-processors that Processing will still use: it deletes them itself, but does not keep their Python halves."""
     return []
 
 
@@ -59,9 +59,9 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
         context: QgsProcessingContext,
         feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
     ) -> None:
-        """Move it, on the main thread."""
+        """Move and style the layer, on the main thread."""
         if layer.id() in self._known:
-            # That of an earlier run, or one of the user's own, which stays where it is.
+            # A layer of an earlier run, or one added by the user, which stays in place.
             layer.reload()
             layer.triggerRepaint()
             return
@@ -77,14 +77,14 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
 
 
 def _dress_footprints(layer: QgsVectorLayer) -> None:
-    """Show footprints of queries as those of every capture."""
+    """Style footprints of queries like those of captures."""
     layer.loadNamedStyle(style("captured"))
     hide_antimeridian(layer)
     layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b>")
 
 
 def _dress_errors(layer: QgsVectorLayer) -> None:
-    """Show the true places of queries in the colour of the error, with lines to the places of the answers."""
+    """Show the true places of queries in the colour of the error, with lines to the answers."""
     layer.loadNamedStyle(style("errors"))
     classes = (
         tr("up to 1 m"),

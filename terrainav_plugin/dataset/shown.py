@@ -1,4 +1,4 @@
-"""Images of any bands as they are shown: grey or colours of 8 bits. Runs in the background; knows no widget."""
+"""Images of any bands for display: grey or colours of 8 bits. Runs in the background; no widgets."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ _DARKEST, _BRIGHTEST = 0.0, 255.0
 
 
 class ImageRendering(NamedTuple):
-    """How an image is shown.
+    """Display parameters of an image.
 
     Parameters
     ----------
     bands : tuple of int
-        Those that are red, green and blue, or grey; from 1.
+        Red, green and blue, or grey; from 1.
     ranges : tuple of (low, high)
-        Values of each that are darkest and brightest; empty where they are of 8 bits.
+        Darkest and brightest value of each band; empty for 8 bits.
     data_type : str
-        GDAL's name of the values' type.
+        GDAL's name of the data type.
     mask : int or str or None
-        Band that is 0 where nothing is shown; ``mask`` where a value says so; None for neither.
+        Band that is 0 in transparent pixels; ``mask`` if a nodata value defines them; None for neither.
     stated : tuple of mapping
-        Of each band, where they are of 8 bits, by elements of GDAL's virtual rasters: its description, and the unit,
-        offset and scale of its values, as far as the file states them.
+        For each band of 8 bits, by elements of GDAL's virtual rasters: description, unit, offset and scale, as far as
+        the file has them.
     """
 
     bands: tuple[int, ...]
@@ -40,12 +40,12 @@ class ImageRendering(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """Whether the file's bands are just these, in this order."""
+        """Whether the file has exactly these bands, in this order."""
         return not self.ranges and self.bands == tuple(range(1, 1 + len(self.bands)))
 
 
 def how_shown(image: gdal.Dataset) -> ImageRendering:
-    """How an open image is shown."""
+    """Display parameters of an open image."""
     bands = [image.GetRasterBand(1 + i) for i in range(image.RasterCount)]
     kinds = [band.GetColorInterpretation() for band in bands]
     colours = (gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand)
@@ -54,7 +54,7 @@ def how_shown(image: gdal.Dataset) -> ImageRendering:
         shown = tuple(1 + kinds.index(colour) for colour in colours)
     else:
         there = [f"{i}" for i in range(len(bands)) if i != alpha]
-        # As the core shows bands of which nothing is said.
+        # As the core shows bands without a stated range.
         shown = tuple(1 + at for at in colour_channels(there)) if len(there) == 3 else (1,)
     first = bands[0]
     mask: int | str | None = None if alpha is None else 1 + alpha
@@ -67,21 +67,21 @@ def how_shown(image: gdal.Dataset) -> ImageRendering:
 
 
 def open_image(path: str | Path) -> gdal.Dataset | None:
-    """Image of a dataset in a format that captures write and that names no other file; None for other files.
+    """Open an image in a format that captures write and that refers to no other file; None for other files.
 
     Raises
     ------
     InvalidInput
-        Where it, or a file beside it that GDAL opens with it, leads elsewhere, or where its CRS names files for PROJ.
+        The file, or a sidecar file that GDAL opens with it, refers elsewhere, or its CRS names files for PROJ.
     """
     if not str(path).startswith(VIRTUAL):
         allowed_drivers(str(path))
-    # A foreign file may be called .png and describe a service.
+    # A foreign file may be called .png but describe a service.
     return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=("GTiff", "JPEG", "PNG"))
 
 
 def open_shown(path: str | Path) -> gdal.Dataset | None:
-    """Image of 8 bits, grey or colours, and a mask where the file has one; None where GDAL opens none."""
+    """Open an image as 8 bits, grey or colours, with its mask, if any; None if GDAL cannot open it."""
     image = open_image(path)
     if image is None:
         return None
@@ -107,7 +107,7 @@ def open_shown(path: str | Path) -> gdal.Dataset | None:
 
 
 def _stated(band: gdal.Band) -> dict[str, str]:
-    """Description, unit, offset and scale of a band, as far as its file states them."""
+    """Description, unit, offset and scale of a band, as far as its file has them."""
     found = {"Description": band.GetDescription(), "UnitType": band.GetUnitType()}
     numbers = {"Offset": (band.GetOffset(), 0.0), "Scale": (band.GetScale(), 1.0)}
     found.update({name: repr(value) for name, (value, plain) in numbers.items() if value not in (None, plain)})
@@ -115,7 +115,7 @@ def _stated(band: gdal.Band) -> dict[str, str]:
 
 
 def _range(band: gdal.Band) -> tuple[float, float]:
-    """Values of a band that are darkest and brightest: those that its file states, else all that there are."""
+    """Darkest and brightest value of a band: as stated in its file, otherwise the actual ones."""
     stated = band.GetMetadataItem(DISPLAY_RANGE)
     low, high = (float(one) for one in stated.split()) if stated else band.ComputeRasterMinMax(True)
     return low, high if high > low else low + 1.0

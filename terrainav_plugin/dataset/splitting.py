@@ -1,4 +1,4 @@
-"""Texts of a split for forms and Processing: choices, ranges and results. Knows no widget."""
+"""Texts of a split for forms and Processing: choices, ranges and results. No widgets."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from ...core.dataset.split import Split
 
 HIGHEST_SEED = 2**31 - 1
-#: Widest block, and widest gap.
+#: Largest block, and largest gap.
 WIDEST_M = 1_000_000.0
 UTM, *_ = FRAMES
 
 
 class Line(NamedTuple):
-    """Something to say, and whether it is a warning."""
+    """A text, and whether it is a warning."""
 
     text: str
     warns: bool = False
 
 
 def ways() -> dict[str, str]:
-    """How a dataset can be split, each way in words."""
+    """Methods of splitting, with titles."""
     return {
         AUTO: tr("Automatic: blocks where images overlap"),
         "shuffled": tr("Shuffled"),
@@ -34,7 +34,7 @@ def ways() -> dict[str, str]:
 
 
 def frames() -> dict[str, str]:
-    """Frames of labels that have a name, each in words."""
+    """Named frames of labels, with titles."""
     return {
         UTM: tr("UTM zone of the middle"),
         "mercator": tr("Web Mercator"),
@@ -43,7 +43,7 @@ def frames() -> dict[str, str]:
 
 
 def parts() -> dict[str, str]:
-    """Parts of a dataset, in words."""
+    """Parts of a dataset, with titles."""
     return dict(zip(PARTS, (tr("Training"), tr("Validation"), tr("Test"))))
 
 
@@ -81,7 +81,7 @@ def helps() -> dict[str, str]:
 
 
 def outcome(made: Split) -> list[Line]:
-    """Shares that a split reaches, what is in no part, and what is to be heeded."""
+    """Shares reached by a split, images in no part, and warnings."""
     lines = [
         Line(
             tr("{part}: {images} images ({share} %).").format(

@@ -1,17 +1,17 @@
-"""The window of a dataset: cleaned, split, exported, made a benchmark, and looked at, a tab each.
+"""The window of a dataset: tabs for cleaning, splitting, exporting, benchmarks and labels.
 
 entropies       the entropies that decide which images are rejected
-charts          how often each entropy is, and the entropy of each image, with the threshold
-marks           the images that would be rejected, crossed out on the map
-previews        images with what a model learns from them
-tasks           what the buttons start, one at a time
-tab             what all tabs have in common
-clean_tab       the tab that shows what a threshold would do, and asks for the rest
-cleaning        from a dataset's folder to what that tab shows, and what its buttons do
-split_tab       images given to training, validation and test
-benchmark_tab   ways to Processing's windows for benchmarks
-export_tab      formats of other programs
-labels_tab      images with their parts, labels and depths
+charts          histogram and bar chart of the entropies, with the threshold
+marks           crosses on the map over images that would be rejected
+previews        images with their training data
+tasks           tasks started by the buttons, one at a time
+tab             base of the tabs
+clean_tab       tab that shows the effect of a threshold
+cleaning        data and actions of that tab
+split_tab       tab for dividing images into training, validation and test
+benchmark_tab   tab that opens Processing's benchmark windows
+export_tab      tab for export to formats of other programs
+labels_tab      tab that shows images with their parts, labels and depths
 window          the window around the tabs
-datasets        which dataset is open, and which tab has read it
+datasets        the dataset open in the window, and the tabs that have read it
 """

@@ -1,4 +1,4 @@
-"""The tab that leads to Processing's windows for benchmarks."""
+"""Tab that opens Processing's benchmark windows."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .tab import Tab
 
 
 class BenchmarkTab(Tab):
-    """Two ways: a benchmark is made of the mission in the panel, or scored.
+    """Make a benchmark from the panel's mission, or score one.
 
     Signals
     -------
     make_wanted()
     score_wanted(object)
-        Folder of the benchmark that is open; None where none is.
+        Folder of the open benchmark; None for another dataset.
     """
 
     make_wanted = pyqtSignal()
@@ -62,7 +62,7 @@ class BenchmarkTab(Tab):
         self.show_dataset()
 
     def show_dataset(self) -> None:
-        """Find out whether the folder is a benchmark."""
+        """Determine whether the folder is a benchmark."""
         self._is_benchmark = False
         folder = self.folder
         self.hint.setText("")
@@ -74,14 +74,14 @@ class BenchmarkTab(Tab):
                 try:
                     return len(Benchmark.read(folder).queries)
                 except TerrAInavError:
-                    # Any other dataset.
+                    # Another dataset.
                     return None
 
             self.reader.ask(queries, self._show)
         self.enable()
 
     def enable(self) -> None:
-        """Both windows can always be opened."""
+        """Do nothing: both windows can always be opened."""
 
     def _show(self, queries: int | None) -> None:
         self._is_benchmark = queries is not None

@@ -1,4 +1,4 @@
-"""The two charts of the paper, with a threshold that mouse and keyboard move. Drawn by Qt alone."""
+"""The paper's two charts, with a threshold moved by mouse and keyboard. Drawn with Qt only."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from ..i18n import number_text, tr
 LOWEST, HIGHEST = 0.0, 8.0
 #: Decimals of a threshold.
 DECIMALS = 2
-#: Steps of the threshold by arrow key, with Shift, and by page key; bits.
+#: Steps of the threshold in bits: by arrow key, with Shift, and by page key.
 _STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
 _USUAL_PX, _LEAST_PX = (420, 190), (240, 140)
 _TICK_PX, _GAP_PX = 4, 3
 _HANDLE_PX = 5.0
-#: Least height of a bin that is not empty: a few images among thousands matter most.
+#: Least height of a non-empty bin: a few images among thousands matter most.
 _LEAST_BAR_PX = 2.0
 _BETWEEN_PX = 1.0
-#: Distinguishable with any colour vision, on light and dark windows and over imagery.
+#: Distinguishable for colour-blind people, on light and dark windows and over imagery.
 KEPT = QColor(42, 134, 220)
 REJECTED = QColor(230, 40, 150)
 
@@ -40,26 +40,26 @@ class PlotArea(NamedTuple):
 
     @property
     def rect(self) -> QRectF:
-        """As a rectangle."""
+        """Return it as a rectangle."""
         return QRectF(self.left, self.top, self.right - self.left, self.bottom - self.top)
 
 
 class Chart(QWidget):
-    """Base of both charts: axes, and the line of the threshold, which can be moved.
+    """Base of both charts: axes, and a movable threshold line.
 
     Signals
     -------
     threshold_moved(float)
-        Bits, by the user.
+        Bits, when the user moves the line.
 
     Attributes
     ----------
     look : QWidget
-        Widget whose colours it uses: QGIS themes are style sheets, which do not apply to plain widgets.
+        Widget with the colours to use: QGIS themes are style sheets, which do not apply to plain widgets.
     """
 
     threshold_moved = pyqtSignal(float)
-    #: Whether the threshold is a place on the horizontal axis.
+    #: Whether the threshold is on the horizontal axis.
     ACROSS = True
 
     def __init__(self, name: str) -> None:
@@ -82,25 +82,25 @@ class Chart(QWidget):
         self._held = False
 
     def show_bits(self, bits: Floats, suggested: float | None) -> None:
-        """Show entropies (n,) in the order of the flight, NaN for images that are not there."""
+        """Show entropies (n,) in flight order, NaN for missing images."""
         self.bits, self.suggested, self._hint = bits, suggested, ""
         self.prepare()
         self.update()
 
     def show_hint(self, text: str) -> None:
-        """Show a text in place of entropies."""
+        """Show a text instead of entropies."""
         self.bits, self.suggested, self._hint = np.zeros(0), None, text
         self.prepare()
         self.update()
 
     def show_threshold(self, threshold: float) -> None:
-        """Put the line at a threshold, in bits."""
+        """Move the line to a threshold, in bits."""
         self.threshold = threshold
         self.setAccessibleName(tr("Threshold {bits} bits").format(bits=f"{threshold:.{DECIMALS}f}"))
         self.update()
 
     def axis_px(self, bits: float, frame: PlotArea | None = None) -> float:
-        """Position of an entropy on the axis of the threshold, px; ``frame`` is the current plot area if known."""
+        """Position in px of an entropy on the threshold's axis; ``frame`` is the current plot area, if known."""
         frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
         if self.ACROSS:
@@ -108,7 +108,7 @@ class Chart(QWidget):
         return frame.bottom - share * (frame.bottom - frame.top)
 
     def bits_from_point(self, x: float, y: float) -> float:
-        """Entropy at a point of the chart, clamped and rounded as thresholds are."""
+        """Entropy at a point of the chart, clamped and rounded like thresholds."""
         frame = self.frame()
         share = (
             (x - frame.left) / (frame.right - frame.left)
@@ -118,7 +118,7 @@ class Chart(QWidget):
         return round(min(max(LOWEST + share * (HIGHEST - LOWEST), LOWEST), HIGHEST), DECIMALS)
 
     def frame(self) -> PlotArea:
-        """Where the plot is now."""
+        """Current plot area."""
         metrics = self.fontMetrics()
         left = max(metrics.horizontalAdvance(text) for _, text in self.left_ticks()) + _TICK_PX + 2 * _GAP_PX
         below = 2 * metrics.height() + _TICK_PX + 2 * _GAP_PX
@@ -127,20 +127,20 @@ class Chart(QWidget):
         return PlotArea(left + metrics.height(), above, max(right, left + 1), max(self.height() - below, above + 1))
 
     def sizeHint(self) -> QSize:
-        """Room to see the shape of a distribution."""
+        """Enough room to show the shape of a distribution."""
         return QSize(*_USUAL_PX)
 
     def minimumSizeHint(self) -> QSize:
-        """Room for axes and a line."""
+        """Enough room for the axes and a line."""
         return QSize(*_LEAST_PX)
 
-    # --- what the two charts differ in
+    # --- differences between the charts
 
     def prepare(self) -> None:
-        """Work out what is drawn again and again."""
+        """Compute what every repaint uses."""
 
     def left_ticks(self) -> list[tuple[float, str]]:
-        """Values and texts of the vertical axis; its range begins at 0."""
+        """Values and texts of the vertical axis, which begins at 0."""
         raise NotImplementedError
 
     def bottom_ticks(self) -> list[tuple[float, str]]:
@@ -152,7 +152,7 @@ class Chart(QWidget):
         raise NotImplementedError
 
     def ranges(self) -> tuple[float, float]:
-        """Ends of the horizontal and the vertical axis, which begin at 0."""
+        """Upper ends of the horizontal and vertical axes, which begin at 0."""
         raise NotImplementedError
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
@@ -162,7 +162,7 @@ class Chart(QWidget):
     # --- mouse and keyboard
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the line."""
+        """Begin dragging the line."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._held = True
             self._drag(event)
@@ -177,12 +177,12 @@ class Chart(QWidget):
             self._drag(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let the line go."""
+        """End dragging the line."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._held = False
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the line by keys."""
+        """Move the line by key."""
         step = _SHIFT_STEP if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else _STEP
         moved = {
             Qt.Key.Key_Left: self.threshold - step,
@@ -215,7 +215,7 @@ class Chart(QWidget):
         painter = QPainter(self)
         if not len(self.bits):
             flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-            # Also of a chart that is not enabled: it may say what is wrong.
+            # Also if the chart is disabled: the hint may explain why.
             painter.setPen(self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText))
             painter.drawText(self.rect().adjusted(_GAP_PX, _GAP_PX, -_GAP_PX, -_GAP_PX), flags, self._hint)
             return
@@ -234,7 +234,7 @@ class Chart(QWidget):
     def _paint_axes(self, painter: QPainter, frame: PlotArea) -> None:
         metrics, text = self.fontMetrics(), self._text_colour()
         faint = QColor(text)
-        # Grid lines are faint.
+        # Faint grid lines.
         faint.setAlphaF(0.16)
         width, height = self.ranges()
         up_px, across_px = (frame.bottom - frame.top) / height, (frame.right - frame.left) / width
@@ -264,7 +264,7 @@ class Chart(QWidget):
         painter.restore()
 
     def _paint_line(self, painter: QPainter, frame: PlotArea) -> None:
-        """Draw the threshold with its handle and its value, and what is suggested as a dotted line."""
+        """Draw the threshold with handle and value, and the suggestion as a dotted line."""
         text = self._text_colour()
         if self.suggested is not None:
             painter.setPen(QPen(text, 1.0, Qt.PenStyle.DotLine))
@@ -275,7 +275,7 @@ class Chart(QWidget):
         painter.drawLine(start, end)
         painter.setBrush(text)
         painter.drawEllipse(start if self.ACROSS else end, _HANDLE_PX, _HANDLE_PX)
-        # The frame of what has the keyboard is drawn after this, and not filled.
+        # The focus frame is drawn later, without a fill.
         painter.setBrush(Qt.BrushStyle.NoBrush)
         label = tr("{bits} bits").format(bits=f"{self.threshold:.{DECIMALS}f}")
         metrics = self.fontMetrics()
@@ -310,7 +310,7 @@ def count_ticks(end: float) -> list[tuple[float, str]]:
 
 
 class Histogram(Chart):
-    """How many images have which entropy."""
+    """Number of images by entropy."""
 
     ACROSS = True
 
@@ -333,16 +333,16 @@ class Histogram(Chart):
         return bits_ticks()
 
     def titles(self) -> tuple[str, str]:
-        """Of the axes."""
+        """Titles of the axes."""
         return tr("Entropy (bits)"), tr("Images")
 
     def ranges(self) -> tuple[float, float]:
-        """Of the axes."""
-        # Head room above the highest bin.
+        """Ends of the axes."""
+        # Leave room above the highest bin.
         return HIGHEST, max(float(self.counts.max()), 1.0) * 1.08
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
-        """Draw bins, in two colours on either side of the threshold."""
+        """Draw the bins, in two colours on either side of the threshold."""
         line = self.axis_px(self.threshold, frame)
         scale = (frame.bottom - frame.top) / self.ranges()[1]
         for low, high, count in zip(self._edges[:-1], self._edges[1:], self.counts.tolist()):
@@ -358,7 +358,7 @@ class Histogram(Chart):
 
 
 class Bars(Chart):
-    """The entropy of each image, in the order of the flight; where images outnumber pixels, the range of several."""
+    """Entropy of each image in flight order; the range of several if images outnumber pixels."""
 
     ACROSS = False
 
@@ -374,11 +374,11 @@ class Bars(Chart):
         return count_ticks(float(max(len(self.bits), 1)))
 
     def titles(self) -> tuple[str, str]:
-        """Of the axes."""
+        """Titles of the axes."""
         return tr("Image, in the order of the flight"), tr("Entropy (bits)")
 
     def ranges(self) -> tuple[float, float]:
-        """Of the axes."""
+        """Ends of the axes."""
         return float(max(len(self.bits), 1)), HIGHEST
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
@@ -386,7 +386,7 @@ class Bars(Chart):
         count = len(self.bits)
         columns = min(count, max(int(frame.right - frame.left), 1))
         starts = np.arange(columns) * count // columns
-        # The kept part stands behind the rejected one, which is always seen.
+        # Draw the kept part first, so that the rejected part is always visible.
         highest = np.fmax.reduceat(self.bits, starts)
         lowest = np.fmin.reduceat(self.bits, starts)
         wide = (frame.right - frame.left) / columns
@@ -406,7 +406,7 @@ class Bars(Chart):
 
 
 def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
-    """Every so many of some even ticks that begin at 0, as stand ``least_px`` apart or more."""
+    """Every n-th of some evenly spaced ticks from 0, at least ``least_px`` apart."""
     if len(ticks) < 2:
         return ticks
     return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]

@@ -1,4 +1,4 @@
-"""The tab in which a dataset is cleaned: shows what it is given, and asks for the rest."""
+"""Tab for cleaning a dataset: it shows data and emits requests."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from .entropies import Entropies, Example
 from .tab import no_folder
 from .tasks import MARK, MOVE, UNDO
 
-#: Pictures on either side.
+#: Example images on either side.
 COUNT = 4
 _ICON_PX = (72, 54)
 
 
 class CleanTab(QWidget):
-    """Shows what a threshold would do to a dataset.
+    """Show the effect of a threshold on a dataset.
 
     Signals
     -------
     map_type_chosen(str)
     threshold_changed(float)
-        Bits, by whatever the user has moved.
+        In bits, whichever control was moved.
     on_map_toggled(bool)
     action_wanted(str)
         One of `MARK`, `MOVE` and `UNDO`.
@@ -83,10 +83,10 @@ class CleanTab(QWidget):
         self._lay_out()
         self.show_hint()
 
-    # --- what is shown
+    # --- display
 
     def show_hint(self, text: str = "") -> None:
-        """Show a text in place of entropies; without a folder, ask for one."""
+        """Show a text instead of entropies; without a folder, ask for one."""
         text = text or no_folder()
         self.entropies = None
         for chart in self.charts:
@@ -101,7 +101,7 @@ class CleanTab(QWidget):
         self._enable()
 
     def show_reading(self, percent: float) -> None:
-        """Show how far reading is; where it takes no time it does not say so."""
+        """Show the progress of reading, unless it is quick."""
         self.bar.show()
         self.bar.setValue(int(percent))
 
@@ -111,7 +111,7 @@ class CleanTab(QWidget):
         Parameters
         ----------
         footprints : bool
-            Whether there are any to be shown on the map.
+            Whether the dataset has footprints to show on the map.
         """
         self.bar.hide()
         self._footprints = footprints
@@ -131,7 +131,7 @@ class CleanTab(QWidget):
         self._enable()
 
     def show_working(self, working: bool) -> None:
-        """Let nothing be pressed while something is being done."""
+        """Disable the buttons during a task."""
         self._busy = working
         self._enable()
 
@@ -173,8 +173,8 @@ class CleanTab(QWidget):
         self.notes.setText(" ".join(notes) or tr("Not cleaned yet."))
 
     def _enable(self) -> None:
-        """Let be pressed what can be done now."""
-        # Of the window: a tab remembers what had the focus before something outside of it got it.
+        """Enable what is possible now."""
+        # The window's focus: a tab remembers which child had it before it moved outside.
         focus = self.window().focusWidget()
         focus = focus if focus is not None and self.isAncestorOf(focus) else None
         there = self.entropies is not None and not self._busy
@@ -189,7 +189,7 @@ class CleanTab(QWidget):
         self._keep_focus(focus)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Give the focus back, when it can be had again, to what has lost it by being disabled for a while."""
+        """Return the focus to a widget that lost it by being disabled, once it is enabled."""
         if before is not None and self._lost_focus is None and not before.isEnabled():
             self._lost_focus = before
         elif self._lost_focus is not None and self._lost_focus.isEnabled():
@@ -197,11 +197,11 @@ class CleanTab(QWidget):
             self._lost_focus = None
 
     def forget_focus(self) -> None:
-        """Leave the focus where it is now: it is typed there."""
+        """Keep the focus where it is now: the user types there."""
         self._lost_focus = None
 
     def _suggest(self) -> None:
-        """Set the threshold between two groups of entropies, and say so; where they form one, leave it."""
+        """Set the threshold between two groups of entropies and explain it; keep it if there is one group."""
         found = self.entropies
         if found is None or found.suggested is None:
             return
@@ -235,7 +235,7 @@ class CleanTab(QWidget):
         self.reason.setText(text)
         self.reason.setVisible(bool(text))
 
-    # --- how it is made
+    # --- layout
 
     def _make_entries(self) -> None:
         self.map_type = named(
@@ -319,7 +319,7 @@ class CleanTab(QWidget):
 
 
 class ExampleStrip(QWidget):
-    """Shows images, those nearest to the threshold in the middle.
+    """Show example images, those nearest to the threshold in the middle.
 
     Signals
     -------
@@ -338,7 +338,7 @@ class ExampleStrip(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setVerticalSpacing(2)
         sides = (
-            # The nearest of the rejected ones comes last, beside the nearest of the kept ones.
+            # The nearest rejected image comes last, beside the nearest kept one.
             (tr("Just below: rejected"), REJECTED, self.below[::-1]),
             (tr("Just above: kept"), KEPT, self.above),
         )
@@ -356,7 +356,7 @@ class ExampleStrip(QWidget):
         self.clear()
 
     def clear(self) -> None:
-        """Show none."""
+        """Show no images."""
         self.show_examples([], [])
 
     def show_examples(self, below: Sequence[ExampleImage], above: Sequence[ExampleImage]) -> None:
@@ -390,7 +390,7 @@ class ExampleStrip(QWidget):
 
 
 class ExampleImage(NamedTuple):
-    """An example with its picture."""
+    """An example with its image."""
 
     example: Example
     picture: DisplayImage
@@ -399,14 +399,14 @@ class ExampleImage(NamedTuple):
 def read_examples(
     examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
 ) -> tuple[list[ExampleImage], list[ExampleImage]]:
-    """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
+    """Read images for a screen with ``ratio`` device pixels per Qt pixel; on any thread."""
     longest_px = round(max(_ICON_PX) * ratio)
     below, above = ([ExampleImage(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
     return below, above
 
 
 def no_footprints() -> str:
-    """Why a dataset is not shown on the map."""
+    """Reason why a dataset cannot be shown on the map."""
     return tr("This dataset has no footprints: it cannot be shown on the map.")
 
 
@@ -417,7 +417,7 @@ def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
 
 
 class _Line(QWidget):
-    """A line in the colour that a side has in the charts."""
+    """A line in the colour of one side in the charts."""
 
     def __init__(self, colour: QColor) -> None:
         super().__init__()
@@ -436,7 +436,7 @@ def _buttons(side: str) -> list[QToolButton]:
         button.setIconSize(QSize(*_ICON_PX))
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        # With large type they give way, and lose the edges of their images.
+        # With a large font they shrink, and crop their images.
         button.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         button.setMinimumWidth(40)
         buttons.append(button)
@@ -449,7 +449,7 @@ def _icon(picture: DisplayImage, ratio: float) -> QIcon:
         pixmap = QPixmap(size)
         pixmap.fill(QColor(0, 0, 0, 0))
     else:
-        # Filled, its edges cut: pictures of many shapes make an even row.
+        # Cropped to fill, so that images of different shapes make an even row.
         whole = picture.image.scaled(
             size, Qt.AspectRatioMode.KeepAspectRatioByExpanding, Qt.TransformationMode.SmoothTransformation
         )

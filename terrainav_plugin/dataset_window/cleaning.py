@@ -1,4 +1,4 @@
-"""From a dataset's folder to entropies, examples, crosses on the map, and what the buttons do."""
+"""Control cleaning: read a dataset's entropies, show examples and crosses on the map, and run the buttons' tasks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class Cleaning(QObject):
-    """The tab, what is on the map with it, and the work that it starts.
+    """The tab, its marks on the map, and its tasks.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ class Cleaning(QObject):
     Signals
     -------
     dataset_wanted(object)
-        Folder of a dataset that is to be opened, its mosaics made anew.
+        Folder of a dataset to open, with its mosaics rebuilt.
     """
 
     dataset_wanted = pyqtSignal(object)
-    #: Number of a reading, and the percentage of it that is done; emitted on the reader's thread.
+    #: Number of a reading, and its percentage done; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
     def __init__(self, iface: QgisInterface, messages: Messages, work: Work) -> None:
@@ -61,31 +61,31 @@ class Cleaning(QObject):
         self._found: dict[str, Entropies] = {}
         self._map_type = ""
         self._asked = 0
-        # Pictures are wanted while a long table is still being read, and the other way round.
+        # A separate worker: images are needed while a long table is being read, and vice versa.
         self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
         self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
-        # Examples and crosses appear when the threshold rests, so that dragging stays smooth for any number of images.
+        # Update examples and crosses when the threshold rests: dragging stays smooth for any number of images.
         self._rested = single_shot(self._follow, self, 60)
         self._join()
 
     @property
     def busy(self) -> bool:
-        """Whether something is still to come."""
+        """Whether a result is due."""
         return self._rested.isActive() or self._pictures.busy or self.marks.busy or self._reader.busy
 
     def take(self, folder: Path | None) -> None:
-        """Show a dataset as it is now; None for none."""
+        """Show the current state of a dataset; None for none."""
         if folder is not None:
             self._read(folder)
             return
-        # What is being read is nobody's any more.
+        # Drop the reading under way.
         self._reader.forget()
         self._forget(None)
         self.panel.show_hint()
 
     def show_in_sight(self, in_sight: bool) -> None:
-        """Cross out images on the map only while the tab is to be seen."""
+        """Show crosses on the map only while the tab is visible."""
         self._in_sight = in_sight
         if in_sight:
             self._follow()
@@ -93,24 +93,24 @@ class Cleaning(QObject):
             self.marks.hide()
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._asked += 1
         self._rested.stop()
         self._reader.close()
         self._pictures.close()
         self.marks.close()
 
-    # --- from a folder to what is shown
+    # --- reading
 
     def _forget(self, folder: Path | None) -> int:
-        """Take up another folder, of which nothing is known yet; returns the number of its reading."""
+        """Switch to another folder, not read yet; returns the number of its reading."""
         self._folder, self._found = folder, {}
         self.marks.hide()
         self._asked += 1
         return self._asked
 
     def _read(self, folder: Path) -> None:
-        """Read a dataset; one that is being read is given up."""
+        """Read a dataset; abandons a reading under way."""
         number = self._forget(folder)
         self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
 
@@ -129,7 +129,7 @@ class Cleaning(QObject):
 
     def _show(self, found: dict[str, Entropies]) -> None:
         self._found = found
-        # Of several, the roadmap is the one that is there for the others' sake.
+        # With several map types, the roadmap is there to judge the others.
         of_pictures = [name for name in found if not name.startswith(DECIDING)] or list(found)
         self._show_map_type(self._map_type if self._map_type in found else of_pictures[0])
 
@@ -143,10 +143,10 @@ class Cleaning(QObject):
     def _refused(self, error: Exception) -> None:
         self.panel.show_hint(translate(failure_reason(error)))
 
-    # --- what follows the threshold
+    # --- effects of the threshold
 
     def _follow(self, *_: object) -> None:
-        """Show examples and crosses for the threshold as it is now."""
+        """Show examples and crosses for the current threshold."""
         panel, found = self.panel, self._found.get(self._map_type)
         if found is None:
             return
@@ -176,7 +176,7 @@ class Cleaning(QObject):
         # The map shows four times the image.
         show_extent(self._canvas, extent, 4.0)
 
-    # --- what the buttons do
+    # --- actions of the buttons
 
     def _do(self, action: str) -> None:
         if self._folder is not None and self._is_right():
@@ -192,7 +192,7 @@ class Cleaning(QObject):
             self._work.start(task, self._pictures_saved)
 
     def _is_right(self) -> bool:
-        """Whether the threshold that is typed is one; says so where it is not."""
+        """Whether the threshold typed is valid; shows the problem otherwise."""
         problem = first_problem(self.panel)
         if problem:
             self._messages.warning(problem)

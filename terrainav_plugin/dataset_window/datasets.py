@@ -1,4 +1,4 @@
-"""Which dataset is open in the window, and which of its tabs have read it."""
+"""The dataset open in the window, and the tabs that have read it."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ CLEAN, SPLIT, BENCHMARK, EXPORT, LABELS = TABS = ("clean", "split", "benchmark",
 
 
 class Datasets(QObject):
-    """The window, its tabs, and the folder that they show.
+    """The window, its tabs, and their folder.
 
     Parameters
     ----------
     iface : QgisInterface
     messages : Messages
     folders : callable
-        Folders that may be a dataset's, those that are meant most likely first.
+        Returns folders that may be a dataset's, most likely first.
 
     Signals
     -------
     dataset_wanted(object)
-        Folder of a dataset that is to be opened, its mosaics made anew.
+        Folder of a dataset to open, with its mosaics rebuilt.
     benchmark_wanted()
-        A benchmark is to be made of the mission in the panel.
+        A benchmark is to be made from the panel's mission.
     score_wanted(object)
         A benchmark is to be scored: its folder, or None.
     compare_wanted()
-        Two images on the map are to be compared.
+        The user wants to compare two images on the map.
     """
 
     dataset_wanted = pyqtSignal(object)
@@ -60,18 +60,18 @@ class Datasets(QObject):
         self.tabs: dict[str, Tab] = {}
         self.folder: Path | None = None
         self._work: Work | None = None
-        #: Tabs that show another dataset than the one that is open, or one that has changed since.
+        #: Tabs that show another dataset than the open one, or an earlier state of it.
         self._stale: set[str] = set()
 
     @property
     def busy(self) -> bool:
-        """Whether something is still to come."""
+        """Whether a result is due."""
         if self.window is None:
             return False
         return self._work.busy or self.cleaning.busy or any(tab.busy for tab in self.tabs.values())
 
     def open(self, folder: Path | None = None, tab: str = "") -> None:
-        """Show the window, for a dataset: the one captured last unless another is given; at a tab, or where it was."""
+        """Show the window with a dataset, by default the one captured last, at a tab, by default the current one."""
         window = self._shown_window()
         folder = folder or self.folder or self._last()
         if tab:
@@ -81,7 +81,7 @@ class Datasets(QObject):
             self._take(folder)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         if self.window is None:
             return
         self._work.close()
@@ -93,10 +93,10 @@ class Datasets(QObject):
         self.window.deleteLater()
         self.window = None
 
-    # --- which dataset
+    # --- the folder
 
     def _last(self) -> Path | None:
-        """Folder of the dataset that is meant most likely, or else of the one opened last."""
+        """Folder of the most likely dataset, or else of the one opened last."""
         folders = (*self._folders(), *recent())
         return next((folder for folder in folders if file_exists(folder / MISSION_FILE)), None)
 
@@ -105,7 +105,7 @@ class Datasets(QObject):
         self._take(entered_folder(text) if text.strip() else None)
 
     def _take(self, folder: Path | None) -> None:
-        """Show a dataset as it is now, in the tab that is seen; the others read it when they are."""
+        """Show the current state of a dataset in the visible tab; the others read it when they become visible."""
         self.folder = folder
         self._stale = set(TABS)
         self._show_current()
@@ -121,10 +121,10 @@ class Datasets(QObject):
         self._show_sight(self.window.isUserVisible())
 
     def _show_sight(self, visible: bool) -> None:
-        """The crosses on the map go with the tab."""
+        """Show or hide the crosses on the map with the tab."""
         self.cleaning.show_in_sight(visible and TABS[self.window.tabs.currentIndex()] == CLEAN)
 
-    # --- work
+    # --- tasks
 
     def _show_working(self, working: bool, percent: float) -> None:
         self.window.show_working(working, percent)
@@ -133,11 +133,11 @@ class Datasets(QObject):
             tab.show_working(working)
 
     def _ended(self, task: CleanTask | SplitTask) -> None:
-        """Whatever became of it: show what is there now."""
+        """Show the state after a task, whatever its end."""
         from .tasks import SplitTask
 
         if task.changes_dataset and self.window is not None:
-            # The split tab reads its folder itself, so its text on the split stays.
+            # The split tab reads its folder itself, so that its text about the split stays.
             self._stale = set(TABS) - ({SPLIT} if isinstance(task, SplitTask) else set())
             self._show_current()
 

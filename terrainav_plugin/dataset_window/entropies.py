@@ -1,4 +1,4 @@
-"""The entropies that decide which images of a dataset are rejected. On any thread; knows no widget."""
+"""Entropies that decide which images of a dataset are rejected. On any thread; no widgets."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ...core.storage.files import file_exists
 
 
 class Example(NamedTuple):
-    """An image, as one that stands for others.
+    """An image that serves as example.
 
     Parameters
     ----------
     index : int
-        Row of the table.
+        Row in the table.
     path : Path
-        Where the file is now.
+        Current path of the file.
     entropy : float
-        Bits that decide on it.
+        Deciding entropy in bits.
     """
 
     index: int
@@ -35,20 +35,20 @@ class Example(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Entropies:
-    """Entropies that decide on the images of a map type.
+    """Entropies that decide about the images of a map type.
 
     Parameters
     ----------
     folder : Path
         Of the images.
     names : tuple of str
-        Files, in the order of the table: that of the flight.
+        Files in order of the table, which is flight order.
     bits : array (n,)
-        Entropies that decide; NaN for images that could not be made.
+        Deciding entropies; NaN for images that failed.
     by_roadmap : int
         Images for which the roadmap decides.
     marked, moved : int
-        Images that an earlier cleaning has marked, and files that it has moved.
+        Images marked and files moved by an earlier cleaning.
     """
 
     folder: Path
@@ -57,15 +57,15 @@ class Entropies:
     by_roadmap: int
     marked: int
     moved: int
-    #: Names without ending.
+    #: Names without extension.
     stems: tuple[str, ...] = field(init=False)
-    #: Rows of the images that are there, the least entropy first.
+    #: Rows of existing images, by increasing entropy.
     order: Numbers = field(init=False)
-    #: Their entropies, in that order.
+    #: Their entropies, in this order.
     ordered: Floats = field(init=False)
-    #: Threshold that parts the entropies best; None where all are the same.
+    #: Threshold that separates the entropies best; None if all are equal.
     suggested: float | None = field(init=False)
-    #: Whether that lies between two groups of entropies; else they form one.
+    #: Whether it separates two groups of entropies; otherwise they form one.
     groups: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -79,24 +79,24 @@ class Entropies:
         object.__setattr__(self, "groups", groups)
 
     def __len__(self) -> int:
-        """Images that are there."""
+        """Return the number of existing images."""
         return len(self.order)
 
     @property
     def failed(self) -> int:
-        """Images that could not be made."""
+        """Images that failed."""
         return len(self.bits) - len(self.order)
 
     def rejected(self, threshold: float) -> int:
-        """How many images are below a threshold."""
+        """Number of images below a threshold."""
         return int(np.searchsorted(self.ordered, threshold, side="left"))
 
     def rejected_stems(self, threshold: float) -> list[str]:
-        """Names without ending of the images below a threshold."""
+        """Names without extension of the images below a threshold."""
         return [self.stems[row] for row in self.order[: self.rejected(threshold)].tolist()]
 
     def examples(self, threshold: float, count: int) -> tuple[list[Example], list[Example]]:
-        """Images just below a threshold and just above it, at most ``count`` each, the nearest first."""
+        """Images just below and just above a threshold, at most ``count`` each, the nearest first."""
         first_kept = self.rejected(threshold)
         below = self.order[max(first_kept - count, 0) : first_kept][::-1]
         above = self.order[first_kept : first_kept + count]
@@ -109,20 +109,19 @@ class Entropies:
 
 
 def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, Entropies]:
-    """Entropies that decide in a dataset, by the name of each map type's folder: those that cleaning goes by.
+    """Deciding entropies of a dataset by map type folder, as used by cleaning.
 
     Parameters
     ----------
     progress : callable
-        Told the share done, 0 to 1, where images have to be read; an answer of False stops it.
+        Called with the share done, 0 to 1, if images must be read; returning False stops the reading.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, a table that cannot be read or says otherwise than the files, an image that cannot
-        be read.
+        The folder is not a dataset, its table cannot be read or contradicts the files, or an image cannot be read.
     Cancelled
-        When ``progress`` said so.
+        ``progress`` has returned False.
     """
     found = {}
     for name, one in deciding_entropies(folder, progress=progress).items():
@@ -139,6 +138,6 @@ def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, En
 
 
 def _moved(folder: Path) -> int:
-    """Files among the rejected images."""
+    """Number of files among the rejected images."""
     rejected = folder / REJECTED_FOLDER
     return sum(1 for one in rejected.iterdir() if one.is_file()) if rejected.is_dir() else 0

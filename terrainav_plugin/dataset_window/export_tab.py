@@ -1,4 +1,4 @@
-"""The tab in which a dataset or a benchmark is written in a format of other programs."""
+"""Tab for exporting a dataset or benchmark to formats of other programs."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _COLUMNS = 2
 
 
 class Possible(NamedTuple):
-    """Formats that a folder can be exported to.
+    """Formats to which a folder can be exported.
 
     Parameters
     ----------
     reasons : dict
-        Why not, by format; None where it can.
+        Why a format is impossible, by format; None if it is possible.
     map_types : tuple of str
         Empty for a benchmark.
     """
@@ -46,7 +46,7 @@ class Possible(NamedTuple):
 
 
 def read_possible(folder: Path) -> Possible:
-    """Find out what a folder can be exported as; on any thread."""
+    """Determine the possible formats of a folder; on any thread."""
     from ...core.dataset.folder import map_type_folders
     from ...core.exports.kinds import refusals
 
@@ -59,7 +59,7 @@ def read_possible(folder: Path) -> Possible:
 
 
 class ExportTab(Tab):
-    """Formats in three groups, of which only those can be chosen that the dataset can become."""
+    """Formats in three groups; only those possible for the dataset are enabled."""
 
     def __init__(self, work: Work) -> None:
         super().__init__("export_tab")
@@ -88,16 +88,16 @@ class ExportTab(Tab):
 
     @property
     def kind(self) -> str:
-        """Format that is chosen; empty for none."""
+        """Format chosen; empty for none."""
         return next((kind for kind, button in self.kinds.items() if button.isChecked()), "")
 
     def show_dataset(self) -> None:
-        """Read what the dataset can become."""
+        """Read which formats are possible."""
         self._possible = None
         self.show_result("")
         folder = self.folder
         if folder != self._read_folder:
-            # What was entered is for another dataset.
+            # The entries were for another dataset.
             self._read_folder, self._suggested = folder, ""
             with QSignalBlocker(self.target):
                 self.target.setFilePath("")
@@ -110,7 +110,7 @@ class ExportTab(Tab):
         self.enable()
 
     def enable(self) -> None:
-        """Let be pressed what can be done now."""
+        """Enable what is possible now."""
         reasons = {} if self._possible is None else self._possible.reasons
         for kind, button in self.kinds.items():
             button.setEnabled(kind in reasons and reasons[kind] is None and not self.working)
@@ -127,7 +127,7 @@ class ExportTab(Tab):
             reasons = [possible.reasons[kind] for kind in kinds]
             for kind, reason in zip(kinds, reasons):
                 self.kinds[kind].setToolTip("" if reason is None else shown_plain(translate(reason)))
-            # Said once where it is so for the whole group: tooltips need a mouse.
+            # Show a reason for a whole group once: tooltips need a mouse.
             if None in reasons:
                 note.setText("")
             elif kinds is BENCHMARKS:
@@ -192,7 +192,7 @@ class ExportTab(Tab):
         self.show_result(text.format(count=count, format=KINDS[task.kind], folder=where), where)
 
     def show_result(self, text: str, written: Path | None = None) -> None:
-        """Show what was written, or why nothing was."""
+        """Show the export, or why it failed."""
         self._written = written
         self.result.setText(text)
         self.open_folder.setVisible(written is not None)

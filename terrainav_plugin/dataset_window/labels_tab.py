@@ -1,4 +1,4 @@
-"""The tab that shows images of a dataset with what a model learns from them."""
+"""Tab that shows images of a dataset with their training data."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ..widgets import combo, named, push_button, wrapped_label
 from .previews import ALL, REJECTED_ONES, ImagePreview, Learned
 from .tab import Tab, no_folder
 
-#: Images that are shown at a time.
+#: Images per page.
 COUNT = 4
 _IMAGE_PX = (150, 112)
 _SCALE_PX = 10
 
 
 class LabelsTab(Tab):
-    """A few images of the dataset, page by page."""
+    """Show a few images of the dataset at a time."""
 
     def __init__(self) -> None:
         super().__init__("labels_tab")
@@ -58,7 +58,7 @@ class LabelsTab(Tab):
         self.enable()
 
     def enable(self) -> None:
-        """Let be pressed what leads to an image."""
+        """Enable the buttons of pages with images."""
         total = self._total()
         self.map_type.setEnabled(self.learned is not None)
         self.of.setEnabled(self.learned is not None)
@@ -92,7 +92,7 @@ class LabelsTab(Tab):
         ).format(frame=learned.labels.frame.crs, count=number_text(learned.labels.images))
 
     def _choose_map_type(self) -> None:
-        """Offer the parts that the images of a map type are in."""
+        """Offer the parts with images of a map type."""
         titles = {ALL: tr("All"), **parts(), GAP: tr("In no part (gap)"), REJECTED_ONES: tr("Rejected")}
         before = self.of.currentData()
         counts = self.learned.counts(self.map_type.currentData())
@@ -160,7 +160,7 @@ class LabelsTab(Tab):
 
 
 class Card(QFrame):
-    """An image, its depth where there is one, and what is known of it."""
+    """An image, its depth if any, and its data."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -202,7 +202,7 @@ class Card(QFrame):
 
 
 def _lines(preview: ImagePreview, is_split: bool) -> list[str]:
-    """Labels of an image, a line each."""
+    """Data of an image, one item per line."""
     lines = [preview.picture.problem] if preview.picture.problem else []
     if is_split:
         part = {**parts(), GAP: tr("none (gap)")}.get(preview.part, tr("none"))
@@ -219,7 +219,7 @@ def _lines(preview: ImagePreview, is_split: bool) -> list[str]:
 
 
 class _ImageLabel(QLabel):
-    """An image in a room of a fixed size."""
+    """An image in a space of fixed size."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -228,7 +228,7 @@ class _ImageLabel(QLabel):
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
 
     def show_image(self, image: QImage | None) -> None:
-        """Show an image, whole; nothing for None."""
+        """Show an image completely; None for none."""
         if image is None:
             self.clear()
             return
@@ -245,7 +245,7 @@ class _ImageLabel(QLabel):
 
 
 class DepthScale(QWidget):
-    """The colours of a depth from near to far, with their metres."""
+    """Colour scale of a depth from near to far, with its limits in metres."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -255,12 +255,12 @@ class DepthScale(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
     def sizeHint(self) -> QSize:
-        """Colours, and the texts below: side by side, or one below the other where type is large."""
+        """Room for colours and the texts below: side by side, or stacked with a large font."""
         lines = 1 if self._fits() else len(self.texts)
         return QSize(_IMAGE_PX[0], _SCALE_PX + lines * self.fontMetrics().height() + 1)
 
     def show_depth(self, depth: Depth) -> None:
-        """Show the range of a depth."""
+        """Show the limits of a depth."""
         ends = (depth.least_m, depth.most_m)
         self.texts = (
             [tr("no ground")]
@@ -283,6 +283,6 @@ class DepthScale(QWidget):
             painter.drawText(QRect(0, top, self.width(), high), int(side | Qt.AlignmentFlag.AlignTop), text)
 
     def _fits(self) -> bool:
-        """Whether the texts have room side by side."""
+        """Whether the texts fit side by side."""
         wide = sum(self.fontMetrics().horizontalAdvance(f"{text} ") for text in self.texts)
         return wide <= _IMAGE_PX[0]

@@ -1,4 +1,4 @@
-"""The images that would be rejected, crossed out on the map."""
+"""Crosses on the map over images that would be rejected."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from .charts import REJECTED
 
 
 class MarksItem(QgsMapCanvasItem):
-    """A picture on the map that moves with it."""
+    """An image on the map that moves with it."""
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
         self.image = QImage()
 
     def show_image(self, image: QImage, extent: QgsRectangle) -> None:
-        """Show a picture of a part of the map."""
+        """Show an image of a part of the map."""
         self.image = image
         self.setRect(extent)
         self.update()
@@ -38,22 +38,22 @@ class MarksItem(QgsMapCanvasItem):
     def paint(self, painter: QPainter, *_: object) -> None:
         """Paint."""
         if not self.image.isNull():
-            # Beyond the rectangle the item has a pixel on either side.
+            # The item has a margin of a pixel on either side of the rectangle.
             painter.drawImage(self.boundingRect().adjusted(1.0, 1.0, -1.0, -1.0), self.image)
 
 
 class Marks(QObject):
-    """Keeps the crosses in step with the threshold and with the map's view; they are drawn beside the main thread.
+    """Keep the crosses consistent with threshold and view; they are drawn off the main thread.
 
     Signals
     -------
     failed(object)
-        An error that has kept them from being drawn.
+        An error in drawing.
 
     Attributes
     ----------
     drawn : int
-        How many images the picture on the map was to cross out.
+        Number of images crossed out.
     """
 
     failed = pyqtSignal(object)
@@ -73,7 +73,7 @@ class Marks(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether a picture is still to come."""
+        """Whether a drawing is due."""
         return self._worker.busy
 
     @property
@@ -82,19 +82,19 @@ class Marks(QObject):
         return self._item
 
     def show(self, folder: Path, stems: Callable[[], Collection[str]]) -> None:
-        """Cross out images of a dataset; ``stems`` gives their names without ending, on any thread."""
+        """Cross out images of a dataset; ``stems`` gives their names without extension, on any thread."""
         self._wanted = folder, stems
         self._draw()
 
     def hide(self) -> None:
-        """Take the crosses off the map."""
+        """Remove the crosses from the map."""
         self._wanted = None
         self._clear()
 
     def find(self, folder: Path, stem: str, found: Callable[[QgsRectangle | None], None]) -> None:
-        """Tell where an image of a dataset is, in the map's CRS; None where that is not known.
+        """Find the extent of a dataset's image in the map's CRS; ``found`` receives it, or None if it is unknown.
 
-        Crosses that were being drawn are asked for again.
+        Crosses being drawn are requested again.
         """
 
         def answer(bounds: Bounds | None) -> None:
@@ -105,7 +105,7 @@ class Marks(QObject):
         self._worker.ask(lambda _: self._drawer.bounds(folder, wkt, stem), answer)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         for signal in self._signals():
             signal.disconnect(self._draw)
         self.hide()
@@ -127,7 +127,7 @@ class Marks(QObject):
         return crs.toWkt(QgsCoordinateReferenceSystem.WktVariant.WKT_PREFERRED)
 
     def _draw(self, *_: object) -> None:
-        """Have what is to be seen now drawn; what is being drawn for an earlier view or threshold is given up."""
+        """Request a drawing of the current view; abandons one for an earlier view or threshold."""
         settings = self._canvas.mapSettings()
         extent = settings.visibleExtent()
         if self._wanted is None or extent.isEmpty():
@@ -161,7 +161,7 @@ class Marks(QObject):
 
 
 class MapExtent(NamedTuple):
-    """Rectangle shown by the map, in its CRS, and the size of a pixel.
+    """Rectangle shown by the map, in its CRS, with the pixel size.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ class MapExtent(NamedTuple):
         Map units.
     units_per_px : float
     ratio : float
-        Pixels of the screen for each of Qt's.
+        Device pixels per Qt pixel.
     """
 
     west: float
@@ -181,12 +181,12 @@ class MapExtent(NamedTuple):
 
 
 class Drawer:
-    """Draws what would be rejected; knows the footprints of one dataset until another is asked for. On one thread.
+    """Draw the crosses; keeps the footprints of one dataset until another is requested. On one thread.
 
     Parameters
     ----------
     closed : callable
-        Whether nobody waits any more; reading a long file ends then.
+        Whether nobody waits any longer, which ends reading a long file.
     """
 
     def __init__(self, closed: Callable[[], bool]) -> None:
@@ -203,7 +203,7 @@ class Drawer:
         view: MapExtent,
         cancelled: Callable[[], bool],
     ) -> Drawn | None:
-        """Draw a view of a dataset; None where it is wanted no more. Raises InvalidInput."""
+        """Draw a view of a dataset; None if it is overtaken. Raises InvalidInput."""
         try:
             outlines, chosen = self._read_outlines(folder, wkt), stems()
             return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
@@ -211,7 +211,7 @@ class Drawer:
             return None
 
     def bounds(self, folder: Path, wkt: str, stem: str) -> Bounds | None:
-        """West, south, east and north of an image in a CRS; None where it has no outline there. Raises InvalidInput."""
+        """West, south, east and north of an image in a CRS; None if it has no outline there. Raises InvalidInput."""
         try:
             return self._read_outlines(folder, wkt).bounds(stem)
         except Cancelled:
@@ -229,7 +229,7 @@ class Drawer:
 
 
 class Drawn(NamedTuple):
-    """A picture, and how many outlines it was to show."""
+    """An image, and the number of outlines crossed out."""
 
     image: QImage
     count: int
@@ -238,7 +238,7 @@ class Drawn(NamedTuple):
 def draw(
     outlines: Outlines, stems: Collection[str], view: MapExtent, cancelled: Callable[[], bool] = lambda: False
 ) -> QImage:
-    """Picture of a view with some of the outlines crossed out, clear elsewhere.
+    """Image of a view with some of the outlines crossed out, transparent elsewhere.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ def draw(
     Raises
     ------
     Cancelled
-        When ``cancelled`` said so.
+        ``cancelled`` has returned True.
     """
     wide = max(round((view.east - view.west) / view.units_per_px * view.ratio), 1)
     high = max(round((view.north - view.south) / view.units_per_px * view.ratio), 1)
@@ -265,7 +265,7 @@ def draw(
     right, bottom = np.maximum.reduceat(x, first), np.maximum.reduceat(y, first)
     wanted = set(stems)
     chosen = np.array([stem in wanted for stem in outlines.stems], np.bool_)[outlines.owners]
-    # Whatever is infinite compares as outside.
+    # Infinite values compare as outside.
     seen = chosen & (left < wide) & (right > 0.0) & (top < high) & (bottom > 0.0) & np.isfinite(left + top)
     painter = QPainter(image)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -273,11 +273,11 @@ def draw(
     veil.setAlpha(70)
     try:
         for done, ring in enumerate(np.flatnonzero(seen).tolist()):
-            # Ask every 500 footprints whether to go on.
+            # Check every 500 footprints whether to stop.
             if done % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             box = QRectF(left[ring], top[ring], right[ring] - left[ring], bottom[ring] - top[ring])
-            # Footprints too small for a cross are blots.
+            # Footprints too small for a cross become dots.
             if max(box.width(), box.height()) < 6.0 * view.ratio:
                 painter.fillRect(box, REJECTED)
                 continue
@@ -292,7 +292,7 @@ def draw(
 
 
 def _cross(x: Floats, y: Floats, places: range) -> list[QLineF]:
-    """Lines between opposite corners of a ring, which ends where it begins."""
+    """Diagonals of closed rings."""
     half, count = (len(places) - 1) // 2, len(places) - 1
     corners = (0, count // 4, half, half + count // 4)
     a, b, c, d = (QPointF(x[places[at]], y[places[at]]) for at in corners)

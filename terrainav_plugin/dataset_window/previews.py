@@ -1,4 +1,4 @@
-"""Images of a dataset with what a model learns from them, read for the screen. On any thread; knows no widget."""
+"""Images of a dataset with their training data, read for display. On any thread; no widgets."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 if TYPE_CHECKING:
     from ...core.dataset.dataset import ImageSet
 
-#: What images can be chosen by, beside the parts of a split.
+#: Choices of images beside the parts of a split.
 ALL, REJECTED_ONES = "all", "rejected"
 
 
 class ImagePreview(NamedTuple):
-    """An image with what is known of it.
+    """An image with its training data.
 
     Parameters
     ----------
     name : str
     picture : DisplayImage
     depth : Depth or None
-        None where the dataset has none.
+        None if the dataset has none.
     part : str
-        One of `PARTS` or `GAP`; empty for an image that is in no part.
+        One of `PARTS` or `GAP`; empty for no part.
     label : tuple of float or None
-        Scaled easting and northing; None without labels.
+        Scaled easting and northing; None if there are no labels.
     entropy : float
-        Bits; NaN where it is not known.
+        Bits; NaN if unknown.
     rejected : str
-        Why cleaning has rejected it; empty for one that is kept.
+        Reason of the rejection by cleaning; empty for a kept image.
     """
 
     name: str
@@ -52,7 +52,7 @@ class ImagePreview(NamedTuple):
 
 
 class Learned:
-    """The tables of a dataset, and what makes labels of its positions.
+    """The tables of a dataset, and the scaler of its labels.
 
     Attributes
     ----------
@@ -60,11 +60,11 @@ class Learned:
     is_split : bool
     labels : Labels or None
     fault : TerrAInavError or None
-        Why there are no labels, though there is a file of them.
+        Why labels are missing although there is a file.
     """
 
     def __init__(self, folder: Path) -> None:
-        """Read tables, but no image; raises InvalidInput."""
+        """Read tables but no images; raises InvalidInput."""
         self._sets = read_dataset(folder).image_sets
         self.map_types = tuple(self._sets)
         self.is_split = any(SPLIT in one.table.other for one in self._sets.values())
@@ -78,11 +78,11 @@ class Learned:
         self._rows = {name: _image_choices(one) for name, one in self._sets.items()}
 
     def counts(self, map_type: str) -> dict[str, int]:
-        """Images of a map type: all, each part, no part, and rejected; empty choices are left out."""
+        """Images of a map type by choice (all, each part, no part, rejected), without empty choices."""
         return {name: len(rows) for name, rows in self._rows[map_type].items() if len(rows)}
 
     def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[ImagePreview]:
-        """Read images of a map type, from the one numbered ``first`` among those of a part on."""
+        """Read ``count`` images of a map type and choice, starting with number ``first``."""
         images = self._sets[map_type]
         rows = self._rows[map_type].get(of, np.zeros(0, np.int64))[first : first + count]
         return self._read(images, rows.tolist(), longest_px)
@@ -110,7 +110,7 @@ class Learned:
 
 
 def _image_choices(images: ImageSet) -> dict[str, np.ndarray]:
-    """Rows of a table that have an image, by what they can be chosen by."""
+    """Rows of a table that have an image, by choice."""
     table = images.table
     there = np.flatnonzero(table.made)
     parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))

@@ -1,4 +1,4 @@
-"""The tab in which images are given to the training, the validation and the test part."""
+"""Tab for dividing images into training, validation and test."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from .tab import Tab, no_folder
 from .tasks import SplitTask, Work
 
 _SHARE_DECIMALS = 2
-#: Ways that know blocks and a gap between them.
+#: Methods with blocks and a gap between them.
 _BY_GROUND = (AUTO, "blocks")
 
 
 class Counts(NamedTuple):
-    """Images of a dataset by their part; None where it is not split."""
+    """Number of images by part; None before a split."""
 
     images: int
     of_parts: dict[str, int] | None
 
 
 def read_counts(folder: Path) -> Counts:
-    """Images of the first map type by what its table says now; raises InvalidInput."""
+    """Count the images of the first map type by their part in the table; raises InvalidInput."""
     from ...core.dataset.dataset import read_dataset
     from ...core.dataset.table import image_parts, usable_rows
 
@@ -50,7 +50,7 @@ def read_counts(folder: Path) -> Counts:
 
 
 class SplitTab(Tab):
-    """Entries of a split, as Processing has them, and what came of it."""
+    """Entries of a split, as in Processing, and its result."""
 
     def __init__(self, work: Work) -> None:
         super().__init__("split_tab")
@@ -67,7 +67,7 @@ class SplitTab(Tab):
         self.show_dataset()
 
     def show_dataset(self) -> None:
-        """Read how the dataset is split now."""
+        """Read the current split."""
         self._known = False
         self.result.setText("")
         folder = self.folder
@@ -89,7 +89,7 @@ class SplitTab(Tab):
         self.enable()
 
     def options(self) -> tuple[tuple[float, ...], dict[str, Any]]:
-        """Shares, and what else is entered, as `split` takes it."""
+        """Shares and the other entries, as arguments of `split`."""
         by_ground = self.how.currentData() in _BY_GROUND
         frame = self.frame.currentText().strip()
         known = self.frame.findText(frame)
@@ -103,7 +103,7 @@ class SplitTab(Tab):
         }
 
     def enable(self) -> None:
-        """Let be pressed what can be done now."""
+        """Enable what is possible now."""
         there = self._known and not self.working
         self.split.setEnabled(there)
         by_ground = self.how.currentData() in _BY_GROUND
@@ -154,7 +154,7 @@ class SplitTab(Tab):
         self.show_result("\n".join(f"⚠ {line.text}" if line.warns else line.text for line in lines))
 
     def show_result(self, text: str) -> None:
-        """Show what came of it, or why nothing did."""
+        """Show the result, or why the split failed."""
         self.result.setText(text)
 
     def _make_entries(self) -> None:

@@ -1,4 +1,4 @@
-"""Base of the window's tabs: a dataset, read in the background."""
+"""Base of the window's tabs, which read a dataset in the background."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ..widgets import wrapped_label
 
 
 class Tab(QWidget):
-    """Shows a dataset, and lets something be done with it.
+    """Show a dataset and offer actions.
 
     Attributes
     ----------
     folder : Path or None
         Of the dataset.
     working : bool
-        Whether a task of the window is under way: nothing else can be begun then.
+        Whether a task of the window is under way, which allows no other.
     hint : QLabel
-        What there is to say where nothing is shown.
+        Shown instead of the contents.
     """
 
     def __init__(self, name: str) -> None:
@@ -35,28 +35,28 @@ class Tab(QWidget):
 
     @property
     def busy(self) -> bool:
-        """Whether something is still being read."""
+        """Whether reading is under way."""
         return self.reader.busy
 
     def take(self, folder: Path | None) -> None:
-        """Show a dataset as it is now; None for none."""
+        """Show the current state of a dataset; None for none."""
         self.folder = folder
         self.reader.forget()
         self.show_dataset()
 
     def show_working(self, working: bool) -> None:
-        """Let nothing be begun while a task is under way."""
+        """Disable actions during a task."""
         self.working = working
         self.enable()
 
     def close_reader(self) -> None:
-        """End for good."""
+        """Stop the reader for good."""
         self.reader.close()
 
-    # --- what tabs differ in
+    # --- differences between tabs
 
     def show_dataset(self) -> None:
-        """Show `folder`, of which nothing is known yet."""
+        """Show `folder`, which has not been read yet."""
         raise NotImplementedError
 
     def show_refused(self, reason: str) -> None:
@@ -66,10 +66,10 @@ class Tab(QWidget):
         self.enable()
 
     def enable(self) -> None:
-        """Let be pressed what can be done now."""
+        """Enable what is possible now."""
         raise NotImplementedError
 
 
 def no_folder() -> str:
-    """Text to show while no dataset is open."""
+    """Text shown while no dataset is open."""
     return tr("Choose the folder of a dataset.")

@@ -22,14 +22,14 @@ MARK, MOVE, UNDO = "mark", "move", "undo"
 
 
 class Work(QObject):
-    """The one task that is under way in the window.
+    """The window's single task.
 
     Signals
     -------
     shown(bool, float)
-        Whether one is under way, and the percentage of it that is done.
+        Whether a task is under way, and its percentage done.
     ended(object)
-        The task, after its callback has been called.
+        The task, after its callback.
     """
 
     shown = pyqtSignal(bool, float)
@@ -51,7 +51,7 @@ class Work(QObject):
         Parameters
         ----------
         done, refused : callable
-            Called with the task when it has ended, or with why it could not; errors stand in the message bar, too.
+            Called with the task when it has ended, or with the reason of its failure, also shown in the message bar.
         """
         if self.task is not None:
             return
@@ -61,12 +61,12 @@ class Work(QObject):
         task.begin(partial(self._ended, done, refused))
 
     def stop(self) -> None:
-        """Ask the task to end early."""
+        """Cancel the task."""
         if self.task is not None:
             self.task.cancel()
 
     def close(self) -> None:
-        """End for good, and tell nobody."""
+        """Stop for good, without emitting `ended`."""
         if self.task is not None:
             self.task.progressChanged.disconnect()
             self.task.abandon()
@@ -87,7 +87,7 @@ class Work(QObject):
 
 
 class CleanTask(Task):
-    """Rejects images of a dataset, or puts all back.
+    """Reject images of a dataset, or restore them all.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class CleanTask(Task):
     Attributes
     ----------
     cleaned : tuple of Cleaned
-        What was done, by map type; empty until then.
+        Results by map type; empty until the task has ended.
     """
 
     changes_dataset = True
@@ -120,7 +120,7 @@ class CleanTask(Task):
             self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.go_on)
 
     def text(self) -> str:
-        """Describe in a sentence or two what was done to all map types."""
+        """Sentence or two on the results of all map types."""
         images, rejected, moved, returned = (
             number_text(sum(values))
             for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
@@ -143,12 +143,12 @@ class CleanTask(Task):
 
 
 class PicturesTask(Task):
-    """Writes the charts of a dataset as pictures.
+    """Write the charts of a dataset as images.
 
     Parameters
     ----------
     folder, target : Path
-        Of the dataset, and of the pictures.
+        Of the dataset, and of the images.
     threshold : float
         Bits.
 
@@ -165,14 +165,14 @@ class PicturesTask(Task):
         self.written: list[Path] = []
 
     def work(self) -> None:
-        """Draw and write."""
+        """Draw and write the charts."""
         from ...core.dataset.figures import save_figures
 
         self.written = save_figures(self.folder, self.target, self.threshold)
 
 
 class SplitTask(Task):
-    """Splits a dataset, or counts what a split would come to.
+    """Split a dataset, or count the parts of a split.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ class SplitTask(Task):
     Attributes
     ----------
     made : Split or None
-        None where it was stopped.
+        None if stopped.
     """
 
     changes_dataset = True
@@ -202,13 +202,13 @@ class SplitTask(Task):
 
 
 class DatasetExportTask(Task):
-    """Writes a dataset or a benchmark in a format of other programs.
+    """Export a dataset or benchmark to a format of another program.
 
     Parameters
     ----------
     folder : Path
     target : Path or None
-        None for the dataset's own folder.
+        None for the dataset's folder.
     kind : str
         One of `KINDS`.
     map_type : str or None
@@ -216,7 +216,7 @@ class DatasetExportTask(Task):
     Attributes
     ----------
     done : Exported or None
-        None where it was stopped.
+        None if stopped.
     """
 
     changes_dataset = False

@@ -1,4 +1,4 @@
-"""The window of a dataset: its folder on top, a tab for each thing that can be done with it, and Stop."""
+"""The window of a dataset: its folder, a tab for each kind of action, and Stop."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..widgets import folder_entry, growing_form, named, push_button, scrolled
 
 
 class DatasetWindow(QgsDockWidget):
-    """Shows the tabs.
+    """The dock widget with the tabs.
 
     Signals
     -------
@@ -49,7 +49,7 @@ class DatasetWindow(QgsDockWidget):
             "labels": tr("Labels"),
         }
         for name, tab in tabs.items():
-            # Put beside other panels a tab may be low and narrow, and must not make them wider.
+            # A tab docked beside other panels may be low and narrow, and must not widen them.
             self.tabs.addTab(scrolled(tab), titles[name])
         self.bar = named(QProgressBar(), "dataset_progress")
         self.bar.setTextVisible(False)
@@ -61,12 +61,12 @@ class DatasetWindow(QgsDockWidget):
         self.show_working(False, 0.0)
 
     def show_folder(self, folder: str) -> None:
-        """Name a folder without a word."""
+        """Show a folder without emitting signals."""
         with QSignalBlocker(self.folder):
             self.folder.setFilePath(folder)
 
     def show_working(self, working: bool, percent: float) -> None:
-        """Show that something is being done, and how far it is; the folder stays what it is meanwhile."""
+        """Show whether a task is under way, and its progress; the folder cannot change meanwhile."""
         self.bar.setVisible(working)
         self.stop.setVisible(working)
         self.bar.setValue(int(percent))

@@ -1,11 +1,11 @@
-"""The panel's entries as one plain value, and the mission that they ask for. Knows no widget.
+"""The panel's entries as one plain value, and the mission made from them. No widgets.
 
 text            numbers, aspect ratios and degrees as people type and read them
-fields          what people read of a field that a mission declares
-state           the entries, each a field; as JSON between sessions
-area            the area: a box, a polygon or points; from pasted text, and in words
+fields          translated titles and tips of a mission's fields
+state           the entries, each a field; JSON between sessions
+area            the area: a box, a polygon or points; from pasted text, and as a description
 camera          the camera by field of view, lens and sensor, or ground sample distance
 presets         values for a purpose, as entries
-headings        what groups of entries hold, in a few words
-mission_form    the mission that entries ask for, and the entries that ask for a mission
+headings        summaries of the groups of entries
+mission_form    the mission of the entries, and the entries of a mission
 """

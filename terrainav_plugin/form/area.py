@@ -1,4 +1,4 @@
-"""The area that is entered: read, written, and described in words. Knows no widget."""
+"""The area entered: read, written and described. No widgets."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ from .text import (
     to_decimal_points,
 )
 
-#: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
+#: Heights this close are equal: spin boxes show four decimals, of a foot at least.
 SAME_HEIGHT_M = 1e-4
-#: Shapes kept read: the one entered, and those that undo goes through.
+#: Parsed shapes that are cached: the one entered, and those of undo steps.
 _KEPT = 8
-#: Of a corner, of a point with its height and yaw, and of two corners.
+#: Numbers of a corner, of a point with height and yaw, and of two corners.
 _POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
 
 
 class FormError(TerrAInavError):
-    """Entries that make no mission: a message for every field that is wrong."""
+    """Entries that make no mission: a message for each wrong field."""
 
     def __init__(self, messages: dict[str, str]) -> None:
         super().__init__("; ".join(messages.values()))
@@ -55,7 +55,7 @@ def replace_box(state: FormState, box: Box, text: Callable[[float], str] = degre
 
 
 def replace_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
-    """State with another area, and with its height above ground in metres where it has one."""
+    """State with another area, and its height above ground in metres if it has one."""
     if agl_m is not None and agl_m != state.agl_m:
         state = replace(state, agl=agl_m / LENGTHS_M[state.agl_unit], height_by="agl", camera_gsd=0.0)
     if isinstance(area, Box):
@@ -65,12 +65,12 @@ def replace_area(state: FormState, area: Area, agl_m: float | None = None) -> Fo
 
 
 def paste_coordinates(state: FormState, text: str) -> FormState:
-    """State with pasted coordinates, heights in the state's unit; `area_of_text` says what is understood.
+    """State with pasted coordinates, heights in the state's unit; see `area_of_text` for the formats.
 
     Raises
     ------
     FormError
-        For the field ``north``, with what is wrong.
+        For the field ``north``.
     """
     try:
         return replace_area(state, *area_of_text(text, state.agl, state.agl_unit))
@@ -79,17 +79,17 @@ def paste_coordinates(state: FormState, text: str) -> FormState:
 
 
 def entered_shape(state: FormState) -> Polygon | Polygons | Points | None:
-    """Polygons or points that are entered, at the height that is; None where the area is a box.
+    """Polygons or points entered, at the height entered; None if the area is a box.
 
     Raises
     ------
     InvalidInput
-        Where the state's text of them cannot be read.
+        The state's text of the shape cannot be read.
     """
     if not state.shape:
         return None
     bounds = parse_shape(state.shape).bounds
-    # Edges that are not those around it have been entered since, and make the area a box.
+    # Edges other than those around the shape were entered later, and make the area a box.
     edges = _edges(bounds, exact_degrees_text)
     if any(getattr(state, name) != text for name, text in edges.items()):
         return None
@@ -97,7 +97,7 @@ def entered_shape(state: FormState) -> Polygon | Polygons | Points | None:
 
 
 def entered_area(state: FormState) -> Area | None:
-    """Area that is entered; None where there is none, or no sound one."""
+    """Area entered; None if missing or invalid."""
     try:
         shape = entered_shape(state)
         if shape is not None:
@@ -110,21 +110,21 @@ def entered_area(state: FormState) -> Area | None:
 
 
 def edge_deg(name: str, text: str) -> float:
-    """Degrees of an edge by its field, as entered; raises ValueError where it is no angle."""
+    """Degrees of an edge as entered, by its field; raises ValueError if it is not an angle."""
     return parse_degrees(text, LATITUDE if name in ("north", "south") else LONGITUDE)
 
 
 @dataclass(frozen=True)
 class EnteredShape:
-    """A polygon or points, read.
+    """A polygon or points, parsed.
 
     Parameters
     ----------
     area : Polygon, Polygons or Points
     bounds : Box
-        The smallest box around it, which the edges' fields show.
+        The bounding box, shown in the edges' fields.
     agl_m : float
-        Height that was entered when points were taken; another one since then is that of all points.
+        Height entered when the points were taken; a different height entered later applies to all points.
     """
 
     area: Polygon | Polygons | Points
@@ -132,17 +132,17 @@ class EnteredShape:
     agl_m: float
 
     def area_at_height(self, agl_m: float) -> Polygon | Polygons | Points:
-        """Area when a height is entered: all points have it unless it is the one they were taken with."""
+        """Area at a height entered: all points have that height, unless it is the one they were taken with."""
         if not isinstance(self.area, Points) or abs(agl_m - self.agl_m) <= SAME_HEIGHT_M or agl_m <= 0.0:
             return self.area
         return replace(self.area, poses=tuple((lat, lon, agl_m) for lat, lon, _ in self.area.poses))
 
 
 def shape_text(area: Area, agl_m: float) -> str:
-    """Text of a polygon or of points, taken while a height is entered; empty for a box."""
+    """Text of polygons or points, taken with a height entered; empty for a box."""
     if isinstance(area, Box):
         return ""
-    # As a mission's file has it; without the copy of every corner that `Mission.to_dict` makes.
+    # As in a mission's file, without the copy of every corner that `Mission.to_dict` makes.
     data = {field.name: getattr(area, field.name) for field in fields(area)}
     if isinstance(area, Polygons):
         data = {"parts": [{"rings": part.rings} for part in area.parts]}
@@ -151,7 +151,7 @@ def shape_text(area: Area, agl_m: float) -> str:
 
 @lru_cache(_KEPT)
 def parse_shape(text: str) -> EnteredShape:
-    """Shape of a text; raises InvalidInput where it holds none."""
+    """Shape from a text; raises InvalidInput if it cannot be read."""
     try:
         data = parse_json(text)
         agl_m = float(data.pop("agl_m", 1.0))
@@ -170,12 +170,12 @@ def no_fly_text(polygons: tuple[Polygon, ...]) -> str:
 
 @lru_cache(_KEPT)
 def parse_no_fly(text: str) -> tuple[Polygon, ...]:
-    """No-fly areas of a text; raises InvalidInput where it holds none."""
+    """No-fly areas from a text; raises InvalidInput if they cannot be read."""
     return area_from_dict({"type": "polygons", "parts": parse_json(text)}).parts if text else ()
 
 
 def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
-    """No-fly areas that are entered; none where they cannot be read."""
+    """No-fly areas entered; none if they cannot be read."""
     try:
         return parse_no_fly(state.no_fly)
     except InvalidInput:
@@ -184,35 +184,35 @@ def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
 
 @lru_cache(_KEPT)
 def parse_area(text: str, agl_m: float) -> Polygon | Polygons | Points:
-    """Area of a text when a height is entered; raises InvalidInput where it holds none."""
+    """Area from a text, at a height entered; raises InvalidInput if it cannot be read."""
     return parse_shape(text).area_at_height(agl_m)
 
 
 def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | None]:
-    """Area of pasted text.
+    """Area from pasted text.
 
     Parameters
     ----------
     text : str
         ``north_west_south_east_agl`` or ``lat_lon_agl``, several lines of ``lat lon agl [yaw]``, or a table of poses
-        with a header, as `pose_table.read_poses` has it. Commas, semicolons and spaces do as well as underscores, and
-        the height may be left out of one line. Commas before decimals are understood as `to_decimal_points` does, and
-        degrees, minutes and seconds with the letter of their hemisphere as `to_decimal_degrees` does.
+        with a header, as for `pose_table.read_poses`. Commas, semicolons and spaces work as well as underscores, and
+        one line may omit the height. `to_decimal_points` reads decimal commas, and `to_decimal_degrees` degrees,
+        minutes and seconds with a hemisphere's letter.
     agl : float
-        Height where the text has none.
+        Height if the text has none.
     agl_unit : str
-        m or ft, of all heights.
+        m or ft, for all heights.
 
     Returns
     -------
     area : Box or Points
     agl_m : float or None
-        Height in the text, metres; of the first point where there are several; None where it has none.
+        Height in the text, in metres; of the first point if there are several; None if missing.
 
     Raises
     ------
     InvalidInput
-        Names what cannot be read, with its line.
+        With what cannot be read, and its line.
     """
     held = [
         (number, line)
@@ -258,19 +258,19 @@ def size_m(box: Box) -> tuple[float, float]:
     middle = np.radians((box.north_deg + box.south_deg) / 2.0)
     radius = float(WGS84.normal_radius_m(np.degrees(middle)))
     width = radius * math.cos(float(middle)) * math.radians(box.span_deg)
-    # 17 latitudes give the length of a meridian to the four digits that are shown.
+    # 17 latitudes give the length of a meridian to the four digits shown.
     radii = WGS84.meridional_radius_m(np.linspace(box.south_deg, box.north_deg, 17))
     return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
 
 
 def size_text(box: Box, unit: str) -> str:
-    """Width, height and ground of a box, in metres or feet and what goes with them."""
+    """Width, height and area of a box, in metric units or feet and related units."""
     width, height = (length_text(length, unit) for length in size_m(box))
     return f"{width} × {height}, {area_text(box.area_m2(), unit)}"
 
 
 def area_words(area: Area, unit: str) -> str:
-    """Summary of an area in a line, in metric or imperial units."""
+    """One-line description of an area, in metric or imperial units."""
     if isinstance(area, Box):
         return tr("Box, {size}").format(size=size_text(area, unit))
     if not isinstance(area, Points):
@@ -296,7 +296,7 @@ def point_words() -> dict[str, str]:
 
 
 def readout(area: Area, unit: str) -> str:
-    """Readout at the cursor while an area is drawn or moved."""
+    """Readout at the cursor while drawing or moving an area."""
     if isinstance(area, Points):
         return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
     return size_text(area, unit) if isinstance(area, Box) else area_text(area.area_m2(), unit)
@@ -308,13 +308,13 @@ def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
 
 
 def _without_separators(line: str) -> str:
-    """Line without what separates at its ends; a pattern for its end would take time that grows with its square."""
+    """Line without separators at its ends; a pattern for the end would take quadratic time."""
     first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
     return line[first : len(line) - after]
 
 
 def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:
-    """Points of several lines, all with a yaw or all without."""
+    """Points from several lines, all with a yaw or all without."""
     poses: list[tuple[float, float, float]] = []
     yaws: list[float] = []
     given = False

@@ -1,4 +1,4 @@
-"""The camera that is entered, in other terms: fields of view, lens and sensor, ground sample distance."""
+"""Conversions of the camera entered: fields of view, lens and sensor, ground sample distance."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .text import aspect_text, parse_aspect
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
 
-#: Width of the sensor that a lens is stated for while no other is known: full frame, as photographers compare lenses.
+#: Sensor width assumed for a lens if unknown: full frame, the photographers' standard for comparing lenses.
 FULL_FRAME_MM = 36.0
-#: Metres in the unit of a ground sample distance, by what lengths are shown in.
+#: Metres per unit of a ground sample distance, by the unit of lengths.
 GSD_M = {"m": 0.01, "ft": M_PER_FT / 12.0}
-#: Entries that the field of view follows from, by what the camera is given by.
+#: Entries that determine the field of view, by camera mode.
 _TYPED_FOR = {
     DIAGONAL: (),
     HORIZONTAL: ("fov_typed_deg",),
@@ -31,12 +31,12 @@ _NOTHING_TYPED = {
     "sensor_width_mm": 0.0,
     "sensor_height_mm": 0.0,
 }
-#: Entries that a ground sample distance depends on, beside the height.
+#: Entries that determine a ground sample distance, beside the height.
 _CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
 
 
 def state_camera(state: FormState) -> Camera | None:
-    """Camera that a state describes; None where its entries make none."""
+    """Camera of a state; None if its entries make none."""
     from ...core.errors import InvalidInput
     from ...core.geodesy.camera import Camera
 
@@ -47,12 +47,12 @@ def state_camera(state: FormState) -> Camera | None:
 
 
 def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
-    """Camera by the numbers that a state shows.
+    """Camera from the numbers shown by a state.
 
     Raises
     ------
     InvalidInput
-        Where one of them is outside its domain.
+        A number is outside its domain.
     """
     from ...core.geodesy.camera import Camera
 
@@ -67,12 +67,12 @@ def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
 
 
 def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] | None = None) -> FormState:
-    """State of the same camera given by ``mode``, for which its numbers are worked out.
+    """State of the same camera in the terms of ``mode``, with its numbers computed.
 
     Parameters
     ----------
     sensor_mm : (width, height) or None
-        Of the camera, where that is known; otherwise full frame is taken.
+        Of the camera, if known; otherwise full frame.
     """
     plain = replace(state, fov_mode=mode, **_NOTHING_TYPED)
     camera = state_camera(state)
@@ -90,9 +90,9 @@ def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] |
 
 
 def shown_gsd(state: FormState) -> float:
-    """Ground sample distance of the camera in the state's unit; 0 where its entries make no camera.
+    """Ground sample distance of the camera in the state's unit; 0 if its entries make no camera.
 
-    It is that of a picture whose longer side has ``image_px`` pixels, straight down, at its middle.
+    At the middle of an image straight down whose longer side has ``image_px`` pixels.
     """
     if state.height_by == "gsd":
         return state.camera_gsd
@@ -103,14 +103,14 @@ def shown_gsd(state: FormState) -> float:
 
 
 def settled(before: FormState, now: FormState, field: str) -> FormState:
-    """State after a person has changed one entry, with what follows from it.
+    """State after one entry has been changed, with its consequences.
 
-    What was typed stays as it was typed: a height or a ground sample distance, a field of view or a lens.
+    Keep what was typed as typed: height or ground sample distance, field of view or lens.
 
     Parameters
     ----------
     before, now : FormState
-        Before and after the change, of nothing but ``field``.
+        States before and after a change of ``field`` only.
     """
     if field == "fov_mode":
         return convert_camera(_restore_fields(before, now, _CAMERA), now.fov_mode)
@@ -126,13 +126,13 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
 
 
 def in_length_unit(state: FormState, unit: str) -> FormState:
-    """State of the same height, shown in another unit."""
+    """State with the same height in another unit."""
     gsd = in_unit(in_metres(state.camera_gsd, GSD_M[state.agl_unit]), GSD_M[unit])
     return replace(state, agl=in_unit(state.agl_m, LENGTHS_M[unit]), camera_gsd=gsd, agl_unit=unit)
 
 
 def update_height(state: FormState) -> FormState:
-    """State with the height that its ground sample distance asks for, where the height follows from that."""
+    """State with the height for its ground sample distance, if that determines the height."""
     if state.height_by != "gsd":
         return state if state.camera_gsd == 0.0 else replace(state, camera_gsd=0.0)
     camera = state_camera(state)
@@ -143,7 +143,7 @@ def update_height(state: FormState) -> FormState:
 
 
 def in_unit(value: float, unit: float) -> float:
-    """How many units some metres are: the shortest number that `in_metres` turns back into them, if there is one."""
+    """Number of units in metres: the shortest that `in_metres` converts back exactly, if any."""
     if unit == 1.0:
         return value
     quotient = value / unit
@@ -152,12 +152,12 @@ def in_unit(value: float, unit: float) -> float:
 
 
 def _restore_fields(before: FormState, now: FormState, names: Iterable[str]) -> FormState:
-    """State after a change with some of the fields as they were before it."""
+    """State after a change, with some fields restored."""
     return replace(now, **{name: getattr(before, name) for name in names})
 
 
 def _update_diagonal(state: FormState) -> FormState:
-    """State whose diagonal field of view is that of the numbers typed; as it was, where those make no camera."""
+    """State whose diagonal field of view follows from the numbers typed; unchanged if they make no camera."""
     from ...core.errors import InvalidInput
 
     if not _TYPED_FOR[state.fov_mode]:
@@ -169,7 +169,7 @@ def _update_diagonal(state: FormState) -> FormState:
 
 
 def _update_aspect(state: FormState) -> FormState:
-    """State with the aspect ratio of its sensor, unless that differs by no more than data sheets round away."""
+    """State with the aspect ratio of its sensor, unless the difference is within the rounding of data sheets."""
     from ...core.geodesy.lens import SQUARE_PIXELS
 
     width_mm, height_mm = state.sensor_width_mm, state.sensor_height_mm
@@ -180,5 +180,5 @@ def _update_aspect(state: FormState) -> FormState:
         same = abs(ratio / parse_aspect(state.aspect) - 1.0) <= SQUARE_PIXELS
     except (ValueError, ZeroDivisionError):
         same = False
-    # Data sheets have some digits of a sensor: 13.2 by 8.8 mm is 3:2.
+    # Data sheets round sensors: 13.2 by 8.8 mm is 3:2.
     return state if same else replace(state, aspect=aspect_text(float(f"{ratio:.12g}")))

@@ -8,12 +8,12 @@ from ..i18n import begun, translate
 
 
 def field_label(field: Field) -> str:
-    """Title that begins a row, with the mark of its key."""
+    """Title at the beginning of a row, with its mnemonic."""
     return begun(translate(field.label or field.title))
 
 
 def field_title(field: Field) -> str:
-    """Title without a key, and with the unit of numbers as they are typed."""
+    """Title without mnemonic, with the unit of numbers as typed."""
     unit = translate(field.unit.typed_words or field.unit.words)
     title = begun(translate(field.title))
     return f"{title} ({unit})" if unit else title
@@ -25,7 +25,7 @@ def field_sentence(field: Field) -> str:
 
 
 def field_tip(field: Field) -> str:
-    """Help of a field with its unit and range; only the unit where another one is typed."""
+    """Help of a field with its unit and range; only the unit if numbers are typed in another."""
     numbers = field.kind in (float, int)
     beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
     text = begun(translate(field.help))
@@ -34,10 +34,10 @@ def field_tip(field: Field) -> str:
 
 
 def field_choices(field: Field) -> tuple[tuple[str, str], ...]:
-    """Values of a field, each with what people read."""
+    """Values of a field, each with its label."""
     return tuple((value, translate(label)) for value, label in field.choices.items())
 
 
 def map_type_title(name: str) -> str:
-    """Title of a map type; the folder's name of an unusual one."""
+    """Title of a map type; the folder's name if it is unknown."""
     return translate(field_named(Imagery, "map_types").choices.get(name, name))

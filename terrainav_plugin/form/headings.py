@@ -13,12 +13,12 @@ from .text import short_aspect
 
 
 def headings(state: FormState, source: str) -> dict[str, str]:
-    """Words of every group, by its name.
+    """Summary of every group, by its name.
 
     Parameters
     ----------
     source : str
-        What the source is called.
+        Title of the source.
     """
     return {
         "area_group": _area(state),

@@ -1,4 +1,4 @@
-"""The mission that the dock's entries ask for, and the entries that ask for a mission. Knows no widget."""
+"""The mission of the dock's entries, and the entries of a mission. No widgets."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ...core.mission.areas.area import Area, Box
     from ...core.mission.mission import Mission
 
-#: Entries of the other fields that a message may be about.
+#: Entries for fields that messages name differently.
 _ENTRIES = {
     "area": "north",
     "agl_m": "agl",
@@ -46,12 +46,12 @@ _ENTRIES = {
     "speed_m_per_s": "wind_speed_m_per_s",
     "from_deg": "wind_from_deg",
 }
-#: Where things stand that are wrong with no entry of the panel.
+#: Places of errors that belong to no entry of the panel.
 _BEYOND = "more"
 
 
 class _Checks:
-    """Runs the core's own checks field by field and keeps their messages."""
+    """Run the core's checks field by field, and keep their messages."""
 
     def __init__(self) -> None:
         self.messages: dict[str, str] = {}
@@ -60,7 +60,7 @@ class _Checks:
         try:
             return check()
         except TerrAInavError as wrong:
-            # Of several entries that are looked at together the error may name another one.
+            # When entries are checked together, the error may name another one.
             named = wrong.field if wrong.field in BOX_FIELDS else field
             self.messages.setdefault(named, translate(wrong))
         return None
@@ -74,12 +74,12 @@ class _Checks:
 
 
 def mission(state: FormState) -> Mission:
-    """Mission that a state asks for.
+    """Mission of a state.
 
     Raises
     ------
     FormError
-        With the core's message at every field that is wrong.
+        With the core's message for every wrong field.
     """
     from ...core.mission.areas.area import check_ground
 
@@ -87,24 +87,24 @@ def mission(state: FormState) -> Mission:
     area = _box(state, checks)
     shape = checks("shape", lambda: entered_shape(state))
     if shape is None and area is not None:
-        # That around points may have no ground.
+        # The box around points may have no ground.
         checks("south", lambda: check_ground(area))
     return _mission(state, area if shape is None else shape, checks)
 
 
 def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
-    """Mission of one picture above a point, otherwise as entered; raises FormError as `mission` does."""
+    """Mission of one image above a point, otherwise as entered; raises FormError as `mission` does."""
     from ...core.mission.areas.area import Points
 
     checks = _Checks()
-    # Nobody flies there: it needs no way from a take-off, and no battery.
+    # Nothing is flown: it needs no take-off and no battery.
     route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
     single = replace(state, map_types=state.map_types[:1], **route, takeoff="", no_fly="")
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
 
 
 def box(state: FormState) -> Box | None:
-    """Area that a state holds; None where it holds no sound one."""
+    """Box entered; None if missing or invalid."""
     return _box(state, _Checks()) if state.has_box else None
 
 
@@ -134,12 +134,12 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     try:
         return Mission(area, state.agl_m, camera, wind=wind, no_fly=no_fly, **entries)
     except InvalidInput as wrong:
-        # Entries that are right one by one, and do not go together.
+        # Entries that are valid one by one but do not go together.
         raise FormError({field_entry(wrong.field) or _BEYOND: translate(wrong)}) from wrong
 
 
 def unread_text(name: str, text: str) -> str:
-    """Say what is wrong with a text in the entry of a number: no number at all, or not one of the entry's."""
+    """Return what is wrong with a text in a number's entry: not a number, or not allowed there."""
     others = {
         "camera_gsd": tr("GSD"),
         "fov_typed_deg": tr("field of view"),
@@ -169,18 +169,18 @@ def unread_text(name: str, text: str) -> str:
 
 
 def _check(name: str, value: Any) -> None:
-    """Refuse a value that a mission's field does not have."""
+    """Refuse a value that is invalid for a mission's field."""
     field = ENTERED_AS_DECLARED.get(name) or DECLARED.get(name) or field_named(Output, name)
     field.settled(value)
 
 
 def takeoff(state: FormState) -> tuple[float, float] | None:
-    """Latitude and longitude of the place of take-off that is entered; None for none.
+    """Latitude and longitude of the take-off point entered; None for none.
 
     Raises
     ------
     InvalidInput
-        Not two numbers, or beyond the Earth.
+        The text is not two numbers, or not a place on the Earth.
     """
     text = state.takeoff.strip()
     if not text:
@@ -199,12 +199,12 @@ def takeoff(state: FormState) -> tuple[float, float] | None:
 
 
 def takeoff_text(place: tuple[float, float] | None) -> str:
-    """Text of a place of take-off that `takeoff` reads back as the very same; empty for none."""
+    """Text of a take-off point from which `takeoff` reads the same numbers; empty for none."""
     return "" if place is None else ", ".join(map(exact_degrees_text, place))
 
 
 def _pixels(state: FormState) -> dict[str, Any]:
-    """Fields of a mission that say which pixels of the source are taken, and to what size."""
+    """Fields of a mission for the resolution and size of images."""
     channels = 1 if state.resize_grey else 3
     return {
         "zoom": state.zoom if state.resolution == "zoom" else None,
@@ -214,20 +214,20 @@ def _pixels(state: FormState) -> dict[str, Any]:
 
 
 def field_entry(field: str) -> str:
-    """Entry in which a field of a mission is put right; empty where there is none."""
+    """Entry for a field of a mission; empty if it has none."""
     known = {entry.name for entry in fields(FormState)} - set(WITHOUT_ENTRY)
     entry = _ENTRIES.get(field, field)
     return entry if entry in known else ""
 
 
 def refused_fields(error: TerrAInavError) -> dict[str, str]:
-    """Message at the entry that a refusal is about; empty where it is about no single one."""
+    """Message by the entry that a refusal is about; empty if it is about none or several."""
     entry = field_entry(error.field) if error.field else ""
     return {entry: translate(error)} if entry else {}
 
 
 def _wind(state: FormState, checks: _Checks) -> Any:
-    """Wind that is entered, checked entry by entry; None for none."""
+    """Wind entered, checked entry by entry; None for none."""
     from ...core.mission.flight.wind import Wind
 
     if not state.wind:
@@ -241,7 +241,7 @@ def _wind(state: FormState, checks: _Checks) -> Any:
     }
     wind = Wind(seed=seed)
     for field, (name, value) in entries.items():
-        # Each on top of those that are right already; speed and turbulence are judged by the airspeed.
+        # Add each to those already valid; the airspeed limits speed and turbulence.
         better = checks(
             field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}).checked(airspeed)
         )
@@ -259,13 +259,13 @@ def _camera(state: FormState, checks: _Checks) -> Any:
     field = {DIAGONAL: "fov_deg", SENSOR: "focal_length_mm"}.get(state.fov_mode, "fov_typed_deg")
     if state.fov_mode == SENSOR:
         size_mm = (state.sensor_width_mm, state.sensor_height_mm)
-        # With a lens that suits it, so that what is wrong is the sensor.
+        # With a lens that suits it, so that an error is the sensor's.
         if checks("sensor_width_mm", lambda: Camera.from_sensor(size_mm, max(size_mm), ratio)) is None:
             return None
     checks(field, lambda: camera_as_typed(state, ratio if sound else 1.0))
     if state.height_by == "gsd" and not state.camera_gsd > 0.0:
         checks.messages["camera_gsd"] = tr("GSD: must be above 0")
-    # The diagonal itself, which the numbers typed may stand for with other digits.
+    # The diagonal itself, which the typed numbers may give with other digits.
     return checks(field, lambda: Camera(state.fov_deg, ratio)) if sound and field not in checks.messages else None
 
 
@@ -295,7 +295,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
 
 
 def mission_state(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
-    """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
+    """State that gives ``mission``, in the unit and terms of another state; metric by default."""
     from ...core.imagery.opening import source_kind
 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
@@ -326,7 +326,7 @@ def mission_state(mission: Mission, folder: str, like: FormState | None = None) 
 
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:
-    """Entries that ask for a mission's pixels."""
+    """Entries for the resolution and size of a mission's images."""
     entries: dict[str, Any] = {}
     if mission.pixels.zoom is not None:
         entries.update(resolution="zoom", zoom=mission.pixels.zoom)
@@ -339,11 +339,11 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
 
 
 def extras_text(state: FormState) -> str:
-    """Values of a state's mission that the panel has no entries for, as text; empty for none."""
+    """Values of a state's mission without entries in the panel, as text; empty for none."""
     said = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
     return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
 
 
 def drop_extras(state: FormState) -> FormState:
-    """State with the defaults of what the panel has no entries for."""
+    """State with defaults for the fields without entries in the panel."""
     return replace(state, wind_seed=None, **{name: ENTERED_AS_DECLARED[name].default for name in WITHOUT_ENTRY})

@@ -1,4 +1,4 @@
-"""The dock's entries as one plain value: what a mission has, and how some of it is typed. Knows no widget."""
+"""The dock's entries as one plain value: a mission's fields, some of them as typed. No widgets."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from ...core.text.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from .text import aspect_text
 
-#: What a camera may be given by.
+#: Modes of describing the camera.
 FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", "vertical", "sensor")
-#: What the source chooser holds instead of a catalogue entry's name.
+#: Value of the source chooser other than a catalogue entry's name.
 URL_TEMPLATE = "url-template"
 BOX_FIELDS = ("north", "west", "south", "east")
-#: Fields of a mission that people enter in another way: in a unit, with a choice before, or as several entries.
+#: Fields of a mission that are entered differently: in a unit, after a choice, or as several entries.
 _ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
-#: All other fields that a mission is given by name are entries of the same name, value and default.
+#: All other named fields of a mission: entries of the same name, value and default.
 ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
-#: Those of them that the panel has no entries for: it carries them along, and says so.
+#: Those of them without entries in the panel, which keeps them and says so.
 WITHOUT_ENTRY = ("imageries", "mesh", "seed", "max_images")
-#: Entries of the wind, and of what is typed in another way, by the fields that they state.
+#: Entries of the wind, and entries typed differently, by the fields that they state.
 DECLARED: dict[str, Field] = {
     **ENTERED_AS_DECLARED,
     "agl": field_named(Flight, "agl_m"),
@@ -50,59 +50,58 @@ _Asked: Any = make_dataclass(
 
 @dataclass(frozen=True)
 class FormState(_Asked):
-    """The panel's entries as typed: texts where people type freely, numbers where a spin box guards them.
+    """The panel's entries as typed: texts for free entries, numbers for spin boxes.
 
-    The fields of `ENTERED_AS_DECLARED` are those of a mission; these are typed in another way.
+    The fields of `ENTERED_AS_DECLARED` are those of a mission; the following are typed differently.
 
     Parameters
     ----------
     north, west, south, east : str
-        Edges of the area in degrees; of the box around it where it is no box.
+        Edges of the area in degrees; of its bounding box if it is not a box.
     shape : str
         JSON of an area of polygons or points; empty for a box.
     no_fly : str
         JSON of the no-fly areas; empty for none.
     fov_deg : float
-        Diagonal field of view, however it was given.
+        Diagonal field of view, whatever the mode.
     fov_mode : str
-        What the camera is given by, one of `FOV_MODES`.
+        Mode of describing the camera, one of `FOV_MODES`.
     fov_typed_deg : float
-        Horizontal or vertical field of view as typed, where the camera is given by it; otherwise 0.
+        Horizontal or vertical field of view as typed, in these modes; otherwise 0.
     focal_length_mm, sensor_width_mm, sensor_height_mm : float
-        As typed, where the camera is given by its sensor; otherwise 0.
+        As typed, in sensor mode; otherwise 0.
     aspect : str
         Width over height, as ``4:3`` or as a number.
     agl : float
         Height above ground, in ``agl_unit`` (m or ft).
     agl_unit : str
-        Also the unit that other lengths are shown in.
+        Unit of other lengths too.
     height_by : str
-        What the height follows from: itself (``agl``), or the camera's ground sample distance (``gsd``).
+        What determines the height: itself (``agl``), or the camera's ground sample distance (``gsd``).
     camera_gsd : float
-        Wanted ground sample distance of the camera in cm, or in inches with feet, where the height follows from it;
-        otherwise 0.
+        Ground sample distance of the camera in cm, or in inches with feet, if it determines the height; otherwise 0.
     resolution : str
-        What the source's pixels are chosen by: ``auto``, ``zoom`` or ``gsd``.
+        What determines the source's pixels: ``auto``, ``zoom`` or ``gsd``.
     zoom, gsd_m_per_px
-        As a mission has them, where ``resolution`` says so.
+        As in a mission, in these modes of ``resolution``.
     resize : bool
-        Whether pictures are resized to the size described by the next three.
+        Whether to resize images to the size below.
     resize_width_px, resize_height_px : int
     resize_grey : bool
     template : str
-        URL template, where ``source`` is `URL_TEMPLATE`.
+        URL template, if ``source`` is `URL_TEMPLATE`.
     takeoff : str
-        Latitude and longitude of the place of take-off; empty for none.
+        Latitude and longitude of the take-off point; empty for none.
     folder : str
     wind : bool
-        Whether the wind described by the next three blows.
+        Whether there is the wind described below.
     wind_speed_m_per_s, wind_from_deg, turbulence : float
     wind_seed : int or None
-        Seed of the gusts; None for the mission's own.
+        Seed of the gusts; None for the mission's.
     hidden : tuple of str
-        Entries that the choices made leave out of sight: they keep what was typed, and nobody asks for it.
+        Hidden entries, which keep what was typed but are not used.
     unread : tuple of (str, str)
-        Entries of numbers that hold another text, which is no part of the state; they keep their last number.
+        Entries of numbers with an invalid text, which is not in the state; they keep their last number.
     """
 
     north: str = ""
@@ -152,12 +151,12 @@ class FormState(_Asked):
 
     @property
     def has_box(self) -> bool:
-        """Whether an area has been entered."""
+        """Whether a box has been entered."""
         return all(getattr(self, name).strip() for name in BOX_FIELDS)
 
     @property
     def effective(self) -> FormState:
-        """State with the usual in place of what is hidden."""
+        """State with defaults for what is hidden."""
         usual = asdict(FormState())
         return replace(self, **{name: usual[name] for name in self.hidden if name in usual})
 
@@ -167,7 +166,7 @@ class FormState(_Asked):
 
     @classmethod
     def from_json(cls, text: str) -> FormState:
-        """State from what `to_json` gave; entries that do not fit keep their defaults."""
+        """State from the text of `to_json`; entries that do not fit keep their defaults."""
         try:
             data = parse_json(text) if text else {}
         except InvalidInput:
@@ -179,7 +178,7 @@ class FormState(_Asked):
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
             if any("\0" in text for text in (value if isinstance(value, tuple) else (value,)) if isinstance(text, str)):
-                # No file, source or place has it.
+                # No file, source or place contains it.
                 continue
             if type(value) is type(default) or (default is None and type(value) in (int, float)):
                 state = replace(state, **{entry.name: value})
@@ -187,20 +186,20 @@ class FormState(_Asked):
 
 
 def in_metres(count: float, unit_m: float) -> float:
-    """Metres of so many units: to 15 digits, so that what was in metres first comes back as it was."""
+    """Metres of a number of units, to 15 digits: converted back and forth, metres stay the same."""
     return float(f"{count * unit_m:.15g}")
 
 
 def keep_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:
-    """State read from widgets, with what was given to them where they still show it.
+    """State read from widgets, with the values given to them wherever they still show those.
 
-    Spin boxes round to their decimals, and boxes to tick have one order: without this, a mission that is only
-    looked at would come out changed.
+    Spin boxes round to their decimals, and check boxes have a fixed order: without this, looking at a mission would
+    change it.
 
     Parameters
     ----------
     read, shown : FormState
-        What the widgets say now, and said when ``given`` had been entered.
+        Values of the widgets now, and right after ``given`` was entered.
     """
     kept = {
         entry.name: getattr(given, entry.name)

@@ -9,36 +9,36 @@ from fractions import Fraction
 from ..i18n import decimal_sign, localized, plain_number
 
 _TWO, _THREE = 2, 3
-#: Between the numbers of pasted coordinates.
+#: Separators of pasted coordinates.
 SEPARATORS = re.compile(r"[_,;\s]+")
-#: What stands between other signs than commas, and a number with decimals, which its user writes with a comma or point.
+#: A separator other than a comma, and a number with decimal comma or point.
 _RUN, _DECIMAL = re.compile(r"[^_;\s]+"), re.compile(r"([-+\u2212]?\d*)[.,](\d+)")
-#: Whole numbers of ratios as people write them.
+#: Integers of ratios.
 _DIGITS = re.compile(r"\d{1,15}")
-#: A number with decimals or without, and a comma between digits.
+#: A number with or without decimals, and a comma between digits.
 _NUMBER = re.compile(r"[-+\u2212]?\d+(\.\d*)?")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
-#: Letters of hemispheres, of latitudes and of longitudes.
+#: Letters of hemispheres, for latitudes and longitudes.
 LATITUDE, LONGITUDE = "NS", "EW"
-#: Degrees, minutes and maybe seconds, with their signs or spaces between. Nothing is repeated without a bound, so that
-#: texts of any length are looked through in no time.
+#: Degrees, minutes and optional seconds, with signs or spaces between. All repetitions are bounded, so that long texts
+#: take no time.
 _SEXAGESIMAL = (
     r"(?P<degrees>\d{1,3})(?:\s?[°º]\s?|\s)(?P<minutes>\d{1,2}(?:[.,]\d{0,20})?)"
     r"(?:(?:\s?['′’]\s?|\s)(?P<seconds>\d{1,2}(?:[.,]\d{0,20})?)\s?(?:[\"″”]|''|′′)?|\s?['′’])?"
 )
 _ANGLE = re.compile(rf"(?P<sign>[-+]?){_SEXAGESIMAL}")
-#: The same with the letter of a hemisphere behind it, as other programs write places.
+#: The same followed by a hemisphere's letter, as other programs write places.
 _LETTERED = re.compile(rf"(?<![\w.,])(?P<sign>){_SEXAGESIMAL}\s?(?P<letter>[NSEWnsew])\b")
 _FULL_MINUTES = 60.0
 
 
 def parse_number(text: str) -> float:
-    """Read a number of degrees as people type it: as `plain_number` does, with a degree sign or a hemisphere's letter.
+    """Read degrees as people type them: as `plain_number`, with an optional degree sign or hemisphere's letter.
 
     Raises
     ------
     ValueError
-        Where there is no number.
+        The text is not a number.
     """
     plain = text.strip()
     sign = 1.0
@@ -54,12 +54,12 @@ def parse_degrees(text: str, letters: str) -> float:
     Parameters
     ----------
     letters : str
-        `LATITUDE` or `LONGITUDE`: the letters that may stand before or behind it, in place of a sign.
+        `LATITUDE` or `LONGITUDE`: letters allowed before or after the number, in place of a sign.
 
     Raises
     ------
     ValueError
-        Where there is no such angle.
+        The text is not such an angle.
     """
     plain = text.strip().replace("\u2212", "-")
     letter = next((end for end in (plain[:1], plain[-1:]) if end and end.upper() in letters), "")
@@ -70,14 +70,14 @@ def parse_degrees(text: str, letters: str) -> float:
             raise ValueError(text)
     found = _ANGLE.fullmatch(" ".join(plain.split()))
     if not found and plain[-1:].isalpha():
-        # Also where it is the letter of the other axis.
+        # Also if the letter is that of the other axis.
         raise ValueError(text)
     value = _angle_deg(found) if found else parse_number(plain)
     return -value if letter and letter.upper() in "SW" else value
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Read a latitude and a longitude in one text; raises ValueError where it can be read in no way, or in several."""
+    """Read a latitude and longitude from a text; raises ValueError if there are no or several ways to read it."""
     plain = to_decimal_points(text.strip().strip(",;"))
     # Longer than any place that people write.
     if len(plain) > 100:
@@ -97,7 +97,7 @@ def _place(lat: str, lon: str) -> tuple[float, float] | None:
 
 
 def is_angle(text: str) -> bool:
-    """Whether a text is one angle: a number of degrees, or degrees and minutes."""
+    """Whether a text is one angle: degrees, or degrees and minutes."""
     return _is_angle(text, LATITUDE) or _is_angle(text, LONGITUDE)
 
 
@@ -110,12 +110,12 @@ def _is_angle(text: str, letters: str) -> bool:
 
 
 def to_decimal_degrees(text: str) -> str:
-    """Text in which places as other programs write them, ``47°01'30"N 8°30'15"E``, are in decimal degrees.
+    """Text with places such as ``47°01'30"N 8°30'15"E`` converted to decimal degrees.
 
     Raises
     ------
     ValueError
-        A longitude stands before its latitude, or an angle has 60 minutes or seconds or more.
+        A longitude precedes its latitude, or minutes or seconds reach 60.
     """
     found = list(_LETTERED.finditer(text))
     for number, one in enumerate(found):
@@ -130,10 +130,10 @@ def _decimal_text(found: re.Match[str]) -> str:
 
 
 def _angle_deg(found: re.Match[str]) -> float:
-    """Degrees of an angle in degrees, minutes and seconds; raises ValueError where there are too many of them."""
+    """Degrees of an angle in degrees, minutes and seconds; raises ValueError if minutes or seconds reach 60."""
     minutes, seconds = found["minutes"], found["seconds"]
     parts = plain_number(minutes), plain_number(seconds or "0")
-    # Of parts of an hour only the last one has decimals.
+    # Only the last part may have decimals.
     if max(parts) >= _FULL_MINUTES or (seconds is not None and not minutes.isdecimal()):
         raise ValueError(found[0])
     value = float(found["degrees"]) + (parts[0] + parts[1] / _FULL_MINUTES) / _FULL_MINUTES
@@ -152,7 +152,7 @@ def parse_aspect(text: str) -> float:
 
 
 def aspect_text(ratio: float) -> str:
-    """Shortest text that `parse_aspect` reads back as ``ratio``."""
+    """Shortest text that `parse_aspect` reads as ``ratio``."""
     if not (math.isfinite(ratio) and ratio > 0.0):
         return repr(ratio)
     fraction = Fraction(ratio).limit_denominator(10_000)
@@ -168,13 +168,13 @@ def degrees_text(value: float, decimals: int = 7) -> str:
 
 
 def exact_degrees_text(value: float) -> str:
-    """Degrees that read back as the very same number."""
+    """Degrees as a text that reads back as the same number."""
     text = degrees_text(value)
     return text if float(text) == value else repr(value)
 
 
 def short_degrees(text: str) -> str:
-    """Text of degrees as their user writes it, with the decimals that mean something: 7 are a centimetre."""
+    """Text of degrees as the user writes it, to 7 decimals: a centimetre."""
     plain = to_decimal_point(text)
     _, _, decimals = plain.partition(".")
     if len(decimals) > 7 and _DECIMAL.fullmatch(plain):
@@ -183,7 +183,7 @@ def short_degrees(text: str) -> str:
 
 
 def short_place(text: str) -> str:
-    """Text of a latitude and a longitude as their user writes it, each as `short_degrees` has it."""
+    """Text of a latitude and a longitude as the user writes it, each as from `short_degrees`."""
     parts = SEPARATORS.split(text.strip()) if "." in text else ()
     if len(parts) != _TWO or not all(map(_NUMBER.fullmatch, parts)):
         return text
@@ -191,12 +191,12 @@ def short_place(text: str) -> str:
 
 
 def short_aspect(text: str) -> str:
-    """Text of an aspect ratio as its user writes it, to four digits where nobody would write a fraction or more."""
+    """Text of an aspect ratio as the user writes it, to four digits unless it is a common fraction or longer."""
     first, colon, second = text.partition(":")
     if colon and _DIGITS.fullmatch(first) and _DIGITS.fullmatch(second):
         fraction = Fraction(int(first), int(second) or 1)
         written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
-        # Written ratios reduce to small parts (4:3, 16:9, 3000:2000); others are quotients of measurements.
+        # Common ratios reduce to small numbers (4:3, 16:9, 3000:2000); others are quotients of measurements.
         long = written and fraction.denominator > 100
         return as_written(f"{float(fraction):.4g}") if long else text
     plain = to_decimal_point(text)
@@ -207,27 +207,27 @@ def short_aspect(text: str) -> str:
 
 
 def to_decimal_point(text: str) -> str:
-    """Text of one number with a point before its decimals; other text as it is."""
+    """Text of one number with a decimal point; other text unchanged."""
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
     found = _DECIMAL.fullmatch(plain)
     return f"{found[1]}.{found[2]}" if found else text
 
 
 def as_written(text: str) -> str:
-    """Text of one number with a point as its user writes it; other text as it is."""
+    """Text of one number with a decimal point, as the user writes it; other text unchanged."""
     return localized(text) if _DECIMAL.fullmatch(text) and "." in text else text
 
 
 def to_decimal_points(text: str) -> str:
-    """Text of numbers, of which commas that stand before decimals have become points.
+    """Text of numbers with decimal commas replaced by points.
 
-    They do so where the user writes decimals with a comma, the text has no point, and something else stands between the
-    numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two.
+    They are replaced if the user's locale has decimal commas, the text has no point, and something other than a comma
+    separates the numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two numbers.
 
     Raises
     ------
     ValueError
-        A comma could be either: ``35,14,-89,9``.
+        The commas are ambiguous: ``35,14,-89,9``.
     """
     if decimal_sign() != "," or "." in text:
         return text
@@ -238,7 +238,7 @@ def to_decimal_points(text: str) -> str:
 
 
 def looks_like_coordinates(text: str) -> bool:
-    """Whether a text entered into one field holds several numbers, as pasted coordinates do, and is no single angle."""
+    """Whether a text in one field is several numbers, as pasted coordinates are, and not a single angle."""
     if is_angle(text):
         return False
     if len(_LETTERED.findall(text)) > 1:
@@ -250,7 +250,7 @@ def looks_like_coordinates(text: str) -> bool:
 
 
 def inserted(before: str, now: str) -> int:
-    """Return how many characters one change has put into a text."""
+    """Return the number of characters that one change has inserted."""
     most = min(len(before), len(now))
     begin = next((at for at in range(most) if before[at] != now[at]), most)
     end = next((at for at in range(most - begin) if before[-1 - at] != now[-1 - at]), most - begin)

@@ -1,6 +1,6 @@
-"""Parts of the map that rooms share.
+"""Map parts shared by the rooms.
 
-canvas          longitudes and latitudes on the canvas, and tools that give way to the tool before them
-mission_group   the one group of the layer tree that holds the layers of a mission
-outlines        what a plan draws on the map, as geometries
+canvas          longitude and latitude on the canvas, and tools that restore the previous tool
+mission_group   the layer tree group of a mission's layers
+outlines        outlines of a plan, as geometries
 """

@@ -1,4 +1,4 @@
-"""The map canvas: longitudes and latitudes on it in any CRS, and tools that give way to the tool before them."""
+"""The map canvas: longitude and latitude on it in any CRS, and tools that restore the previous tool."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ...core.mission.areas.area import Box
 from ..i18n import tr, translate
 
 LON_LAT = "EPSG:4326"
-#: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
+#: Points along a side: between two of them a parallel bulges by less than 1/16000 of the side.
 _POINTS_A_SIDE = 64
 
 
@@ -38,7 +38,7 @@ def canvas_lon_lat(point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project
     Raises
     ------
     InvalidInput
-        Where the project's CRS has no such place.
+        The place is outside the domain of the project's CRS.
     """
     lon, lat = _transformed(point, to_lon_lat(crs, project))
     return _wrap(lon), lat
@@ -47,13 +47,13 @@ def canvas_lon_lat(point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project
 def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
     """Smallest box around a rectangle of the canvas.
 
-    The rectangle's outline is walked, since its corners alone miss the bulge of its sides; longitudes are
-    followed across the antimeridian, where the box's west then exceeds its east.
+    The outline is sampled, since corners alone miss the bulge of the sides; longitudes are continued across the
+    antimeridian, where the box's west then exceeds its east.
 
     Raises
     ------
     InvalidInput
-        Where the rectangle leaves the domain of the project's CRS.
+        The rectangle leaves the domain of the project's CRS.
     """
     transform = to_lon_lat(crs, project)
     outline = [_transformed(point, transform) for point in _outline(rectangle)]
@@ -61,9 +61,9 @@ def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, pr
 
 
 def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[[], float]) -> Box:
-    """Smallest box around a closed outline of (longitude, latitude), whose steps are under half a turn.
+    """Smallest box around a closed outline of (longitude, latitude), with steps under half a turn.
 
-    An outline that goes around the Earth holds a pole: the one on the side of its centre.
+    An outline around the Earth contains a pole: the one on the side of its centre.
     """
     lons = [outline[0][0]]
     for lon, _ in outline[1:]:
@@ -85,7 +85,7 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
 
 
 def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
-    """Rectangle of the canvas around a box; raises InvalidInput where the CRS has no such place."""
+    """Rectangle of the canvas around a box; raises InvalidInput outside the domain of the CRS."""
     transform = to_lon_lat(crs, project)
     check_earthly(transform)
     rectangle = QgsRectangle(*box.edges_deg)
@@ -98,26 +98,26 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
 
 
 def is_in_sight(canvas: QgsMapCanvas, rectangle: QgsRectangle) -> bool:
-    """Whether a rectangle of its CRS can be seen on the map: some of it, and as more than a dot."""
+    """Whether a rectangle in the canvas's CRS is visible: at least partly, and as more than a dot."""
     wide_px = max(rectangle.width(), rectangle.height()) / canvas.mapUnitsPerPixel()
-    # A rectangle with no side of 6 px on the screen is a dot, and counts as out of sight.
+    # A rectangle with no side of 6 px on the screen is a dot.
     return not 0.0 < wide_px < 6.0 and canvas.extent().intersects(rectangle)
 
 
 def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:
-    """Move the map to a rectangle of its CRS; what is seen is ``scale`` times as wide and high."""
+    """Move the map to a rectangle in its CRS, enlarged by ``scale``."""
     rectangle.scale(scale)
     canvas.setExtent(rectangle)
     canvas.refresh()
 
 
 class TemporaryTool(QgsMapTool):
-    """A map tool that gives the canvas back to the tool before it.
+    """A map tool that restores the previous tool when it stops.
 
     Attributes
     ----------
     is_resumed : bool
-        Whether a tool that was taken up from this one gives the canvas back to it; otherwise it goes to the one before.
+        Whether a tool started from this one restores it; otherwise it restores the tool before this one.
     """
 
     is_resumed = True
@@ -136,11 +136,11 @@ class TemporaryTool(QgsMapTool):
                 previous = previous._previous  # noqa: SLF001  of the same class
             self._previous = previous
             canvas.setMapTool(self)
-        # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
+        # The canvas needs the focus for Esc to arrive, wherever the tool was chosen.
         canvas.setFocus()
 
     def stop(self) -> None:
-        """Give the canvas back."""
+        """Restore the previous tool."""
         canvas, previous = self.canvas(), self._previous
         self._previous = None
         if canvas.mapTool() is self:
@@ -153,18 +153,18 @@ class TemporaryTool(QgsMapTool):
         self.stop()
 
     def activate(self) -> None:
-        """Take over the canvas's keys as well."""
+        """Also receive the canvas's keys."""
         super().activate()
-        # The canvas itself hands no key on while a mouse button is down.
+        # The canvas forwards no keys while a mouse button is down.
         self.canvas().installEventFilter(self)
 
     def deactivate(self) -> None:
-        """Give the keys back."""
+        """Stop receiving keys."""
         self.canvas().removeEventFilter(self)
         super().deactivate()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Give up on Esc."""
+        """Handle Esc."""
         pressed = event.type() == QEvent.Type.KeyPress
         if pressed and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
             self.give_up()
@@ -173,7 +173,7 @@ class TemporaryTool(QgsMapTool):
 
 
 class ClickTool(TemporaryTool):
-    """Tells the places of clicks, whatever the project's CRS, until another tool is chosen.
+    """Emit the places of clicks, in any project CRS, until another tool is chosen.
 
     Signals
     -------
@@ -187,7 +187,7 @@ class ClickTool(TemporaryTool):
     refused = pyqtSignal(str)
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Tell the place."""
+        """Emit the place clicked."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         crs = self.canvas().mapSettings().destinationCrs()
@@ -211,7 +211,7 @@ def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
         rectangle.yMaximum(),
     )
     corners = [(west, south), (east, south), (east, north), (west, north)]
-    # Corners are taken as they are: interpolating would lose their last digit.
+    # Corners are taken exactly: interpolating would lose their last digit.
     return [
         QgsPointXY(x0, y0) if step == 0.0 else QgsPointXY(x0 + step * (x1 - x0), y0 + step * (y1 - y0))
         for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])

@@ -1,4 +1,4 @@
-"""The one group of the layer tree that holds all layers of a mission."""
+"""The layer tree group of a mission's layers."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ from ..tasks import single_shot
 
 #: Custom properties of the group, saved with the project.
 _FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
-#: Custom property of the group of a dataset that is at an address: without credentials.
+#: Custom property of the group of a remote dataset: its address, without credentials.
 _ADDRESS = "terrainav/address"
-#: Custom property of a group that holds several datasets of one mission.
+#: Custom property of a group with several datasets of one mission.
 _SEVERAL = "terrainav/several"
-#: Custom property of each layer: what it shows. A reopened project is recognised by it.
+#: Custom property of a layer: its role in the mission, also in a reopened project.
 ROLE = "terrainav/role"
-#: Role of the footprints that a dataset holds.
+#: Role of the footprints in a dataset.
 CAPTURED = "captured"
-#: Role of the footprints whose images could not be made.
+#: Role of the footprints of images that failed.
 FAILED = "failed"
 
 
 class SavedMission(NamedTuple):
-    """A mission that a project holds.
+    """A mission saved in a project.
 
     Parameters
     ----------
     title : str
         Name of its group, which the user may have changed.
     folder : str
-        Empty where what was saved is no path.
+        Empty if the saved value is not a path.
     text : str
-        The mission as JSON; empty where what was saved is no text.
+        The mission as JSON; empty if the saved value is not a text.
     current : bool
-        Whether it was the one in the panel last.
+        Whether it was the latest mission in the panel.
     """
 
     title: str
@@ -59,9 +59,9 @@ class SavedMission(NamedTuple):
 
 
 def saved_missions(project: QgsProject) -> list[SavedMission]:
-    """Missions of a project, one for each of its mission groups, from the top of the layer tree.
+    """Missions of a project, one for each mission group, from the top of the layer tree.
 
-    A project may have been moved together with its datasets: its layers know where they are now.
+    A project may have been moved with its datasets: its layers have their current paths.
     """
     missions = []
     for group in project.layerTreeRoot().findGroups(True):
@@ -77,7 +77,7 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
 
 
 def is_path(text: str) -> bool:
-    """Whether a text may be a path: systems take no longer ones, and none with NUL or half a character."""
+    """Whether a text may be a path: not too long, without NUL and without lone surrogates."""
     try:
         name = os.fsencode(text)
     except ValueError:
@@ -87,20 +87,20 @@ def is_path(text: str) -> bool:
 
 
 def _text(group: QgsLayerTreeGroup, name: str) -> str:
-    """Text that a project has saved with a group; empty where there is something else, which others have written."""
+    """Text saved with a group; empty if another program has written something else."""
     value = group.customProperty(name)
     return value if isinstance(value, str) else ""
 
 
 def addresses(project: QgsProject) -> list[tuple[Path, str]]:
-    """Folders of the datasets of a project that were copied from an address, and these."""
+    """Folders of the project's datasets copied from addresses, and these."""
     groups = project.layerTreeRoot().findGroups(True)
     found = [(_text(group, _FOLDER), _text(group, _ADDRESS)) for group in groups]
     return [(Path(folder), address) for folder, address in found if is_path(folder) and address]
 
 
 def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
-    """Layers of a type in the mission groups of a project, from the top, each with the title of its group."""
+    """Layers of a type in a project's mission groups, from the top, each with its group's title."""
     found = []
     for node in project.layerTreeRoot().findLayers():
         layer, group = node.layer(), _parent_group(node)
@@ -110,7 +110,7 @@ def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapL
 
 
 def preview_layers(project: QgsProject) -> list[QgsMapLayer]:
-    """Layers of previews, which hold what the map shows of a plan, and not all of it."""
+    """Layers of previews, which hold only the visible part of a plan."""
     layers = project.mapLayers().values()
     return [one for one in layers if one.customProperty(ROLE) and one.providerType() == "memory"]
 
@@ -122,7 +122,7 @@ def layer_dataset(layer: QgsMapLayer) -> Path:
 
 def layer_file(layer: QgsMapLayer) -> Path:
     """File that a layer shows."""
-    # Read as QGIS itself does: what follows a bar may be an option of the layer, or of the folder's name.
+    # Read as in QGIS: what follows a bar may be a layer option, or part of the folder's name.
     parts = QgsProviderRegistry.instance().decodeUri(layer.providerType(), layer.source())
     return Path(str(parts.get("path") or layer.source()))
 
@@ -130,14 +130,14 @@ def layer_file(layer: QgsMapLayer) -> Path:
 def _child_layer(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
     for node in group.findLayers() if group is not None else ():
         layer = node.layer()
-        # Groups of other datasets may be inside.
+        # Groups of other datasets may be nested.
         if layer is not None and layer.customProperty(ROLE) == role and _parent_group(node) is group:
             return layer
     return None
 
 
 def _parent_group(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
-    """Mission group that a layer is in, the nearest one; None for a layer of none."""
+    """Nearest mission group that contains a node, or None."""
     group = node.parent()
     while group is not None and not group.customProperty(_FOLDER):
         group = group.parent()
@@ -145,20 +145,20 @@ def _parent_group(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
 
 
 def _is_ours(node: QgsLayerTreeNode) -> bool:
-    """Whether a node is a mission group, or one that holds several of one mission."""
+    """Whether a node is a mission group, or a group of several datasets of one mission."""
     return bool(node.customProperty(_FOLDER) or node.customProperty(_SEVERAL))
 
 
 def _is_foreign(node: QgsLayerTreeLayer | None) -> bool:
-    """Whether a layer is there, and none of a mission's own."""
+    """Whether a node is a layer without a role in a mission."""
     return node is not None and node.layer() is not None and not node.layer().customProperty(ROLE)
 
 
 class GroupsOnTop(QObject):
-    """Keeps mission groups above layers that are added, which would hide what is planned.
+    """Keep mission groups above newly added layers, which would hide them.
 
-    QGIS adds layers above the current one, and so into a mission group where that is one of the mission's. What users
-    have put above a group or into it themselves stays there, and so does what comes above that.
+    QGIS adds layers above the current one, and thus into a mission group if the current layer is in it. Layers that
+    users put above or into a group themselves stay, and so do those added above them.
     """
 
     def __init__(self, project: QgsProject) -> None:
@@ -168,11 +168,11 @@ class GroupsOnTop(QObject):
         # QGIS reports layers before they are in the layer tree.
         self._soon = single_shot(self._move, self)
         project.legendLayersAdded.connect(self._note)
-        # Layers of a project that is opened are where they were.
+        # Layers of an opened project stay where they were.
         project.readProject.connect(self._forget)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._soon.stop()
         self._project.readProject.disconnect(self._forget)
         self._project.legendLayersAdded.disconnect(self._note)
@@ -186,7 +186,7 @@ class GroupsOnTop(QObject):
 
     def _move(self) -> None:
         root = self._project.layerTreeRoot()
-        # What has got a role meanwhile, as Processing's results do once they are loaded, is where it belongs.
+        # A layer that has received a role meanwhile, such as a result of Processing, is in place.
         added = {node.layerId() for node in map(root.findLayer, self._added) if _is_foreign(node)}
         self._added = set()
         for node in map(root.findLayer, added):
@@ -207,9 +207,9 @@ class GroupsOnTop(QObject):
 
 
 class MissionGroup:
-    """The group of the mission that is captured into ``folder``; made when its first layer comes.
+    """The group of the mission captured into ``folder``; created with its first layer.
 
-    It is looked up anew each time, because users move, rename and remove groups as they like.
+    Look it up each time: users move, rename and remove groups.
     """
 
     def __init__(self, project: QgsProject, folder: Path) -> None:
@@ -218,35 +218,35 @@ class MissionGroup:
         self._folder = str(folder)
 
     def is_same(self, other: MissionGroup) -> bool:
-        """Whether both are the group of one folder."""
+        """Whether both are the group of the same folder."""
         return self._folder == other._folder
 
     def find(self) -> QgsLayerTreeGroup | None:
-        """Return the group, or None where there is none (any more)."""
+        """Return the group, or None if it does not exist (any more)."""
         for group in self.project.layerTreeRoot().findGroups(True):
             if group.customProperty(_FOLDER) == self._folder:
                 return group
         return None
 
     def layer(self, role: str) -> QgsMapLayer | None:
-        """Layer of the group that shows ``role``, if there is one."""
+        """Layer of the group with a role, if any."""
         return _child_layer(self.find(), role)
 
     def add(self, layer: QgsMapLayer, role: str, index: int) -> QgsLayerTreeLayer:
-        """Put a layer into the group, at ``index`` from the top (-1 for the bottom)."""
+        """Add a layer to the group, at ``index`` from the top (-1 for the bottom)."""
         layer.setCustomProperty(ROLE, role)
         self.project.addMapLayer(layer, False)
         return self.made().insertLayer(index, layer)
 
     def remove(self, role: str) -> None:
-        """Take the layer that shows ``role`` off the map, if there is one."""
+        """Remove the layer with a role from the project, if any."""
         layer = self.layer(role)
         if layer is not None:
             self.project.removeMapLayer(layer.id())
             self.remove_if_empty()
 
     def replace(self, old: QgsMapLayer, new: QgsMapLayer, role: str) -> None:
-        """Put a layer into the place of another, as visible and under the same name."""
+        """Replace a layer by another, keeping place, visibility and name."""
         node = self.project.layerTreeRoot().findLayer(old.id())
         parent, shown, expanded = node.parent(), node.itemVisibilityChecked(), node.isExpanded()
         new.setName(old.name())
@@ -258,26 +258,26 @@ class MissionGroup:
         self.project.removeMapLayer(old.id())
 
     def remember_mission(self, text: str) -> None:
-        """Keep the mission's JSON with the group, so that the project knows it."""
+        """Save the mission's JSON with the group, in the project."""
         group = self.find()
         if group is not None:
             group.setCustomProperty(_MISSION, text)
 
     def remember_address(self, address: str) -> None:
-        """Keep where the dataset is from with the group."""
+        """Save the address of the dataset with the group."""
         group = self.find()
         if group is not None:
             group.setCustomProperty(_ADDRESS, address)
 
     def gather(self, is_same: Callable[[str], bool]) -> None:
-        """Put this group and those of the same mission, of other sources or dates, under one parent.
+        """Put this group and those of the same mission, with other sources or dates, into one parent.
 
-        Groups that users have put elsewhere stay there.
+        Groups moved elsewhere by the user stay there.
 
         Parameters
         ----------
         is_same : callable
-            Whether a mission, as JSON, is the same but for its imagery.
+            Returns whether a mission, as JSON, is the same apart from its imagery.
         """
         root, own = self.project.layerTreeRoot(), self.find()
         if own is None or own.parent() is not root:
@@ -301,7 +301,7 @@ class MissionGroup:
             root.removeChildNode(group)
 
     def make_current(self) -> None:
-        """Have the project remember that this is the mission in the panel."""
+        """Mark this mission as the one in the panel, in the project."""
         for group in self.project.layerTreeRoot().findGroups(True):
             if group.customProperty(_FOLDER) == self._folder:
                 group.setCustomProperty(_CURRENT, True)
@@ -309,7 +309,7 @@ class MissionGroup:
                 group.removeCustomProperty(_CURRENT)
 
     def remove_if_empty(self) -> None:
-        """Take the group away when nothing is in it."""
+        """Remove the group if it is empty."""
         group = self.find()
         while group is not None and _is_ours(group) and not group.children():
             around = group.parent()
@@ -317,7 +317,7 @@ class MissionGroup:
             group = around
 
     def made(self) -> QgsLayerTreeGroup:
-        """Return the group, made where there is none yet."""
+        """Return the group, created if it does not exist."""
         group = self.find()
         if group is None:
             group = self._around().insertGroup(0, self._title)
@@ -325,7 +325,7 @@ class MissionGroup:
         return group
 
     def _around(self) -> QgsLayerTreeGroup:
-        """Group that this one is in: of the mission that has this dataset beside others, or the layer tree itself."""
+        """Parent of this group: that of several datasets of its mission, or the root."""
         outer = Path(self._folder).parent
         if not file_exists(outer / MISSION_FILE):
             return self.project.layerTreeRoot()

@@ -1,6 +1,6 @@
-"""Outlines of a plan as QGIS's geometries, in the CRS of its images' pixels. On any thread.
+"""Outlines of a plan as QGIS geometries, in the CRS of the source's pixels. On any thread.
 
-In EPSG:3857 they are cut at the antimeridian and at the ends of the map; other CRSs have neither.
+In EPSG:3857 they are cut at the antimeridian and at the edges of the map; other CRSs have neither.
 """
 
 from __future__ import annotations
@@ -44,29 +44,29 @@ __all__ = [
     "seen_edges",
 ]
 
-#: Where footprints in degrees are cut: along the antimeridian and the poles.
+#: Lines at which footprints in degrees are cut: the antimeridian and the poles.
 CUTS_WKT = "LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)"
-#: Places within a micrometre are the same.
+#: Points within a micrometre are equal.
 _SAME_M = 1e-6
 
 
 def placed(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> Ring:
     """Coordinates of longitudes (not wrapped) and latitudes, any shape, in the CRS of a plane.
 
-    Not finite where a CRS that imagery has of its own does not reach.
+    Infinite or NaN outside the domain of an imagery's CRS.
     """
     return plane.to_crs(lat_deg, lon_deg) if isinstance(plane, ProjectedPlane) else metres(lon_deg, lat_deg)
 
 
 def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    """Footprint of each image: the frame that its file will state, or the ground that the camera sees."""
+    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
     return map(_polygons, pictures_m(plan))
 
 
 def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
-    """Polygons of a ring in the CRS of a plane, cut where that ends."""
+    """Polygons of a ring in the CRS of a plane, cut at the edges of that."""
     if isinstance(plane, ProjectedPlane):
-        # Around a pole, longitudes and latitudes have to go along it, which is a point here.
+        # In degrees a ring around a pole runs along it, which is a point here.
         # Corners this near to a pole only lead the ring around it.
         kept = np.abs(lat_deg) < (90.0 - 1e-9)
         x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
@@ -79,14 +79,11 @@ def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
 
 
 def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
-    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around.
-
-    In the CRS of a plane.
-    """
+    """Lines through longitudes and latitudes in order, each step the shorter way around, in the CRS of a plane."""
     lines = QgsMultiLineString()
     for run in runs:
         for lon, lat in [run] if isinstance(plane, ProjectedPlane) else cut_line(*run):
-            # A single capture is no line.
+            # A single capture gives no line.
             if len(lon) > 1:
                 x, y = placed(plane, lon, lat)
                 lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
@@ -94,9 +91,9 @@ def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeom
 
 
 def seen_edges(outline: QgsGeometry) -> QgsGeometry:
-    """Edges of a footprint in degrees without those of its cuts: along the antimeridian, and about a pole along it.
+    """Edges of a footprint in degrees, without those of cuts along the antimeridian and the poles.
 
-    Layers of footprints are drawn so, too, see `dataset.layers`.
+    Layers of footprints use the same edges, see `dataset.layers`.
     """
     return QgsGeometry(outline.constGet().boundary()).difference(QgsGeometry.fromWkt(CUTS_WKT))
 
@@ -111,18 +108,18 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
     # A ring of four corners in one piece, as a frame's, cannot touch itself.
     if len(rings) == 1 and len(rings[0][0]) <= 4:
         return geometry
-    # A ring cut in two may keep its halves joined along the cut, and one around a pole the way there and back.
+    # A ring cut in two may have its halves joined along the cut, and one around a pole has a way there and back.
     return geometry if geometry.isGeosValid() else _only_polygons(geometry.makeValid())
 
 
 def around_pole(shape: QgsGeometry) -> QgsGeometry:
-    """Polygons in a CRS that has a pole as a point, without the way to it and back that their rings have in degrees."""
-    # Once there and back are the same, they bound nothing.
+    """Polygons in a CRS with the pole as a point, without the way to it and back that rings have in degrees."""
+    # Once they coincide, the ways there and back bound nothing.
     return _only_polygons(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
 
 
 def _only_polygons(geometry: QgsGeometry) -> QgsGeometry:
-    """Geometry without the lines and points that making it valid may have left."""
+    """Geometry without lines and points, which `makeValid` may leave."""
     if QgsWkbTypes.flatType(geometry.wkbType()) == QgsWkbTypes.Type.GeometryCollection:
         geometry.convertGeometryCollectionToSubclass(POLYGON)
     return geometry

@@ -1,6 +1,6 @@
-"""Missions and datasets: opened, saved, and taken up again.
+"""Open, save and resume missions and datasets.
 
-missions        the menu of missions, and what it does: a dataset is opened in the background
-address_dialog  where a dataset is that is on no disk of this machine
-plan_export     the plan in the panel, written as a file for other programs
+missions        the menu of missions and its actions; datasets are opened in the background
+address_dialog  the address of a remote dataset
+plan_export     the panel's plan, written as a file for other programs
 """

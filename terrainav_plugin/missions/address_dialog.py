@@ -1,4 +1,4 @@
-"""Where a dataset is that is on no disk of this machine: a web server, or an object store."""
+"""Dialog for the address of a remote dataset: a web server or an object store."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ..widgets import STYLE_SHEET, FieldMarks, growing_form, line_edit, named, o
 
 
 class AddressDialog(QDialog):
-    """Asks for the address of a dataset, and for a web server's authentication.
+    """Ask for the address of a dataset, and for a web server's authentication.
 
     Attributes
     ----------
     address : DatasetAddress or None
-        None where what was entered is a folder of this machine.
+        None if a local folder was entered.
     """
 
     def __init__(self, parent: QWidget) -> None:
@@ -55,7 +55,7 @@ class AddressDialog(QDialog):
         self._changed()
 
     def accept(self) -> None:
-        """Take what is entered; stay open where it is no address, and say so."""
+        """Accept the address; if it is invalid, stay open and show why."""
         text = self.entry.text().strip()
         if "://" not in text and text and exists(entered_folder(text)):
             super().accept()
@@ -70,7 +70,7 @@ class AddressDialog(QDialog):
         super().accept()
 
     def _changed(self) -> None:
-        """Offer the authentication of the server that is being entered."""
+        """Offer the authentication of the server being entered."""
         self._marks.show({})
         text = self.entry.text().strip()
         is_web = text.lower().startswith(("http://", "https://"))

@@ -1,4 +1,4 @@
-"""Missions opened and saved: of the project, of files, and of datasets."""
+"""Open and save missions: of the project, of files and of datasets."""
 
 from __future__ import annotations
 
@@ -45,31 +45,31 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
 
-#: What a message is about, and what waits for an answer to it.
+#: Topic of the message that asks for the user's agreement.
 _UNAGREED, _MISSION, _DATASETS = "unagreed", "mission", "datasets"
-#: Characters of a name in a menu or a message, and places that a message names.
+#: Most characters of a name in a menu or message, and most places that a message names.
 _MOST_TITLE, _MOST_PLACES = 100, 3
-#: Entries of a form without an area, and without what belongs to its place.
+#: Entries of a form without an area, and without the entries that depend on it.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
 
 
 class DatasetTask(Task):
-    """Opens a dataset's layers; makes the mosaics that a command has not made.
+    """Open a dataset's layers; build mosaics that the command has not built.
 
     Parameters
     ----------
     missions : mapping of Path to Mission
-        Of the dataset's own folder, or of each of several imageries by its folder inside.
+        Of the dataset, or of each of several imageries by its subfolder.
     find_grids : mapping of Path to callable
-        Gives the pixel grids of the missions' sources, for mosaics that are not there yet.
+        Return the pixel grids of the missions' sources, for missing mosaics.
 
     Attributes
     ----------
     opened : list of OpenedResults
     failed : list of QgsVectorLayer or None
-        What has failed of each.
+        Layer of failed images of each.
     left_out : str
-        Why there are no mosaics, where there could be some.
+        Why mosaics are missing that could exist; empty if none is.
     """
 
     def __init__(
@@ -121,19 +121,19 @@ class DatasetTask(Task):
             steps = worked_out(mission, self._find_grids[folder])
             return build_any_mosaics(steps, folder, mission_heights, self.go_on)
         except TerrAInavError as wrong:
-            # The footprints can be had without the source.
+            # The footprints need no source.
             self.left_out = translate(wrong)
             return []
 
 
 class AddressTask(DatasetTask):
-    """Opens a dataset at an address: copies what its footprints need, and opens the copy.
+    """Open a remote dataset: copy what its footprints need, and open the copy.
 
     Parameters
     ----------
     address : DatasetAddress
     again : bool
-        Whether the project knows it already: the panel stays as it is.
+        Whether the project contains it already: the panel stays as it is.
     """
 
     def __init__(self, address: DatasetAddress, again: bool = False) -> None:
@@ -148,47 +148,47 @@ class AddressTask(DatasetTask):
         super().work()
 
     def cancel(self) -> None:
-        """End the requests as well."""
+        """Cancel the requests too."""
         super().cancel()
         self._store.close()
 
     def finished(self, result: bool) -> None:
-        """Tell; on the main thread."""
-        # A task that is cancelled before its turn does not run.
+        """Emit `ended`, on the main thread."""
+        # A task cancelled before its turn does not run.
         self._store.close()
         super().finished(result)
 
 
 class Missions(QObject):
-    """The menu of missions, and what it does.
+    """The menu of missions, and its actions.
 
     Parameters
     ----------
     button : QToolButton
-        That opens the menu.
+        Opens the menu.
     messages : Messages
     open_project : OpenProject
     read, write : callable
-        What is entered, and its setter.
+        State of the form, and its setter.
     captures : callable
-        Folders that captures of this session go into.
+        Returns the folders of this session's captures.
 
     Signals
     -------
     preview_wanted(bool)
-        The preview is to come, and the map to go there, or it is to go.
+        Whether to show the preview and zoom to it, or to remove it.
     reopened()
-        A mission of the project is in the panel again: its preview is kept.
+        A mission of the project is in the panel again: keep its preview.
     zoom_wanted(object)
-        A box.
+        A box to show on the map.
     refused(object)
-        What is wrong with entries, by their fields.
+        Errors of entries, by field.
     capture_failed_wanted()
-        The failed images of what is entered are to be captured.
+        The failed images of the mission entered are to be captured.
     clean_wanted(object)
-        The folder of a dataset.
+        The folder of a dataset to clean.
     compare_wanted()
-        Two images on the map are to be compared.
+        The user wants to compare two images on the map.
     """
 
     preview_wanted = pyqtSignal(bool)
@@ -213,10 +213,10 @@ class Missions(QObject):
         self._read, self._write, self._captures = read, write, captures
         self._settings = Settings()
         self._task: DatasetTask | None = None
-        #: What waits for the user's agreement: the places, and what is done then.
+        #: Actions awaiting the user's agreement, with the places that they ask.
         self._unagreed: dict[str, tuple[tuple[str, ...], Callable[[], None]]] = {}
         open_project.project.cleared.connect(self._forget_unagreed)
-        #: Addresses that were asked again, by the number of the project that shows them.
+        #: Addresses that were opened again, by the number of the project that contains them.
         self._sought: set[tuple[int, str]] = set()
         self.plan_export = PlanExport(
             button, messages, self._folder, lambda: self._read().drone != DECLARED["drone"].default
@@ -233,7 +233,7 @@ class Missions(QObject):
         return self._task is not None
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._open_project.project.cleared.disconnect(self._forget_unagreed)
         self.plan_export.close()
         if self._task is not None:
@@ -241,7 +241,7 @@ class Missions(QObject):
             self._task.waitForFinished()
             self._task = None
 
-    # --- what the menu holds
+    # --- the menu
 
     def _fill(self) -> None:
         menu = self.menu
@@ -290,14 +290,14 @@ class Missions(QObject):
     # --- opening
 
     def restore(self) -> None:
-        """Take up the mission that was in the panel when the project that has been opened was saved."""
+        """Resume the mission that was in the panel when the opened project was saved."""
         saved = saved_missions(self._open_project.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
         self._open_lost()
 
     def open_saved(self, saved: SavedMission) -> None:
-        """Make a mission of the project the one in the panel."""
+        """Put a mission of the project into the panel."""
         self._open_saved(saved, zoom=True)
 
     def ask_for_file(self) -> None:
@@ -332,13 +332,13 @@ class Missions(QObject):
         dialog.deleteLater()
 
     def open_address(self, address: DatasetAddress, again: bool = False) -> None:
-        """Take the mission of a dataset at an address into the panel, and its footprints onto the map.
+        """Put a remote dataset's mission into the panel, and its footprints on the map.
 
         Parameters
         ----------
         address : DatasetAddress
         again : bool
-            Whether the project shows it already: the panel stays as it is.
+            Whether the project contains it already: the panel stays as it is.
         """
         if self._task is not None:
             return
@@ -349,7 +349,7 @@ class Missions(QObject):
         task.begin(lambda task: self._dataset_opened(task, None, begun_in))
 
     def _open_lost(self) -> None:
-        """Copy what the project shows of addresses and is not on this machine, one after the other; each once."""
+        """Copy the project's remote datasets that are missing on this machine, one at a time, each once."""
         number = self._open_project.number
         lost = []
         for folder, text in addresses(self._open_project.project):
@@ -370,7 +370,7 @@ class Missions(QObject):
         self._once_agreed(_DATASETS, [address.url for _, address in lost], copy)
 
     def open_path(self, path: Path) -> None:
-        """Open a dataset's folder, its mission file, or any other mission file; of a copy, what is at its address."""
+        """Open a dataset's folder or any mission file; a local copy is opened from its address."""
         address = copied_address(path)
         if address is not None:
             self.open_address(address)
@@ -382,7 +382,7 @@ class Missions(QObject):
             self.open_file(path)
 
     def open_file(self, path: Path) -> None:
-        """Take a mission file's mission into the panel; it is captured into another folder."""
+        """Put the mission of a file into the panel, with another folder."""
         from ...core.mission.mission import Mission
 
         folder = self._settings.missions / path.stem
@@ -401,7 +401,7 @@ class Missions(QObject):
         self._once_agreed(_MISSION, source_names(mission), take_up)
 
     def open_dataset(self, folder: Path) -> None:
-        """Take a dataset's mission into the panel, and its results onto the map."""
+        """Put a dataset's mission into the panel, and its results on the map."""
         from ...core.mission.mission import Mission
 
         if self._task is not None:
@@ -428,21 +428,21 @@ class Missions(QObject):
     # --- groups of datasets
 
     def restore_dataset(self, folder: Path) -> None:
-        """Have the project know a dataset's own mission again, whatever has been planned in its group since."""
+        """Restore a dataset's mission in the project, whatever has been planned in its group since."""
         mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).remember_mission(mission.to_json())
 
     def gather(self, folder: Path) -> None:
-        """Put a dataset and those of the same mission, of other imagery, under one group."""
+        """Put a dataset and those of the same mission with other imagery into one group."""
         mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).gather(lambda text: _is_same_flight(text, mission))
 
-    # --- other entries of the menu
+    # --- other menu entries
 
     def begin_new(self) -> None:
-        """Empty the area and take a folder that is free; camera, height and source stay as they are."""
+        """Clear the area and propose a free folder; keep camera, height and source."""
         state = self._read()
         folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
         taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
@@ -452,7 +452,7 @@ class Missions(QObject):
         self._write(replace(state, folder=str(folder), **_NO_AREA))
 
     def begin_anew(self) -> None:
-        """Empty the area for a new project, with a folder that is free."""
+        """Clear the area for a new project, and propose a free folder."""
         state = self._read()
         if not any(getattr(state, name) for name in _NO_AREA):
             return
@@ -463,7 +463,7 @@ class Missions(QObject):
         self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
-        """Let the user choose where the mission in the panel is saved."""
+        """Let the user save the panel's mission to a file."""
         try:
             mission = mission_form.mission(self._read())
         except FormError as wrong:
@@ -490,17 +490,17 @@ class Missions(QObject):
         self._messages.success(tr("Mission saved as {name}.").format(name=path.name))
 
     def capture_failed(self) -> None:
-        """Capture only those images of the mission in the panel that have failed."""
+        """Capture only the failed images of the panel's mission."""
         self.capture_failed_wanted.emit()
 
     def clean(self) -> None:
-        """Open the window in which the dataset of the mission in the panel is cleaned."""
+        """Open the window for cleaning the dataset of the panel's mission."""
         self.clean_wanted.emit(self._folder())
 
-    # --- how
+    # --- implementation
 
     def _suggested(self, folder: Path) -> Path:
-        """Folder that the panel proposes, which counts on by itself where it is taken."""
+        """Note a folder as proposed by the panel: if it is taken, it is numbered on."""
         self._settings.suggested_folder = str(folder)
         return folder
 
@@ -530,12 +530,12 @@ class Missions(QObject):
 
         self._once_agreed(_MISSION, [*source_names(mission), saved.folder], take_up)
 
-    # --- what others name, and the user has not used in this QGIS
+    # --- places that others name and the user has not used in this QGIS
 
     def _once_agreed(self, topic: str, texts: Iterable[str], act: Callable[[], None]) -> None:
-        """Do something by which sources are asked: now, or once the user has agreed to those new to this QGIS.
+        """Do something that asks sources: now, or once the user has agreed to those new to this QGIS.
 
-        Until then nothing is asked, and a project keeps what it holds.
+        Until then nothing is requested, and a project keeps its contents.
         """
         places = strangers(texts)
         self._unagreed.pop(topic, None)
@@ -565,7 +565,7 @@ class Missions(QObject):
             act()
 
     def _forget_unagreed(self) -> None:
-        """Let go of what a project has named that is closed."""
+        """Forget pending actions of a closed project."""
         self._unagreed.clear()
         self._messages.withdraw(_UNAGREED)
 
@@ -587,14 +587,14 @@ class Missions(QObject):
                 self._tell_broken(task.folder.name, wrong)
                 return
         remember(task.folder)
-        # Each comes above those that are there: the first of them is to be on top.
+        # Each is inserted above the others: the first is to be on top.
         for opened, failed in reversed([*zip(task.opened, task.failed)]):
             inside = self._open_project.mission_group(opened.folder)
             if at_address is not None:
                 reread_footprints(inside)
             show_results(inside, opened)
             show_failed(inside, failed)
-        # Layers that were not needed keep their files open.
+        # Release layers that were not needed: they keep files open.
         task.opened, task.failed = [], []
         group = self._open_project.mission_group(task.folder)
         if at_address is not None:
@@ -616,7 +616,7 @@ class Missions(QObject):
 
 
 def _read_mission(folder: Path) -> Mission | None:
-    """Mission of the dataset in a folder; None where there is none that can be read."""
+    """Mission of the dataset in a folder; None if it cannot be read."""
     from ...core.mission.mission import Mission
 
     try:
@@ -626,7 +626,7 @@ def _read_mission(folder: Path) -> Mission | None:
 
 
 def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
-    """Missions of the datasets that a folder holds: of each imagery that is captured, or its own."""
+    """Missions of the datasets in a folder: one for each imagery captured, or its only one."""
     from ...core.mission.mission import Mission
 
     if not mission.imagery.imageries:
@@ -636,22 +636,22 @@ def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
 
 
 def _is_same_flight(text: str, mission: Mission) -> bool:
-    """Whether a mission, as JSON, flies like another one, whatever its imagery and its files."""
+    """Whether a mission, as JSON, has the same flight as another, apart from imagery and files."""
     from ...core.mission.mission import Mission
 
     try:
         other = Mission.from_json(text)
     except TerrAInavError:
-        # Of another version, or no mission any more.
+        # Of another version, or damaged.
         return False
     return _flown(other) == _flown(mission)
 
 
 def _flown(mission: Mission) -> dict[str, Any]:
-    """The flight of a mission, in words."""
+    """The flight of a mission, as plain data."""
     return {name: part for name, part in mission.to_dict().items() if name not in ("imagery", "output")}
 
 
 def _plain(text: str) -> str:
-    """Text of a menu entry as it is, without mnemonics."""
+    """Text of a menu entry without mnemonics."""
     return text.replace("&", "&&")

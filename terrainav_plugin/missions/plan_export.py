@@ -1,4 +1,4 @@
-"""The plan in the panel, written as a file for other programs. In the background: a million rows take a while."""
+"""Write the panel's plan as a file for other programs, in the background: a million rows take a while."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     from ..messages import Messages
     from ..planner import PlannedMission
 
-#: Ending of the files that a drone is chosen for.
+#: File ending for drones.
 _FOR_DRONES = ".kmz"
 
 
 class PlanExportTask(Task):
-    """Writes a plan.
+    """Write a plan.
 
     Attributes
     ----------
     exported : PlanFiles or None
     there : tuple of Path
-        Files that parts of the plan would have replaced, unasked; then nothing is written.
+        Existing files that further parts of the plan would replace without being asked for; nothing is written then.
     refusal : TerrAInavError or None
-        Why the plan is not written: the format cannot hold it, or it comes too near to the relief.
+        Why the plan was not written: the format cannot hold it, or it comes too close to the relief.
     """
 
     def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
@@ -61,24 +61,24 @@ class PlanExportTask(Task):
 
 
 class PlanExport(QObject):
-    """Asks for the file, has it written, and says what its format could not say.
+    """Ask for the file, write it, and report what its format cannot hold.
 
     Parameters
     ----------
     parent : QWidget
-        Dialogs belong to its window.
+        Parent of the dialogs.
     messages : Messages
     folder : callable
-        Folder of the mission that is entered, whose name files have until the user gives them another.
+        Returns the folder of the mission entered, which gives the default file name.
     drone_chosen : callable
-        Whether a drone is entered that is not the usual one: then its files come first.
+        Returns whether a drone other than the default is entered: its file format then comes first.
 
     Signals
     -------
     plan_wanted(object, str)
-        What to do with the plan of what is entered, as soon as there is one; and what to say where there is none.
+        What to do with the plan once there is one; and what to report if it fails.
     refused(object)
-        Messages by the entries in which they are put right.
+        Messages by the entries to correct.
     """
 
     plan_wanted = pyqtSignal(object, str)
@@ -102,14 +102,14 @@ class PlanExport(QObject):
         return self._task is not None
 
     def close(self) -> None:
-        """End for good; a file that is being written is finished."""
+        """Stop for good, after a file being written."""
         if self._task is not None:
             self._task.ended.disconnect()
             self._task.waitForFinished()
             self._task = None
 
     def ask(self) -> None:
-        """Let the user choose a file, and write the plan of what is entered into it."""
+        """Let the user choose a file, and write the plan of the mission entered to it."""
         if self._task is not None:
             self._messages.info(
                 tr("{name} is still being written; try again when it is there.").format(name=self._task.path.name)
@@ -123,7 +123,7 @@ class PlanExport(QObject):
         chosen, kind = QFileDialog.getSaveFileName(
             self._parent.window(),
             tr("TerrAInav: export plan"),
-            # Of an ending in two parts the last: the dialog puts the others in its place by the last dot.
+            # Of an ending in two parts only the last: the dialog replaces endings from the last dot.
             str((folder if is_folder(folder) else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
             file_filters(),
             f"{known[usual]} (*{usual})",
@@ -131,7 +131,7 @@ class PlanExport(QObject):
         if not chosen:
             return
         path = add_ending(Path(chosen), kind, usual)
-        # The dialog has asked for the name that it shows, which may have got another ending.
+        # The dialog has asked about the name that it shows, which may have received another ending.
         if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
             return
         settings.plan_ending = _ending(path.name) or usual
@@ -194,7 +194,7 @@ class PlanExport(QObject):
 
 
 def formats() -> dict[str, str]:
-    """Endings of the files that plans are written to, and the programs that they are for."""
+    """Endings of plan files, and the programs they are for."""
     return {
         ".kml": tr("Google Earth"),
         _FOR_DRONES: tr("DJI Pilot 2, FlightHub 2, DJI Fly"),
@@ -209,22 +209,22 @@ def formats() -> dict[str, str]:
 
 
 def file_filters() -> str:
-    """Kinds of files as dialogs take them."""
+    """File filters for dialogs."""
     return ";;".join(f"{title} (*{ending})" for ending, title in formats().items())
 
 
 def add_ending(path: Path, kind: str, usual: str = ".kml") -> Path:
-    """File with the ending of the kind that is chosen in the dialog, unless it has one of a plan's."""
+    """File with the ending chosen in the dialog, unless it has one of a plan."""
     chosen = next((ending for ending in formats() if f"(*{ending})" in kind), usual)
     own = _ending(path.name)
     if not own:
         return path.with_name(path.name + chosen)
-    # Where Litchi is chosen, a .csv is Litchi's; the dialog completes names by the last dot only.
+    # With Litchi chosen, a .csv is Litchi's; the dialog completes names from the last dot only.
     if chosen.endswith(own) and chosen != own:
         return path.with_name(path.name[: -len(own)] + chosen)
     return path
 
 
 def _ending(name: str) -> str:
-    """Ending of a plan's file, the longest one that its name has; empty for none."""
+    """Longest plan file ending of a name; empty for none."""
     return max((one for one in formats() if name.lower().endswith(one)), key=len, default="")

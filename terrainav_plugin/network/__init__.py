@@ -1,6 +1,6 @@
 """Requests over QGIS's own network stack.
 
-transport       what the core asks: a response for an address
-worker          the requests themselves, made in the main thread for threads that wait
-answers         what a reply of Qt's says
+transport       the core's transport: a response for a URL
+worker          the requests, made on the main thread for waiting threads
+answers         responses and errors from Qt's replies
 """

@@ -1,4 +1,4 @@
-"""Qt's replies as a transport's responses or errors, in words that name no Qt."""
+"""Convert Qt's replies to a transport's responses or errors, in words without Qt."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...core.imagery.http.transport import Response, TransportError, check_lengt
 from ...core.limits import MAX_HEADERS
 
 _Error = QNetworkReply.NetworkError
-#: Answers with a status that says what is wrong: to be judged by those who asked.
+#: Errors of complete answers with an error status, which the caller judges.
 _OF_STATUS = frozenset(
     [
         _Error.NoError,
@@ -28,7 +28,7 @@ _OF_STATUS = frozenset(
         _Error.ServiceUnavailableError,
         _Error.UnknownServerError,
         _Error.ProxyAuthenticationRequiredError,
-        # What Qt makes of 400 and 418.
+        # Qt's error for 400 and 418.
         _Error.ProtocolInvalidOperationError,
     ]
 )
@@ -61,15 +61,15 @@ def read_answer(reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: 
     ----------
     reply : QNetworkReply
     url : str
-        What was asked.
+        Address requested.
     max_body_bytes : int
     has_proxy : callable
-        Whether a URL is asked through one.
+        Returns whether a URL is requested through a proxy.
 
     Raises
     ------
     TransportError
-        It is not whole.
+        The answer is incomplete.
     """
     error = reply.error()
     status = reply.attribute(QNetworkRequest.Attribute.HttpStatusCodeAttribute)
@@ -88,12 +88,12 @@ def read_answer(reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: 
 
 
 def has_too_many_headers(reply: QNetworkReply) -> bool:
-    """Whether an answer has more header lines than any server means to send."""
+    """Whether an answer has more header lines than any honest server sends."""
     return len(reply.rawHeaderList()) > MAX_HEADERS
 
 
 def is_of_status(error: Any) -> bool:
-    """Whether an error says no more than the status of an answer that came whole."""
+    """Whether an error only reflects the status of a complete answer."""
     return error in _OF_STATUS
 
 
@@ -107,7 +107,7 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
     answered : bool
         Whether an answer had begun.
     proxy : bool
-        Whether the host is asked through one.
+        Whether the host is reached through a proxy.
     """
     if error == _Error.SslHandshakeFailedError:
         return TransportError("no trusted connection to {0} (TLS)", host, again=False, away=True)

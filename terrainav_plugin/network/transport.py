@@ -1,4 +1,4 @@
-"""HTTP over QGIS's own network stack: the user's proxies, certificates and authentication configurations hold."""
+"""HTTP over QGIS's network stack, with the user's proxies, certificates and authentication configurations."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from .worker import NetworkWorker, PendingRequest, Terms, in_main_thread
 
 
 class QgisTransport:
-    """Transport over QGIS's network stack; `get` is called from any thread, the main one works through its events.
+    """Transport over QGIS's network stack; call `get` on any thread while the main thread's event loop runs.
 
-    The requests themselves are made in the main thread, so answers come in while its event loop turns. Time in which
-    it does not turn counts for no limit.
+    Requests are made on the main thread, and answers arrive while its event loop runs. Time in which it does not run
+    counts for no limit.
 
     Parameters
     ----------
     connections : int
-        Connections kept open to a host.
+        Most connections kept open per host.
     timeouts : Timeouts
-        Qt does not tell when a connection stands: ``read_s`` holds for connecting as well.
+        Qt does not report when a connection is established: ``read_s`` also limits connecting.
     max_body_bytes : int
-        Bodies beyond this are given up.
+        Longer bodies are abandoned.
     authcfg : str
-        Id of a configuration of QGIS's authentication database to be applied to every request; empty for none.
-        The database has to be unlocked: no dialog opens from here.
+        Id of a configuration in QGIS's authentication database, applied to every request; empty for none. The database
+        must be unlocked: no dialog opens from here.
     headers : mapping of str or None
-        To be sent along with every request.
+        Sent with every request.
     home : tuple of scheme and host
-        Server that both are for, as `credential_home` returns it; an empty host for every one that is asked. What a
-        server points to, or names in its capabilities, gets neither.
+        Server for both of these, as `credential_home` returns it; an empty host for all servers. Servers that it
+        redirects to or names in its capabilities get neither.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class QgisTransport:
         headers: Mapping[str, str] | None = None,
         home: tuple[str, str] = ("", ""),
     ) -> None:
-        # Pictures do not compress further, so their Content-Length may as well be that of the picture.
+        # Images do not compress further, so Content-Length may be that of the uncompressed image.
         usual = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
@@ -59,9 +59,9 @@ class QgisTransport:
         self._lock = threading.Lock()
         self._closed = False
         self._waiting: set[PendingRequest] = set()
-        # Also where nobody closes it.
+        # Also without a call of `close`.
         self._free = weakref.finalize(self, self._worker.closing.emit)
-        # The application is gone by then, and the worker with it.
+        # The application, and with it the worker, is gone by then.
         self._free.atexit = False
 
     def get(
@@ -71,7 +71,7 @@ class QgisTransport:
         *,
         origin: str = "",
     ) -> Response:
-        """Answer of any status; see `Transport.get`."""
+        """Response of any status; see `Transport.get`."""
         try:
             exchange = PendingRequest(url, headers or {}, origin)
         except ValueError:
@@ -96,7 +96,7 @@ class QgisTransport:
         raise outcome or _cancelled()
 
     def close(self) -> None:
-        """Free the connections and end what is under way, without waiting for the main thread to see to it."""
+        """Free the connections and cancel requests, without waiting for the main thread."""
         with self._lock:
             self._closed = True
             for exchange in self._waiting:
@@ -105,11 +105,11 @@ class QgisTransport:
 
 
 def _await(exchange: PendingRequest) -> None:
-    """Wait for the outcome, of which the worker takes care within the limits of time, or `close`."""
+    """Wait for the outcome, which the worker provides within the time limits, or `close` does."""
     main = in_main_thread()
     while not exchange.done.is_set():
         if main:
-            # The worker looks after requests under way, so events are never far.
+            # The worker checks its requests regularly, so events are never far.
             QEventLoop().processEvents(
                 QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
             )

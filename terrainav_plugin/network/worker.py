@@ -1,13 +1,13 @@
-"""Requests exchanged for answers over QGIS's network stack, several at a time, by an object of the main thread.
+"""Make requests over QGIS's network stack, several at a time, in an object of the main thread.
 
-QGIS's own manager of requests is made for layers: it opens dialogs about certificates and passwords, writes addresses
-(which hold keys) into the message log, answers from its cache on disk, and puts its own name over that of the program
-that asks. The plain managers here take from it what the user has set, which is proxies, certificates, authentication
-and hooks of other plugins, and leave the rest.
+QGIS's own network manager is made for layers: it opens dialogs about certificates and passwords, writes addresses
+(which contain keys) to the message log, answers from its disk cache, and replaces the user agent. The plain managers
+here take the user's settings from it (proxies, certificates, authentication and hooks of other plugins) and nothing
+else.
 
-Replies are made, read and deleted in the main thread, while Python's lock is held. PyQt keeps a list of objects that
-Qt has made, and takes them off it in the main thread, without that lock, when they are destroyed: replies that are
-made or deleted elsewhere, or by Qt itself, meet that in the middle, which ends QGIS sooner or later.
+Replies are created, read and deleted on the main thread, with the GIL held. PyQt keeps a list of objects created by
+Qt, and removes them from it on the main thread, without the GIL, when they are destroyed: a reply created or deleted
+elsewhere, or by Qt itself, may interrupt that, which sooner or later crashes QGIS.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from ...core.errors import Cancelled
 from ...core.imagery.http.transport import Response, Timeouts, TransportError, too_long, too_many_headers
 from .answers import has_too_many_headers, read_answer
 
-#: Requests that a manager of Qt sends to one server at a time, over as many connections; for more there are more.
+#: Requests that a Qt manager sends to one server at a time, over as many connections; for more, add managers.
 PER_MANAGER = 6
-#: Workers that are not destroyed yet: theirs is the last reference, so that no other thread lets go of one.
+#: Workers not destroyed yet: the last references to them, so that no other thread releases one.
 _ALIVE: set[NetworkWorker] = set()
 
 
@@ -50,15 +50,15 @@ class Terms(NamedTuple):
     connections : int
         Connections kept open to a host.
     timeouts : Timeouts
-        ``read_s`` holds for connecting as well.
+        ``read_s`` also limits connecting.
     headers : mapping of str
     max_body_bytes : int
     authcfg : str
-        Id of a configuration of QGIS's authentication database; empty for none.
+        Id of a configuration in QGIS's authentication database; empty for none.
     private : mapping of str
-        Headers that are for the server that they were entered for, as the configuration is.
+        Headers for the server they were entered for, like the configuration.
     home : tuple of scheme and host
-        That server; its subdomains are it, too. An empty host for whichever is asked.
+        That server, with its subdomains; an empty host for all servers.
     """
 
     connections: int
@@ -70,41 +70,41 @@ class Terms(NamedTuple):
     home: tuple[str, str] = ("", "")
 
     def match_server(self, exchange: PendingRequest) -> bool:
-        """Whether configuration and private headers are for the server that an exchange asks now."""
+        """Whether configuration and private headers are for the server of a request."""
         parts = urlsplit(exchange.url)
         scheme, host = self.home
         asked = (parts.hostname or "").rstrip(".")
         at_home = not host or (
             (asked == host or asked.endswith("." + host)) and not (scheme == "https" != parts.scheme)
         )
-        # Nor for one that the server points to.
+        # Nor for servers that it redirects to.
         return at_home and exchange.at_origin
 
 
 class PendingRequest:
-    """A request on its way to an answer; handed from the thread that asks to the main one and back.
+    """A request until its answer; passed from the calling thread to the main thread and back.
 
     Parameters
     ----------
     url : str
     headers : mapping
     origin : str
-        As of `Transport.get`.
+        As for `Transport.get`.
 
     Attributes
     ----------
     done : threading.Event
-        There is an outcome.
+        Set once there is an outcome.
     outcome : Response, Exception or None
-        None until then. The first one counts.
+        None until then; set once.
     until_s, heard_s : float
-        When it has to be over, and when the server was last heard of, on the clock of the worker.
+        Deadline, and time of the last sign of the server, on the worker's clock.
     """
 
     def __init__(self, url: str, headers: Mapping[str, str], origin: str = "") -> None:
         self.url = url
         self.headers = headers
-        #: Whether the server is that which was asked first: credentials are for it only.
+        #: Whether the server is the one asked first: only that gets credentials.
         self.at_origin = urlsplit(url)[:2] == urlsplit(origin or url)[:2]
         self.received_bytes = 0
         self.until_s = self.heard_s = 0.0
@@ -113,7 +113,7 @@ class PendingRequest:
         self._ending = threading.Lock()
 
     def end(self, outcome: Response | Exception) -> None:
-        """Hand the outcome over, unless there is one."""
+        """Set the outcome, unless there is one."""
         with self._ending:
             if not self.done.is_set():
                 self.outcome = outcome
@@ -121,10 +121,9 @@ class PendingRequest:
 
 
 class NetworkWorker(QObject):
-    """Lives in the main thread, wherever it is made: its slots run there, its signals are emitted by any thread.
+    """Make requests on the main thread: its slots run there, and any thread emits its signals.
 
-    Its slots take a fraction of a millisecond each, the first one of a server with TLS and the last one some: nothing
-    that shows in the user interface.
+    A slot takes a fraction of a millisecond, the first for a TLS server a few: imperceptible in the user interface.
 
     Parameters
     ----------
@@ -133,11 +132,11 @@ class NetworkWorker(QObject):
     Signals
     -------
     asked(PendingRequest)
-        Start it.
+        A request to start.
     dropped(PendingRequest)
-        Nobody waits for it any more.
+        A request that nobody waits for any longer.
     closing()
-        End every exchange, then the worker itself. Nothing may be emitted after it.
+        Cancel all requests, then delete the worker. Emit nothing after this.
     """
 
     asked = pyqtSignal(object)
@@ -153,12 +152,11 @@ class NetworkWorker(QObject):
         self._managers: list[QNetworkAccessManager] = []
         self._busy: list[int] = []
         self._timer: QTimer | None = None
-        # With the place of the manager in its list.
+        # With the index of the manager.
         self._under_way: dict[QNetworkReply, tuple[PendingRequest, int]] = {}
         self._over: list[QNetworkReply] = []
         self._tls: dict[str, QSslConfiguration] = {}
-        #: Servers that have sent more header lines than are read: Qt takes time for them that grows with their square,
-        #: much of it in the main thread.
+        #: Servers that have sent too many header lines: Qt needs quadratic time for them, mostly on the main thread.
         self._talkative: set[str] = set()
         self._clock_s = self._looked_s = 0.0
         self.asked.connect(self._start, Qt.ConnectionType.QueuedConnection)
@@ -196,7 +194,7 @@ class NetworkWorker(QObject):
         if self._timer is not None:
             self._timer.stop()
         self.destroyed.connect(partial(_ALIVE.discard, self))
-        # With its managers, which are its children.
+        # With its managers, its children.
         self.deleteLater()
 
     @pyqtSlot()
@@ -217,7 +215,7 @@ class NetworkWorker(QObject):
 
     @pyqtSlot()
     def _headed(self) -> None:
-        """Look at the head of an answer as soon as it is there."""
+        """Check the headers of an answer as soon as they arrive."""
         reply = self.sender()
         if reply in self._under_way and has_too_many_headers(reply):
             self._shun(reply.url().host(), reply)
@@ -233,12 +231,12 @@ class NetworkWorker(QObject):
         except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
             exchange.end(failure)
         finally:
-            # Last, as what has been called may have waited for events, among them those that delete what is over.
+            # Last: the calls above may have run an event loop, which also deletes finished replies.
             self._over.append(reply)
 
     @pyqtSlot("QList<QSslError>")
     def _judge_tls(self, errors: list[Any]) -> None:
-        """Ignore the certificate errors of this server that the user has told QGIS to ignore for good."""
+        """Ignore the certificate errors that the user has permanently accepted in QGIS for this server."""
         reply = self.sender()
         if not isinstance(reply, QNetworkReply):
             return
@@ -252,24 +250,24 @@ class NetworkWorker(QObject):
     # --- steps
 
     def _turn(self) -> None:
-        """Let the clock go on, by no more than a turn of the main thread takes when it has little else to do.
+        """Advance the clock, by no more than a turn of an idle event loop takes.
 
-        Answers come in there: those that wait for it have not kept anyone waiting.
+        Answers arrive in the event loop: requests waiting for it are not late.
         """
         now_s = time.monotonic()
         if self._timer is None:
             self._timer = QTimer(self)
             self._timer.timeout.connect(self._look)
         if self._timer.isActive():
-            # A longer time between two looks counts as this: the main thread had other work and heard no answers.
+            # Count a longer interval as this: the main thread was busy and received no answers.
             self._clock_s += min(now_s - self._looked_s, 0.25)
         else:
-            # A body may outgrow its limit for up to 50 ms.
+            # A body may exceed its limit for up to 50 ms.
             self._timer.start(50)
         self._looked_s = now_s
 
     def _lateness(self, exchange: PendingRequest) -> TransportError | None:
-        """Error of a request that has to end; None for others."""
+        """Error of a request that must end; None for others."""
         timeouts = self._terms.timeouts
         if exchange.received_bytes > self._terms.max_body_bytes:
             return too_long(self._terms.max_body_bytes)
@@ -282,7 +280,7 @@ class NetworkWorker(QObject):
         return None
 
     def _place(self) -> int:
-        """First manager with a connection to spare, so that no more are opened than needed."""
+        """Index of the first manager with a free connection, so that no more are opened than needed."""
         free = (place for place, busy in enumerate(self._busy) if busy < self._rooms[place])
         place = next(free, None)
         if place is not None:
@@ -312,8 +310,8 @@ class NetworkWorker(QObject):
         reply = self._managers[place].get(request)
         self._busy[place] += 1
         self._under_way[reply] = exchange, place
-        # No setReadBufferSize: Qt 5.15 may tell its own thread of it when the request there has already failed, and
-        # ends with a segmentation fault. `_look` sees to the limit.
+        # No setReadBufferSize: Qt 5.15 may notify its thread of it after the request there has failed, and crash.
+        # `_look` checks the limit.
         if parts.scheme == "https":
             reply.sslErrors.connect(self._judge_tls)
         reply.metaDataChanged.connect(self._headed)
@@ -328,7 +326,7 @@ class NetworkWorker(QObject):
         _set_headers(request, headers)
         if authcfg:
             manager = QgsApplication.authManager()
-            # Or QGIS would ask for it, in a dialog.
+            # Otherwise QGIS would ask for it in a dialog.
             if not manager.masterPasswordIsSet():
                 raise TransportError(
                     "QGIS's authentication database is locked: enter its master password, then try again",
@@ -344,7 +342,7 @@ class NetworkWorker(QObject):
         return request
 
     def _tls_configuration(self, request: QNetworkRequest, authenticated: bool) -> QSslConfiguration:
-        """Certificates and protocol of QGIS's authentication manager; looked up once a server, because it is slow."""
+        """TLS settings of QGIS's authentication manager; cached by server, as the look-up is slow."""
         server = f"{_host_and_port(request.url())} {authenticated}"
         if server not in self._tls:
             configuration = request.sslConfiguration()
@@ -362,13 +360,13 @@ class NetworkWorker(QObject):
         return self._tls[server]
 
     def _shun(self, host: str, talking: QNetworkReply) -> None:
-        """Ask a server no more, and end all that is under way to it, of which ``talking`` sends a signal just now."""
+        """Avoid a server from now on, and end all requests to it; ``talking`` is emitting a signal."""
         self._talkative.add(host)
         for reply, (exchange, _) in list(self._under_way.items()):
             if reply.url().host() == host:
                 self._abandon(reply)
                 exchange.end(too_many_headers())
-        # At once, as what has come for them waits for the main thread already.
+        # At once: their answers are already waiting for the main thread.
         self._over, over = [reply for reply in self._over if reply is talking], self._over
         for reply in over:
             if reply is not talking:
@@ -382,25 +380,25 @@ class NetworkWorker(QObject):
         self._over.append(reply)
 
     def _release(self, reply: QNetworkReply) -> PendingRequest:
-        """Free the place of a reply's connection."""
+        """Free the connection of a reply."""
         exchange, place = self._under_way.pop(reply)
         self._busy[place] -= 1
         return exchange
 
     def _discard(self) -> None:
-        """Delete replies that have sent their last signals; not by `deleteLater`, as Qt has not got Python's lock."""
+        """Delete replies after their last signals; not with `deleteLater`, as Qt does not hold the GIL."""
         for reply in self._over:
             sip.delete(reply)
         self._over.clear()
 
 
 def in_main_thread() -> bool:
-    """Whether this is the application's thread; asked of Python, as Qt's answer would be an object on PyQt's list."""
+    """Whether this is the main thread; asked of Python, as Qt's answer would add to PyQt's list of objects."""
     return threading.get_ident() == threading.main_thread().ident
 
 
 class _Proxies(QNetworkProxyFactory):
-    """The proxies that QGIS itself asks."""
+    """The proxies from QGIS's settings."""
 
     def queryProxy(self, query: QNetworkProxyQuery) -> list[QNetworkProxy]:
         return QgsNetworkAccessManager.instance().proxyFactory().queryProxy(query)
@@ -417,5 +415,5 @@ def _set_headers(request: QNetworkRequest, headers: Mapping[str, str]) -> None:
 
 
 def _host_and_port(url: QUrl) -> str:
-    """Name a server as QGIS's authentication database does."""
+    """Host and port, as QGIS's authentication database names a server."""
     return f"{url.host().strip()}:{url.port(443)}"

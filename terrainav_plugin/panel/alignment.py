@@ -1,4 +1,4 @@
-"""Rows turned so that they suit the area, in a task of QGIS's, and what that gains."""
+"""Align rows to the area in a QGIS task, and report the gain."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class RowAlignment(QObject):
-    """Finds the azimuth that is asked for, enters it, and says what it gains.
+    """Find an azimuth, enter it, and report the gain.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class RowAlignment(QObject):
     Attributes
     ----------
     task : AlignTask or None
-        While an azimuth is being looked for.
+        While an azimuth is being computed.
     """
 
     def __init__(self, form: DockForm, planning: Planning, messages: Messages) -> None:
@@ -43,13 +43,13 @@ class RowAlignment(QObject):
         form.flight.align_clicked.connect(self.align)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         if self.task is not None:
             self.task.abandon()
             self.task = None
 
     def align(self, way: str) -> None:
-        """Align the rows of what is entered, in one of `parts.ALIGNMENTS`."""
+        """Align the rows of the mission entered, in one of `parts.ALIGNMENTS`."""
         self._planning.use_plan(partial(self._look, way), tr("The rows stay as they are."))
 
     def _look(self, way: str, planned: PlannedMission) -> None:
@@ -74,18 +74,18 @@ class RowAlignment(QObject):
             self._messages.info(tr("The entries changed while the rows were being aligned: press the button again."))
             return
         self._form.set_state(replace(state, row_azimuth_deg=found.azimuth_deg))
-        # In the words of the flight's figure, which is then the same.
+        # As in the flight's figure, so that both texts agree.
         text = translate(found.text(partial(length_text, unit=state.agl_unit)))
         self._messages.success(text[:1].upper() + text[1:])
 
 
 class AlignTask(Task):
-    """Looks for an azimuth; QGIS's status bar shows how far it is, and can cancel it.
+    """Compute an azimuth, with progress and cancellation in QGIS's status bar.
 
     Attributes
     ----------
     found : Alignment or None
-        Once it has ended; None where it was cancelled.
+        Set once the task has ended; None if cancelled.
     """
 
     def __init__(self, planned: PlannedMission, way: str) -> None:
@@ -94,7 +94,7 @@ class AlignTask(Task):
         self.found: Alignment | None = None
 
     def work(self) -> None:
-        """Look for it."""
+        """Compute the azimuth."""
         from ...core.mission.flight.alignment import align_rows
         from ..sources import mission_heights
 

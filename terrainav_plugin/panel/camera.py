@@ -1,4 +1,4 @@
-"""The entries of the camera: by name, by field of view in the terms a person has it, and the size of images."""
+"""Entries of the camera: by name, by field of view in any terms, and the size of images."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from .entries import Entries
 if TYPE_CHECKING:
     from ...core.mission.cameras import CameraPreset
 
-#: What the spin boxes let through; what is right is said in words.
+#: Ranges of the spin boxes, wider than the valid ones, which messages explain.
 _DEGREES, _MM = 360.0, 1e6
-#: Decimals to which a field of view and that of a preset are the same camera.
+#: Decimals to which the fields of view of equal cameras agree.
 _SAME_DECIMALS = 6
 _SENSOR = ("sensor_width_mm", "sensor_height_mm")
 
@@ -37,7 +37,7 @@ class CameraEntries(Entries):
     Signals
     -------
     chosen(object)
-        A preset, as a `CameraChoice`.
+        A preset, as `CameraChoice`.
     """
 
     chosen = pyqtSignal(object)
@@ -56,13 +56,13 @@ class CameraEntries(Entries):
         self._fill_chooser()
 
     def values(self) -> dict[str, Any]:
-        """Return what is entered; of field of view, lens and sensor only what the camera is given by."""
+        """Return the entries; of field of view, lens and sensor only those of the current mode."""
         values = super().values()
         mode = values["fov_mode"]
         hidden = [name for name in ("fov_typed_deg", "focal_length_mm", *_SENSOR) if not _counts(name, mode)]
         values.update(dict.fromkeys(hidden, 0.0))
         if mode != DIAGONAL:
-            # What was typed says it.
+            # Taken from the typed entries.
             del values["fov_deg"]
         return values
 
@@ -77,12 +77,12 @@ class CameraEntries(Entries):
         self._name_camera(state)
 
     def show_marked(self, messages: dict[str, str]) -> None:
-        """Open where something is said about an entry; say what was wrong with saving or removing a camera."""
+        """Unfold the group for a message at an entry; keep the problem of saving or removing a camera."""
         if self._trouble:
             messages.setdefault("camera", self._trouble)
         super().show_marked(messages)
 
-    # --- making
+    # --- layout
 
     def _add_chooser(self) -> None:
         self.camera = combo("camera", (), _chooser_tip())
@@ -132,10 +132,10 @@ class CameraEntries(Entries):
         sizes = {name: spin(name, 0.0, _MM, 6, " mm", tip) for name, tip in zip(_SENSOR, tips)}
         self._lens = (focal, self.add_two(tr("Sensor"), *_SENSOR, sizes, "×"))
 
-    # --- presets and own cameras
+    # --- presets and user's cameras
 
     def apply_camera(self, state: FormState, choice: CameraChoice) -> FormState:
-        """State with a preset's values, in whichever terms the state has."""
+        """State with a preset's values, in the state's terms."""
         plain = replace(
             state,
             fov_deg=choice.fov_deg,
@@ -159,7 +159,7 @@ class CameraEntries(Entries):
             self.chosen.emit(choice)
 
     def _name_camera(self, state: FormState) -> None:
-        """Name the camera whose values are entered; of several that share them, the one that is named stays."""
+        """Show the name of the camera entered; if several have its values, keep the one named."""
         current = self.camera.currentData()
         if current is None or not _is(current, state):
             found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
@@ -180,7 +180,7 @@ class CameraEntries(Entries):
         self._change(lambda: remove_camera(name), "")
 
     def _change(self, act: Any, named: str) -> None:
-        """Change the user's own cameras, and offer those there are then; say what is wrong at the chooser."""
+        """Change the user's cameras and refill the chooser; show a problem at it."""
         self._trouble = ""
         try:
             act()
@@ -196,7 +196,7 @@ class CameraEntries(Entries):
 
 
 def camera_choices() -> tuple[list[CameraChoice], str]:
-    """Entries of the camera chooser, the paper's camera first; and what is wrong with the user's own cameras."""
+    """Entries of the camera chooser, the paper's camera first; and problems with the user's cameras."""
     from ...core.mission.cameras import camera_shelf, shipped_cameras
 
     own: tuple[CameraPreset, ...] = ()
@@ -209,21 +209,21 @@ def camera_choices() -> tuple[list[CameraChoice], str]:
 
 
 def save_camera(name: str, state: FormState) -> None:
-    """Keep the camera that is entered under a name.
+    """Save the camera entered under a name.
 
     Raises
     ------
     InvalidInput
-        No name, one that is taken, or entries that make no camera.
+        The name is empty or taken, or the entries make no camera.
     OutputError
-        The file of own cameras cannot be written.
+        The file of the user's cameras cannot be written.
     """
     from ...core.mission.cameras import add_camera
 
     camera = state_camera(state)
     if camera is None:
         raise InvalidInput(tr("These values are not a valid camera: fix the highlighted fields, then save."))
-    # Ratios whose parts would be larger are written as decimals.
+    # Ratios of larger numbers are written as decimals.
     fraction = Fraction(camera.aspect_ratio).limit_denominator(10_000)
     exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
     ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]

@@ -23,7 +23,7 @@ from ..qgis_source.snapshot import is_of_qgis, layer_choices
 if TYPE_CHECKING:
     from ...core.imagery.entry import CatalogueEntry
 
-#: Groups of the source chooser, in their order.
+#: Groups of the source chooser, in order.
 CATALOGUE, REGIONAL, OWN, CONNECTION, SERVICE, PROJECT, FILE, OTHER = range(8)
 
 
@@ -34,17 +34,17 @@ class SourceChoice(NamedTuple):
     ----------
     name, title : str
     map_types : tuple of str
-        Empty where the source has one kind of picture.
+        Empty for a source with one kind of image.
     needs_key : bool
     group : int
-        Where it comes from: one of the groups above.
+        Origin: one of the groups above.
     limits : str
-        What its provider allows, as HTML.
+        Terms of its provider, as HTML.
     dates : str
-        Dates it can be had of, in words; empty where there is but one.
+        Available dates, as text; empty if there is only one.
     default_date : str
     may_authenticate : bool
-        Whether an authentication configuration can be chosen for its requests.
+        Whether its requests can be authenticated.
     """
 
     name: str
@@ -68,13 +68,13 @@ class CameraChoice(NamedTuple):
         Diagonal field of view.
     aspect_ratio : float
     sensor_mm : (width, height) or None
-        Where it is known.
+        If known.
     image_px : int or None
-        Pixels along the longer side of its image, where they are known.
+        Pixels along the longer side of its image, if known.
     tip : str
-        What is known of the camera, and from where.
+        Description of the camera, with its source.
     user : bool
-        Whether it is one that the user has saved.
+        Whether the user has saved it.
     """
 
     name: str
@@ -87,7 +87,7 @@ class CameraChoice(NamedTuple):
 
 
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
-    """Entries of the source chooser, the embedded world first; and what is wrong with the user's own sources."""
+    """Entries of the source chooser, the embedded world first; and problems with the user's sources."""
     from ...core.imagery.catalogue import shelf
     from ...core.imagery.entry import shipped
 
@@ -114,7 +114,7 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
 
 
 def unlisted(name: str) -> SourceChoice | None:
-    """Entry for a source that the chooser does not list: a file, or a layer that is not there (any more)."""
+    """Entry for a source missing from the chooser: a file, or a layer that does not exist (any more)."""
     from ...core.imagery.opening import source_kind
 
     if is_connection(name):

@@ -33,7 +33,7 @@ _SHARE_KEY = "TerrAInav/estimates_share"
 
 
 class Dock(QgsDockWidget):
-    """The panel. It shows and asks; what to do about it is decided elsewhere.
+    """The panel; it displays and emits requests, which are handled elsewhere.
 
     Signals
     -------
@@ -66,12 +66,12 @@ class Dock(QgsDockWidget):
         self.setWidget(self._contents())
 
     def show_hint(self, text: str) -> None:
-        """Say what to do first, as HTML; an empty text hides the hint."""
+        """Show what to do first, as HTML; an empty text hides the hint."""
         self.hint.setText(text)
         self.hint.setVisible(bool(text))
 
     def show_nothing(self) -> None:
-        """Show that there is nothing to work out."""
+        """Show that an area is missing."""
         self.figures.show_text(tr("No area yet."))
 
     def show_problem(self, text: str) -> None:
@@ -79,12 +79,12 @@ class Dock(QgsDockWidget):
         self.figures.show_problem(text)
 
     def set_preview_pressed(self, on: bool) -> None:
-        """Press or release the preview button without asking for a preview."""
+        """Press or release the preview button without emitting a request."""
         with QSignalBlocker(self.preview):
             self.preview.setChecked(on)
 
     def show_busy(self, busy: bool) -> None:
-        """Show whether captures are under way: a test shot would wait behind them, another mission can."""
+        """Show whether captures are under way: a test shot would wait for them, a mission may."""
         self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
@@ -155,15 +155,15 @@ class Dock(QgsDockWidget):
         layout.addLayout(top)
         layout.addWidget(self.parts, 1)
         layout.addLayout(buttons)
-        # All at once: an order within the entries alone leads from their last back to their first.
+        # All at once: a separate order of the entries would lead from the last back to the first.
         set_tab_order(layout)
         return contents
 
 
 class PanelSplitter(QSplitter):
-    """Entries above, figures and captures below: these as high as they are, until a person moves the border.
+    """Entries above, figures and captures below, at their natural height until the user moves the border.
 
-    A border that was moved stays where it is, also in the next session; a double click on it frees it again.
+    A moved border keeps its position in later sessions; a double click resets it.
     """
 
     def __init__(self, above: QWidget, below: QWidget) -> None:
@@ -183,12 +183,12 @@ class PanelSplitter(QSplitter):
         below.installEventFilter(self)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the border where it is wanted."""
+        """Keep the border's position."""
         super().resizeEvent(event)
         self.fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the height of what is below; free the border by a double click."""
+        """Follow the height of the lower part; reset the border on a double click."""
         if event.type() == QEvent.Type.MouseButtonDblClick:
             self._keep(0.0)
         elif event.type() == QEvent.Type.LayoutRequest and watched is self._below:
@@ -196,7 +196,7 @@ class PanelSplitter(QSplitter):
         return super().eventFilter(watched, event)
 
     def fit(self) -> None:
-        """Give what is below its height, or its share where a person has chosen that."""
+        """Give the lower part its natural height, or the share chosen by the user."""
         room = self.height() - self.handleWidth()
         if room <= 0:
             return
@@ -220,7 +220,7 @@ class PanelSplitter(QSplitter):
 
 
 class FormScroll(QScrollArea):
-    """A scroll area that is never narrower than its contents, which may grow wider as entries come and go."""
+    """A scroll area that is never narrower than its contents, which may widen."""
 
     def __init__(self, contents: QWidget) -> None:
         super().__init__()
@@ -229,13 +229,13 @@ class FormScroll(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setWidget(contents)
         contents.installEventFilter(self)
-        # Groups of QGIS scroll to themselves when they are unfolded, and also when they are first shown.
+        # QGIS's groups scroll into view when they are unfolded, and also when first shown.
         self._groups = contents.findChildren(QgsCollapsibleGroupBoxBasic)
         self._let_groups_scroll(False)
         self._fit()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Begin at the top; from then on, groups that are unfolded come into sight."""
+        """Start at the top; after that, unfolded groups scroll into view."""
         super().showEvent(event)
         QTimer.singleShot(0, self._shown)
 
@@ -247,13 +247,13 @@ class FormScroll(QScrollArea):
             group.setScrollOnExpand(scroll)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the contents."""
+        """Fit the width to the contents."""
         if event.type() == QEvent.Type.LayoutRequest and watched is self.widget():
             self._fit()
         return super().eventFilter(watched, event)
 
     def sizeHint(self) -> QSize:
-        """As wide as the entries would like to be."""
+        """Return the preferred width of the entries."""
         bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
         return QSize(self.widget().sizeHint().width() + bar, super().sizeHint().height())
 

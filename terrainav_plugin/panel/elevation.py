@@ -1,4 +1,4 @@
-"""The entry of sources of heights: typed, or chosen among what the project, the public and the disk have."""
+"""Entry of elevation sources: typed, or chosen from the project, public sources and files."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .entries import WordsLine
 
 
 class HeightsLine(WordsLine):
-    """Line for sources of heights, with a button that offers some.
+    """Line for elevation sources, with a button that offers some.
 
     Parameters
     ----------
     name : str
-        Field that it is the entry of.
+        Field of the entry.
     tip : str
 
     Attributes
@@ -27,7 +27,7 @@ class HeightsLine(WordsLine):
     button : QToolButton
     """
 
-    #: Between sources, whose paths may have spaces and commas.
+    #: Separates sources, whose paths may contain spaces and commas.
     _SEPARATOR = ";"
 
     def __init__(self, name: str, tip: str) -> None:
@@ -43,21 +43,21 @@ class HeightsLine(WordsLine):
         self._more: QMenu | None = None
 
     def words(self) -> tuple[str, ...]:
-        """Return the sources that are entered, by name where they are by title."""
+        """Return the sources entered, with titles replaced by names."""
         names = {title.casefold(): name for title, name in _titled()}
         parts = filter(None, map(str.strip, self.text().split(self._SEPARATOR)))
         return tuple(names.get(part.casefold(), to_decimal_point(part)) for part in parts)
 
     def enter(self, words: tuple[str, ...]) -> None:
-        """Enter sources; those that have a title are shown by it."""
+        """Enter sources, with names replaced by titles."""
         titles = {name: title for title, name in _titled()}
         self.setText(f"{self._SEPARATOR} ".join(titles.get(word, as_written(word)) for word in words))
 
     def _fill(self) -> None:
-        """Offer what there is at the moment."""
+        """Fill the menu with the current sources."""
         self._menu.clear()
         if self._more is not None:
-            # Once its actions are let go of: it may be what was just chosen from.
+            # Deleted later: it may contain the action just chosen.
             self._more.deleteLater()
             self._more = None
         for title, source in self._offered():
@@ -71,7 +71,7 @@ class HeightsLine(WordsLine):
             self._offer_more(self._more)
 
     def _offer_more(self, menu: QMenu) -> None:
-        """Offer sources that fill the holes of those that are entered."""
+        """Offer sources to fill the holes of those entered."""
         menu.setObjectName(f"{self.objectName()}_more")
         for title, source in self._offered():
             if source not in self.words():
@@ -86,7 +86,7 @@ class HeightsLine(WordsLine):
         """Titles and names of sources."""
         project = QgsProject.instance()
         found = []
-        # Projects have a terrain since QGIS 3.26, of one height or of a layer.
+        # Since QGIS 3.26 projects may have a terrain, of one height or a layer.
         properties = getattr(project, "elevationProperties", None)
         provider = None if properties is None else properties().terrainProvider()
         terrain = provider.layer() if hasattr(provider, "layer") else None
@@ -103,7 +103,7 @@ class HeightsLine(WordsLine):
 
 
 def _titled() -> list[tuple[str, str]]:
-    """Titles and names of the sources that are there for everybody."""
+    """Titles and names of the sources that everyone has."""
     return [
         (tr("Terrain Tiles (Terrarium, public)"), TERRARIUM),
         (tr("Synthetic landscape (offline)"), WORLD),
@@ -111,5 +111,5 @@ def _titled() -> list[tuple[str, str]]:
 
 
 def _layer_file(layer: QgsRasterLayer) -> str:
-    """File that a layer's heights are read from; empty where the core cannot read it."""
+    """File of a layer's heights; empty if the core cannot read it."""
     return str(layer.source()) if layer.providerType() == "gdal" else ""

@@ -29,14 +29,14 @@ from ..widgets import (
 )
 from .start import StartEntry
 
-#: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
+#: Range of the spin boxes, far wider than the valid ones: numbers are accepted as typed, and checked with messages.
 _MOST = 1e6
-#: What the chooser of where cameras face holds for an azimuth.
+#: Item for an azimuth in the chooser of the camera's facing.
 _AZIMUTH = "azimuth"
 
 
 class _Access(NamedTuple):
-    """How a widget's value is read, entered and listened to."""
+    """Functions to read, enter and observe a widget's value."""
 
     read: Callable[[], Any]
     enter: Callable[[Any], None]
@@ -44,10 +44,10 @@ class _Access(NamedTuple):
 
 
 class WordsLine(QLineEdit):
-    """Line for several words, or several names with commas between them."""
+    """Line for several words, or for names separated by commas."""
 
     def words(self) -> tuple[str, ...]:
-        """Return what is entered."""
+        """Return the words entered."""
         text = self.text()
         parts = text.split(",") if "," in text else text.split()
         return tuple(part.strip() for part in parts if part.strip())
@@ -58,7 +58,7 @@ class WordsLine(QLineEdit):
 
 
 class FacingBox(QWidget):
-    """Choice of where cameras face, with a number for an azimuth; its value is the text that missions have.
+    """Chooser of the camera's facing, with a number for an azimuth; its value is the mission's text.
 
     Signals
     -------
@@ -85,14 +85,14 @@ class FacingBox(QWidget):
             signal.connect(self.changed)
 
     def text(self) -> str:
-        """The value chosen; an azimuth as it was entered, as long as it is the same."""
+        """Value chosen; an unchanged azimuth as it was entered."""
         if self.choice.currentData() != _AZIMUTH:
             return str(self.choice.currentData())
         shown = f"{self.azimuth.value():.15g}"
         return self._entered if shown == self._shown else shown
 
     def unread(self) -> str | None:
-        """Return what is typed in place of a number of degrees; None where nothing is."""
+        """Return an invalid text in the azimuth; None otherwise."""
         return self.azimuth.unread() if self.choice.currentData() == _AZIMUTH else None
 
     def enter(self, text: str) -> None:
@@ -110,7 +110,7 @@ class FacingBox(QWidget):
 
 
 class TicksBox(QWidget):
-    """Boxes to tick, one for each of several values, below each other.
+    """Check boxes for several values, one below the other.
 
     Signals
     -------
@@ -132,12 +132,12 @@ class TicksBox(QWidget):
         self.setFocusProxy(next(iter(self._boxes.values())))
 
     def ticked(self) -> tuple[str, ...]:
-        """Return the values that are ticked; in the order that they were entered in, as long as they are the same."""
+        """Return the checked values; in the order in which they were entered, while unchanged."""
         ticked = tuple(value for value, box in self._boxes.items() if box.isChecked())
         return self._entered if set(self._entered) == set(ticked) else ticked
 
     def enter(self, values: tuple[str, ...]) -> None:
-        """Tick values."""
+        """Check values."""
         self._entered = values
         for value, box in self._boxes.items():
             box.setChecked(value in values)
@@ -149,7 +149,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     edited(str)
-        An entry has changed, named by its field.
+        Field of an entry that has changed.
 
     Attributes
     ----------
@@ -167,11 +167,11 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         self._form = form_layout(self)
 
     def values(self) -> dict[str, Any]:
-        """Return what is entered, by field."""
+        """Return the values of the entries, by field."""
         return {name: access.read() for name, access in self._access.items()}
 
     def unread(self) -> tuple[tuple[str, str], ...]:
-        """Return the fields of numbers that hold another text, each with that; not those that are switched off."""
+        """Return the fields of numbers with invalid texts, and these; without disabled entries."""
         found = (
             (name, widget.unread())
             for name, widget in self.entries.items()
@@ -180,24 +180,24 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         return tuple((name, text) for name, text in found if text is not None)
 
     def forget_unread(self) -> None:
-        """Show again the numbers of entries that hold another text."""
+        """Restore the numbers of entries with invalid texts."""
         for name, _ in self.unread():
             self._access[name].enter(self._access[name].read())
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; entries that hold theirs already are left alone, also in mid-typing."""
+        """Enter the fields of a state; leave unchanged entries alone, which may be in use."""
         for name, access in self._access.items():
             value = getattr(state, name)
             if access.read() != value:
                 access.enter(value)
 
     def show_marked(self, messages: dict[str, str]) -> None:
-        """Open where something is said about an entry."""
+        """Unfold the group for a message at an entry."""
         if any(name in messages for name in self.entries):
             self.unfold()
 
     def unfold(self) -> None:
-        """Open without that being remembered as the user's wish."""
+        """Unfold the group without recording it as the user's wish."""
         if self.isCollapsed():
             with QSignalBlocker(self):
                 self.setCollapsed(False)
@@ -212,21 +212,21 @@ class Entries(QgsCollapsibleGroupBoxBasic):
             widget.judged.connect(lambda: self.edited.emit(name))
 
     def add(self, name: str, label: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
-        """Add the entry of a field with its label, inside ``shown`` if that is given; return the row's field."""
+        """Add the entry of a field with its label, inside ``shown`` if given; return the row's widget."""
         self.take(name, widget)
         field = self._marks.field(name, widget, shown)
         self._form.addRow(label, field)
         return field
 
     def add_declared(self, name: str, widget: QWidget | None = None) -> QWidget:
-        """Add the entry of a field that a mission declares, as it is declared; return the row's field."""
+        """Add the entry of a declared field; return the row's widget."""
         label = "" if DECLARED[name].kind is bool else field_label(DECLARED[name])
         return self.add(name, label, widget or declared_widget(name))
 
     def add_two(
         self, label: str, first: str, second: str, widgets: Mapping[str, QWidget], between: str = ""
     ) -> QWidget:
-        """Add the entries of two fields in one row, with a sign between them; return the row's field."""
+        """Add the entries of two fields in one row, separated by ``between``; return the row's widget."""
         pair = (widgets[first], widgets[second])
         signs = [QLabel(between)] if between else []
         numbers = [index for index in (0, 1) if isinstance(pair[index], NumberBox)]
@@ -238,19 +238,19 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         return field
 
     def show_row(self, field: QWidget, shown: bool) -> None:
-        """Show or hide a row, by what `add` returned."""
+        """Show or hide a row, given the widget from `add`."""
         show_row(self._form, field, shown)
 
 
 class Section(Entries):
-    """A group that most missions leave as it is: folded until an entry is not the usual one."""
+    """A group of less common entries: folded unless an entry differs from its default."""
 
     def __init__(self, name: str, title: str, marks: FieldMarks) -> None:
         super().__init__(name, title, marks)
         self.setCollapsed(True)
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; opens where that changes one to what is not usual."""
+        """Enter the fields of a state; unfold the group if that makes an entry differ from its default."""
         before, usual = self.values(), FormState()
         super().enter(state)
         if any(value not in (before[name], getattr(usual, name)) for name, value in self.values().items()):
@@ -258,7 +258,7 @@ class Section(Entries):
 
 
 def declared_widget(name: str) -> QWidget:
-    """Widget for a field that a mission declares, with its title, unit, choices and tip."""
+    """Widget for a declared field, with title, unit, choices and tip."""
     field = DECLARED[name]
     if field.choices:
         return declared_ticks(name) if field.kind is tuple else declared_choice(name)
@@ -268,28 +268,28 @@ def declared_widget(name: str) -> QWidget:
 
 
 def declared_choice(name: str) -> QComboBox:
-    """Choice among the values of a field."""
+    """Combo box of a field's values."""
     return combo(name, field_choices(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_ticks(name: str) -> TicksBox:
-    """Boxes for the values of a field that has several at once."""
+    """Check boxes for a field with several values."""
     return TicksBox(name, field_choices(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_tick(name: str) -> QCheckBox:
-    """Box to tick, with the title of a field."""
+    """Check box with a field's title."""
     return tick(name, field_label(DECLARED[name]), field_tip(DECLARED[name]))
 
 
 def declared_line(name: str) -> QLineEdit:
-    """Line for the text of a field, or for its words."""
+    """Line for the text or words of a field."""
     tip = field_tip(DECLARED[name])
     return named(WordsLine(), name, tip) if DECLARED[name].kind is tuple else line_edit(name, tip)
 
 
 def declared_number(name: str) -> NumberBox:
-    """Entry for the number of a field, shares in percent."""
+    """Number box of a field; shares in percent."""
     field, unit = DECLARED[name], DECLARED[name].unit
     is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
     least, most = (0.0 if is_positive else -_MOST, _MOST) if unit.times == 1.0 else (0.0, unit.times)

@@ -1,4 +1,4 @@
-"""The figures of a plan in the user's words: what matters first, the rest behind a fold."""
+"""Figures of a plan as text: the important ones first, the others folded."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _FOLDED_KEY = "TerrAInav/folded/details"
 
 
 class Figures(QScrollArea):
-    """Labels below each other, as high as their text where there is room for it.
+    """Labels from top to bottom, as high as their text if there is room.
 
     Signals
     -------
     upsampling_wanted()
-        Images are to be upsampled.
+        The user allows upsampling.
 
     Attributes
     ----------
@@ -89,29 +89,29 @@ class Figures(QScrollArea):
         self.details.setToolTip(readout.why)
 
     def show_outdated(self) -> None:
-        """Grey what is shown: it is of what was entered before."""
+        """Grey the figures: they are for earlier entries."""
         self.widget().setEnabled(False)
 
     def show_text(self, text: str) -> None:
-        """Show a text in place of figures."""
+        """Show a text instead of figures."""
         self._show(estimates=html.escape(text))
 
     def show_problem(self, text: str) -> None:
-        """Show why there are no figures; an empty text where fields say so themselves."""
+        """Show why there are no figures; an empty text refers to the marked fields."""
         self._show(problem=text, warnings="" if text else tr("Fix the highlighted fields."))
 
     def sizeHint(self) -> QSize:
-        """All of the text at this width."""
+        """Return the size of the whole text at this width."""
         return QSize(super().sizeHint().width(), self._text_height())
 
     def minimumSizeHint(self) -> QSize:
-        """Some lines, or all of the text where it has fewer."""
-        # At least three lines of text are visible.
+        """Return the size of a few lines, or of the whole text if it is shorter."""
+        # At least three lines of text.
         least = 3 * self.fontMetrics().lineSpacing()
         return QSize(super().minimumSizeHint().width(), min(least, self._text_height()))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Ask for another height where the text breaks otherwise."""
+        """Update the height, as lines may break differently."""
         super().resizeEvent(event)
         if event.oldSize().width() != event.size().width():
             self.updateGeometry()
@@ -148,13 +148,13 @@ class Readout:
     Parameters
     ----------
     warnings : tuple of str
-        What is to be thought about first.
+        Shown first.
     figures, details : tuple of (label, value)
-        What everybody asks, and the rest.
+        The main figures, and the others.
     why : str
-        Why the methods were chosen, as HTML.
+        Reasons for the choice of methods, as HTML.
     offers_upsampling : bool
-        Whether images could have more pixels if the mission allowed upsampling.
+        Whether images could have more pixels if upsampling were allowed.
     """
 
     warnings: tuple[str, ...]
@@ -168,7 +168,7 @@ class Readout:
         return _table(self.figures)
 
     def details_html(self) -> str:
-        """The rest, as a table for a label."""
+        """The other figures, as a table for a label."""
         return _table(self.details)
 
 
@@ -178,14 +178,14 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", polic
     Parameters
     ----------
     unit : str
-        m or ft, of lengths and areas.
+        m or ft, for lengths and areas.
     cost : str
-        What the methods were timed at; empty while that is not known.
+        Timing of the methods; empty if unknown.
     policy : Policy or None
-        Of the source's provider, where it has one.
+        Policy of the source's provider, if it has one.
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.resolution.source_m_per_px
-    # A source up to 2 % coarser counts as fine as the camera.
+    # A source up to 2 % coarser counts as equally fine.
     coarser = own_m > 1.02 * summary.requested_gsd_m_per_px
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
@@ -230,7 +230,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
     )
     if summary.path_m is not None and summary.path_s is not None:
-        # What a pilot needs to know: all of it, not only the part between the images.
+        # Pilots need the whole path, not only the part between images.
         flight = tr("{distance}, {duration} with turns").format(
             distance=length_text(summary.path_m, unit), duration=duration_text(summary.path_s)
         )
@@ -244,7 +244,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
 
 
 def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
-    """The relief below the flight; empty over level ground."""
+    """Relief below the flight; empty over level ground."""
     lowest, highest, clearance = summary.lowest_ground_m, summary.highest_ground_m, summary.clearance_m
     finest, coarsest = summary.finest_gsd_m_per_px, summary.coarsest_gsd_m_per_px
     if lowest is None or highest is None or clearance is None or finest is None or coarsest is None:
@@ -261,7 +261,7 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
 
 
 def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
-    """Requests of the plan beside the provider's limit; empty where there is none."""
+    """Requests of the plan, with the provider's limit; empty without a limit."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
     requests = plan.requests * len(plan.mission.imagery.map_types)
@@ -288,7 +288,7 @@ def _details(mission: Mission, summary: Summary, cost: str) -> list[tuple[str, s
 
 
 def _accuracy_lines(accuracy: ChosenMethods) -> list[tuple[str, str]]:
-    """The methods chosen, with their bounds."""
+    """The chosen methods, with their bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
             stage=translate(choice.method.stage),
@@ -313,12 +313,12 @@ def _accuracy_lines(accuracy: ChosenMethods) -> list[tuple[str, str]]:
 
 
 def _unbroken(text: str) -> str:
-    """Text whose signs stay with their numbers, and numbers with their units."""
+    """Text with no-break spaces between signs, numbers and units."""
     return text.replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
 
 
 def _why_html(accuracy: ChosenMethods) -> str:
-    """Why the methods were chosen, as a table for a tooltip."""
+    """Reasons for the choice of methods, as a table for a tooltip."""
     lines = []
     for choice in accuracy.choices:
         method, rejected = choice.method, choice.rejected
@@ -361,7 +361,7 @@ def _picture(summary: Summary) -> str:
 
 
 def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
-    """Ground sample distances; with a hint where the source's own pixels, ``coarser_m``, are the coarser ones."""
+    """Ground sample distances, with a hint if the source's, ``coarser_m``, is coarser."""
     requested, delivered = (
         gsd_text(value_m, unit) for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
     )
@@ -390,7 +390,7 @@ def _held(summary: Summary, unit: str) -> str:
             tr("100 % of {area}, except where imagery is missing") if summary.lacks_imagery else tr("100 % of {area}")
         )
         return text.format(area=area)
-    # Rounded down: what is not complete never reads 100.
+    # Rounded down: incomplete coverage never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share} % of {area}; {uncovered} not covered").format(
         share=number_text(share, ".2f"), area=area, uncovered=area_text(summary.uncovered_m2, unit)
@@ -398,12 +398,12 @@ def _held(summary: Summary, unit: str) -> str:
 
 
 def _is_overlapping(mission: Mission) -> bool:
-    """Whether an overlap is asked for: then the one that is reached is among what everybody asks."""
+    """Whether an overlap is wanted: then the overlap reached is one of the main figures."""
     return mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0
 
 
 def _overlap(summary: Summary) -> list[tuple[str, str]]:
-    """The overlap that is reached; nothing for points."""
+    """Overlap reached; empty for points."""
     parts = []
     for text, least in (
         (tr("front {share}"), summary.least_overlap_along),
@@ -420,7 +420,7 @@ def _tiles(summary: Summary) -> str:
 
 
 def _time(plan: Plan, summary: Summary) -> str:
-    """Time of the capture; the mosaic of turned and tilted images may take several times as long."""
+    """Time of the capture; a mosaic of turned or tilted images may take several times as long."""
     has_orthomosaic = not plan.frames.is_north_up and len(plan) <= MOST_PICTURES
     text = tr("About {duration}, then the mosaic") if has_orthomosaic else tr("About {duration}")
     return text.format(duration=duration_text(summary.seconds))

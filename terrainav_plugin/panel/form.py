@@ -1,4 +1,4 @@
-"""The entries of the panel: area, camera, flight, imagery, output, and what most missions leave as it is."""
+"""All entries of the panel: area, camera, flight, imagery, output and less common ones."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class DockForm(QWidget):
         self.marks = FieldMarks()
         self._setting = False
         self._given = self._shown = FormState()
-        #: What was entered before a preset; None once values are one's own again.
+        #: Entries before a preset; None once the user has changed its values.
         self._before_preset: FormState | None = None
         self.setStyleSheet(STYLE_SHEET)
         self._make_groups(sources, cameras)
@@ -84,14 +84,14 @@ class DockForm(QWidget):
         self.area_editing = AreaEditing(self.area, self.state, self.set_state, self)
         self._connect()
 
-    # --- the entries as a value
+    # --- state
 
     def state(self) -> FormState:
-        """Return what is entered."""
+        """Return the state of the entries."""
         return keep_unchanged(self._read(), self._shown, self._given)
 
     def _read(self) -> FormState:
-        """Return what the widgets say; what they do not show stays as it was given."""
+        """Return the state of the widgets; values they do not show stay as given."""
         imagery = self.imagery
         read: dict[str, Any] = {
             **self.area.values(),
@@ -107,14 +107,14 @@ class DockForm(QWidget):
         return replace(self._given, **read)
 
     def set_state(self, state: FormState) -> None:
-        """Enter a state; `changed` comes once, at the end."""
+        """Enter a state; emits `changed` once, at the end."""
         self.area_editing.wrong = {}
         self._show(state)
         self._folds.restore()
         self.changed.emit()
 
     def _show(self, state: FormState) -> None:
-        """Enter a state, and tell nobody."""
+        """Enter a state without emitting signals."""
         self._setting = True
         try:
             self.area.set_state(state)
@@ -129,7 +129,7 @@ class DockForm(QWidget):
             self._setting = False
 
     def _enter(self, state: FormState) -> None:
-        """Enter a state into the groups of entries; those that show theirs already are left alone."""
+        """Enter a state into the groups; leave unchanged entries alone."""
         setting, self._setting = self._setting, True
         try:
             for group in self.groups:
@@ -140,33 +140,33 @@ class DockForm(QWidget):
         self._shown = self._read()
 
     def show_messages(self, messages: dict[str, str]) -> None:
-        """Mark fields; what was wrong with pasted coordinates stays until the field changes."""
+        """Mark fields; errors of pasted coordinates stay until the field changes."""
         messages = {**messages, **self.area_editing.wrong}
         for group in self.groups:
             group.show_marked(messages)
         self.marks.show(messages)
 
     def show_key(self, authcfg: str) -> None:
-        """Show which authentication configuration holds the key of the chosen source."""
+        """Show the authentication configuration of the chosen source."""
         if self.key.configId() != authcfg:
             with QSignalBlocker(self.key):
                 self.key.setConfigId(authcfg)
 
     def allow_upsampling(self) -> None:
-        """Tick what lets pictures have finer pixels than the source, and show where."""
+        """Check the box that allows images finer than the source, and show it."""
         self.pixels.setCollapsed(False)
         self.pixels.upsample.setChecked(True)
 
     # --- presets
 
     def _take_preset(self, preset: Preset) -> None:
-        """Enter a preset's values, in place of those of the one before it."""
+        """Enter a preset's values in place of those of the previous preset."""
         state, last = self.state(), self.presets.preset
         if last is not None and self._before_preset is not None:
             state = without_preset(state, last, self._before_preset)
         else:
             self._before_preset = state
-        # Groups that open as their values are no longer the usual ones must not carry the chooser out of sight.
+        # Groups that unfold for unusual values must not scroll the chooser out of view.
         scrolls = [box for box in self.boxes if box.scrollOnExpand()]
         for box in scrolls:
             box.setScrollOnExpand(False)
@@ -181,7 +181,7 @@ class DockForm(QWidget):
         self.presets.show_preset(preset)
 
     def _show_headings(self) -> None:
-        """Say beside the titles of groups what they hold."""
+        """Show summaries beside the titles of groups."""
         for name, words in headings(self.state(), self.imagery.title()).items():
             self._headings[name].say(words)
 
@@ -206,9 +206,9 @@ class DockForm(QWidget):
         self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
         self.route, self.accuracy = RouteSection(self.marks), AccuracySection(self.marks)
         self.sections = (self.attitude, self.relief, self.route, self.pixels, self.wind, self.accuracy)
-        #: Those whose entries are fields of the state by name.
+        #: Groups whose entries are fields of the state by name.
         self.groups = (camera, flight, output, *self.sections)
-        #: All, in the order they are shown in.
+        #: All groups from top to bottom.
         self.boxes = (area, camera, flight, imagery, output, *self.sections)
 
     # --- reactions
@@ -233,7 +233,7 @@ class DockForm(QWidget):
             self.changed.emit()
 
     def _edited(self, field: str) -> None:
-        """Let other entries follow one that a person has changed."""
+        """Update entries that depend on one changed by the user."""
         if not self._setting:
             self._enter(settled(self._given, self.state(), field))
             self.changed.emit()
@@ -244,7 +244,7 @@ class DockForm(QWidget):
 
 
 class Folds:
-    """Remembers what is folded and unfolded by hand, by the names of the groups."""
+    """Remember which groups the user has folded and unfolded, by name."""
 
     def __init__(self, boxes: Sequence[QgsCollapsibleGroupBoxBasic]) -> None:
         self._boxes = boxes
@@ -255,7 +255,7 @@ class Folds:
             )
 
     def restore(self) -> None:
-        """Fold as it was when the last session ended; once, as soon as the entries are those of that session."""
+        """Restore the folding of the last session; once, as soon as its entries are restored."""
         if self._restored:
             return
         self._restored = True
@@ -267,44 +267,44 @@ class Folds:
 
 
 def set_tab_order(layout: QLayout) -> None:
-    """Let the Tab key follow the rows of a layout, and of those inside it."""
+    """Make the Tab key follow the rows of a layout and nested ones."""
     widgets = list(_ordered_widgets(layout))
     for before, after in zip(widgets, widgets[1:]):
         QWidget.setTabOrder(before, after)
 
 
 class FormMemory(QObject):
-    """Writes entries to the settings once typing has paused.
+    """Save the entries to the settings after a pause in typing.
 
     Parameters
     ----------
     read : callable
-        State of the form.
+        Returns the state of the form.
     """
 
     def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
         super().__init__(parent)
         self._settings, self._read = settings, read
-        # After a pause in typing only: QGIS writes its whole file of settings each time.
+        # Only after a pause: QGIS writes its whole settings file each time.
         self._pause = single_shot(self.write, self, 1000)
 
     @property
     def pending(self) -> bool:
-        """Whether there is something to be written down."""
+        """Whether there are unsaved changes."""
         return self._pause.isActive()
 
     def note(self) -> None:
-        """Take up that the form has changed."""
+        """Handle a change of the form."""
         self._pause.start()
 
     def write(self) -> None:
-        """Write down what is entered now."""
+        """Save the current entries."""
         self._pause.stop()
         self._settings.form = self._read().to_json()
 
 
 def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
-    """Widgets that take the keyboard, line by line."""
+    """Widgets that take the keyboard focus, row by row."""
     for item in _items(layout):
         widget, inner = item.widget(), item.layout()
         if widget is not None:
@@ -319,7 +319,7 @@ def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
 
 
 def _parts(widget: QWidget | None) -> list[QWidget]:
-    """Widgets that are held without a layout: those of a splitter, and what is scrolled."""
+    """Widgets held without a layout: those of a splitter or scroll area."""
     if isinstance(widget, QSplitter):
         held = [widget.widget(number) for number in range(widget.count())]
         return [part for one in held for part in (_parts(one) or [one])]
@@ -327,7 +327,7 @@ def _parts(widget: QWidget | None) -> list[QWidget]:
 
 
 def _items(layout: QLayout) -> list[QLayoutItem]:
-    """Items of a layout; those of a grid by line and column."""
+    """Items of a layout; those of a grid by row and column."""
     numbers = range(layout.count())
     if isinstance(layout, QGridLayout):
         places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)

@@ -1,4 +1,4 @@
-"""Titles of groups that say what the group holds while it is folded."""
+"""Summaries beside the titles of folded groups."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from ..plain import shown_plain
 
 
 class Heading(QObject):
-    """The title of a group: alone while it is open, with what it holds while it is folded, cut to the room there is."""
+    """Title of a group, followed by a summary while it is folded, elided to the width."""
 
     def __init__(self, box: QgsCollapsibleGroupBoxBasic) -> None:
         super().__init__(box)
-        # Groups may have a title of another thing, such as their source's.
+        # Groups may have a title of something else, such as their source.
         self._box, self._title, self._tip, self._words = box, QGroupBox.title(box), box.toolTip(), ""
         box.collapsedStateChanged.connect(self._show)
         box.installEventFilter(self)
 
     def say(self, words: str) -> None:
-        """Show what the group holds."""
+        """Set the summary."""
         if words != self._words:
             self._words = words
             self._show()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Cut the title anew where there is another width."""
+        """Elide the title to a new width."""
         if event.type() in (QEvent.Type.Resize, QEvent.Type.FontChange):
             self._show()
         return super().eventFilter(watched, event)
@@ -45,11 +45,11 @@ class Heading(QObject):
         if title != QGroupBox.title(box):
             box.setTitle(title)
         box.setToolTip(tip)
-        # QGIS makes folded groups less high and cuts off descenders.
+        # QGIS makes folded groups too low, which cuts off descenders.
         box.setMinimumHeight(box.fontMetrics().height() + 5 if box.isCollapsed() else 0)
 
     def _mark_px(self) -> int:
-        """Width of the box to tick, of a group that has one."""
+        """Width of a group's check box, if it has one."""
         if not self._box.isCheckable():
             return 0
         style, option = self._box.style(), QStyleOptionGroupBox()

@@ -42,7 +42,7 @@ from .choices import (
     unlisted,
 )
 
-#: Entries that are seen without scrolling.
+#: Entries visible without scrolling.
 _ROWS = 24
 
 
@@ -52,10 +52,10 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     changed()
-        After a change by the user.
+        The user has changed an entry.
     show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
     service_chosen(str)
-        A service was chosen, of which a layer is to be chosen.
+        The user has chosen a service, and is to choose one of its layers.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     key : QgsAuthConfigSelect
     map_types : dict of str to QCheckBox
     limits : QLabel
-        What the provider of the chosen source allows.
+        Terms of the chosen source's provider.
     """
 
     changed = pyqtSignal()
@@ -79,7 +79,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._marks = marks
         self._choices: dict[str, SourceChoice] = {}
         self._last = ""
-        #: Map types that were ticked by hand, also those that the chosen source has not.
+        #: Map types checked by the user, including those missing from the source.
         self._wanted: set[str] = set()
         self._form = form_layout(self)
         self._add_source()
@@ -93,16 +93,16 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             check.toggled.connect(partial(self._map_type_ticked, name))
 
     def choice(self) -> SourceChoice | None:
-        """Return what is chosen; None for a URL template."""
+        """Return the choice; None for a URL template."""
         return self._choices.get(self.source.currentData())
 
     def title(self) -> str:
-        """Return what the chosen source is called."""
+        """Return the title of the chosen source."""
         choice = self.choice()
         return choice.title if choice is not None else tr("URL template")
 
     def set_choices(self, choices: Sequence[SourceChoice]) -> None:
-        """Offer other sources; the one that is chosen stays, even where it is no longer among them."""
+        """Offer other sources; the chosen one stays, even if it is not among them."""
         chosen = self.source.currentData()
         self._choices = {choice.name: choice for choice in choices}
         with QSignalBlocker(self.source):
@@ -113,7 +113,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.show_details()
 
     def choose_source(self, name: str) -> None:
-        """Choose a source; one that is not listed is added where that makes sense, otherwise the first is taken."""
+        """Choose a source; an unlisted one is added if it may exist, otherwise the first is chosen."""
         choice = unlisted(name) if self.source.findData(name) < 0 else None
         if choice is not None:
             self._choices[name] = choice
@@ -121,23 +121,23 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.source.choose(name)
 
     def ticked(self) -> tuple[str, ...]:
-        """Return the map types that are ticked, of those that the source has."""
+        """Return the checked map types that the source has."""
         boxes = self.map_types.items()
         return tuple(name for name, check in boxes if check.isChecked() and check.isEnabled())
 
     def offered(self) -> tuple[str, ...]:
-        """Return the map types that the chosen source has; none of one that writes whichever is ticked."""
+        """Return the map types of the chosen source; none for one that gives any type."""
         choice = self.choice()
         return choice.map_types if choice is not None else ()
 
     def enter_map_types(self, names: Sequence[str]) -> None:
-        """Tick map types, telling nobody; one that is ticked for its source's sake stays no wish of the user's."""
+        """Check map types without emitting signals; one checked for its source is not recorded as the user's choice."""
         if set(names) != set(self.ticked()):
             self._wanted = set(names)
         self._tick(names)
 
     def show_details(self) -> None:
-        """Show the entries that the chosen source has, and what its provider allows."""
+        """Show the entries for the chosen source, and its provider's terms."""
         choice = self.choice()
         own_url = self.source.currentData() == URL_TEMPLATE
         self._form_row(self._template_label, self._template_field, own_url)
@@ -154,11 +154,11 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._remove.setEnabled(choice is not None and choice.group == OWN)
         offered = choice.map_types if choice is not None else ()
         for map_type, check in self.map_types.items():
-            # A source with one kind of picture writes it under whichever name is ticked.
+            # A source with one kind of image writes it under any checked name.
             check.setEnabled(not offered or map_type in offered)
 
     def _show_key_row(self, choice: SourceChoice | None, own_url: bool) -> None:
-        """Offer an authentication configuration, for the key in an address or for the requests."""
+        """Offer an authentication configuration, for the key in an address or for requests."""
         is_key = "{key}" in self.template.text() if own_url else choice is not None and choice.needs_key
         shown = is_key or own_url or (choice is not None and choice.may_authenticate)
         self._key_label.setText(tr("API key") if is_key else tr("Authentication"))
@@ -170,7 +170,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form_row(self._key_label, self._key_field, shown)
 
     def _is_dated(self, choice: SourceChoice | None) -> bool:
-        """Whether there may be a date to choose; a service says so only once it is asked."""
+        """Whether there may be dates to choose; a service reports them only on request."""
         from ...core.imagery.opening import source_kind
 
         if choice is not None:
@@ -185,7 +185,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def _add_source(self) -> None:
         self.source = SourceCombo()
         self.source.setToolTip(tr("Where the images come from; type a part of its name to find it"))
-        # Panels of the usual width have more room.
+        # The panel is usually wider.
         self.source.setMinimumContentsLength(9)
         tip = tr("Add this source to the map as background and zoom to the area")
         self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
@@ -234,7 +234,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()
         if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
-            # Of a service a layer has to be chosen first; until then things stay as they are.
+            # Choose a layer of a service first; until then nothing changes.
             with QSignalBlocker(self.source):
                 self.choose_source(self._last)
             self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
@@ -245,7 +245,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.changed.emit()
 
     def _tick_offered(self) -> None:
-        """Tick what was ticked by hand of what the source has, or the one map type that it has."""
+        """Check the user's map types that the source has, or the only one that it has."""
         choice = self.choice()
         offered = set(choice.map_types if choice is not None else ()) or set(self.map_types)
         self._tick(offered if len(offered) == 1 else self._wanted & offered)
@@ -275,12 +275,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
 
 class SourceCombo(Chooser):
-    """Chooser of a source: headings above groups; what is typed finds titles that have it anywhere in them.
+    """Chooser of a source, with headings of groups; typing finds any part of a title.
 
     Signals
     -------
     about_to_open()
-        The list is going to be shown; this is the time to bring it up to date.
+        The list is about to be shown: update it now.
     """
 
     about_to_open = pyqtSignal()
@@ -303,7 +303,7 @@ class SourceCombo(Chooser):
         self.currentIndexChanged.connect(self._show_start)
 
     def fill(self, choices: Sequence[SourceChoice], others: Sequence[tuple[str, str]]) -> None:
-        """Offer choices, and (value, title) pairs below them; the first choice is chosen."""
+        """Offer choices, followed by (value, title) pairs; the first choice is selected."""
         self.clear()
         group = None
         for choice in choices:
@@ -324,14 +324,14 @@ class SourceCombo(Chooser):
         self._titles.setStringList([self.itemText(at) for at in range(self.count()) if self._can_choose(at)])
 
     def choose(self, value: str) -> None:
-        """Choose an entry; the first one where there is none of this value."""
+        """Select an entry, or the first if this value is missing."""
         index = self.findData(value)
         self.setCurrentIndex(index if index >= 0 else self._first())
 
     def showPopup(self) -> None:
-        """Show the list, as it is now."""
+        """Show the updated list."""
         self.about_to_open.emit()
-        # The panel is narrow; titles are read whole all the same.
+        # Widen the list beyond the narrow panel, so that titles are readable.
         bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
         self.view().setMinimumWidth(self.view().sizeHintForColumn(0) + bar)
         super().showPopup()
@@ -368,7 +368,7 @@ class SourceCombo(Chooser):
             self.setCurrentIndex(rows[0])
 
     def _take_typed(self) -> None:
-        """Choose what has been typed, where it says which; otherwise show again what is chosen."""
+        """Select the entry typed, if it is unique; otherwise show the current one again."""
         typed = self.currentText().strip().casefold()
         own = self.itemText(self.currentIndex())
         if typed and typed != own.casefold():
@@ -380,5 +380,5 @@ class SourceCombo(Chooser):
         self.setEditText(self.itemText(self.currentIndex()))
 
     def _show_start(self) -> None:
-        # A title longer than the field is read from its beginning.
+        # Show the beginning of a title longer than the field.
         self.lineEdit().setCursorPosition(0)

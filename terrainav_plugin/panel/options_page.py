@@ -1,4 +1,4 @@
-"""The plugin's settings, among QGIS's own."""
+"""The plugin's page in QGIS's options."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ from ..widgets import (
 
 
 class OptionsPage(QgsOptionsPageWidget):
-    """Shows the settings, marks those that cannot be kept, and keeps the others when QGIS's options are accepted.
+    """Show the settings, mark invalid ones, and save the others when QGIS's options are accepted.
 
     Parameters
     ----------
     parent : QWidget or None
     applied : callable
-        Called after settings were kept.
+        Called after the settings are saved.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class OptionsPage(QgsOptionsPageWidget):
             number.judged.connect(self._check)
 
     def show_settings(self) -> None:
-        """Show what is set."""
+        """Show the current settings."""
         settings = self._settings
         for name, widget in self.folders.items():
             widget.setFilePath(getattr(settings, name))
@@ -90,7 +90,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self._check()
 
     def show_defaults(self) -> None:
-        """Show what would be set after a new installation; keys stay as they are."""
+        """Show the settings of a new installation; keys stay as they are."""
         for widget in self.folders.values():
             widget.setFilePath("")
         self.connections.setValue(Settings.connections.default)
@@ -99,7 +99,7 @@ class OptionsPage(QgsOptionsPageWidget):
         choose(self.units, "m")
 
     def apply(self) -> None:
-        """Keep valid settings; invalid ones stay as they were and are reported in the log."""
+        """Save valid settings; invalid ones keep their value and are reported in the log."""
         problems = self._check()
         for name, widget in self.folders.items():
             if name in problems:
@@ -120,16 +120,16 @@ class OptionsPage(QgsOptionsPageWidget):
         self._applied()
 
     def isValid(self) -> bool:
-        """Whether all of it can be kept."""
+        """Whether all settings are valid."""
         return not self._check()
 
     def show_cache(self) -> None:
-        """Show what is kept of earlier captures."""
+        """Show the contents of the cache."""
         dialog = CacheDialog(self.window())
         dialog.exec()
         dialog.deleteLater()
 
-    # --- the page
+    # --- layout
 
     def _lay_out(self) -> None:
         inside = QWidget()
@@ -213,11 +213,11 @@ class OptionsPage(QgsOptionsPageWidget):
 
     @property
     def _numbers(self) -> dict[str, WholeBox]:
-        """Entries of numbers by the names of their settings."""
+        """Number entries, by the names of their settings."""
         return {"connections": self.connections, "cache_limit_mb": self.cache_limit}
 
     def _check(self) -> dict[str, str]:
-        """Mark what cannot be kept; returns what is wrong by the names of the settings."""
+        """Mark invalid settings; returns the problems by the names of the settings."""
         problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
         problems["placeholders"] = placeholders_problem(self.placeholders.text())
         problems.update((name, number.problem()) for name, number in self._numbers.items())
@@ -259,12 +259,12 @@ def folder_problem(text: str) -> str:
 
 
 class KeysTable(QTableWidget):
-    """Sources that need a key or have a configuration, each with a chooser of one.
+    """Sources that need a key or have a configuration, each with a chooser.
 
     Attributes
     ----------
     choosers : dict of str to QgsAuthConfigSelect
-        By what the settings call the sources.
+        By the sources' names in the settings.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -282,7 +282,7 @@ class KeysTable(QTableWidget):
         self.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
 
     def fill(self) -> None:
-        """Show what is set."""
+        """Show the current settings."""
         chosen = self._settings.authcfgs()
         titles = {**dict.fromkeys(chosen, ""), **_keyless_titles()}
         self.choosers.clear()
@@ -293,7 +293,7 @@ class KeysTable(QTableWidget):
             self.setItem(line, 0, item)
             chooser = named(QgsAuthConfigSelect(), f"key_{name}")
             chooser.setConfigId(chosen.get(name, ""))
-            # Its buttons beside it tell the same.
+            # Its buttons have the same tooltip.
             chooser.findChild(QComboBox).setToolTip(
                 shown_plain(tr("Configuration for {title}").format(title=title or name))
             )
@@ -305,13 +305,13 @@ class KeysTable(QTableWidget):
         self.setMinimumHeight(self.horizontalHeader().sizeHint().height() + rows_px + 2 * self.frameWidth())
 
     def keep(self) -> None:
-        """Keep what is chosen."""
+        """Save the choices."""
         for name, chooser in self.choosers.items():
             self._settings.set_authcfg(name, chooser.configId())
 
 
 class CacheDialog(QDialog):
-    """Lists the files of the tile cache, and clears some or all of them."""
+    """List the contents of the tile cache, and clear some or all."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         from ..settings import Settings

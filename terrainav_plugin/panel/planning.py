@@ -1,4 +1,4 @@
-"""From what is entered to a plan, and what is said of it at the entries."""
+"""Plan the mission entered, and show the result at the entries."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Planning(QObject):
-    """Keeps the figures in step with the entries, and hands out the plan of what is entered.
+    """Keep the figures up to date with the entries, and provide the plan of the mission entered.
 
     Parameters
     ----------
@@ -32,17 +32,17 @@ class Planning(QObject):
     planner : Planner
     messages : Messages
     timed : callable
-        Whether methods may be timed now: beside a capture, times would be those of the capture.
+        Returns whether methods may be timed now: not during a capture, which would distort the times.
 
     Signals
     -------
     planned(object)
-        `PlannedMission`, of what is entered.
+        The `PlannedMission` of the mission entered.
 
     Attributes
     ----------
     latest : PlannedMission or None
-        Plan of what is entered; None while it makes none.
+        Plan of the mission entered; None until it exists.
     """
 
     planned = pyqtSignal(object)
@@ -63,22 +63,22 @@ class Planning(QObject):
         planner.refused.connect(self._show_refused)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._closed = True
         self._planner.close()
 
     def use_plan(self, act: Callable[[PlannedMission], None], refusal: str, *, anew: bool = False) -> None:
-        """Do something with the plan of what is entered now, as soon as there is one.
+        """Do something with the plan of the mission entered, once there is one.
 
         Parameters
         ----------
         refusal : str
-            What to say after the reason where there is none.
+            Shown after the reason if planning fails.
         anew : bool
-            Plan again also where the plan of what is entered is there: the source may be another by now.
+            Whether to plan again even if there is a plan: the source may have changed.
         """
         if self._closed:
-            # Unloaded while a dialog was open that has led here.
+            # The plugin was unloaded while the dialog that led here was open.
             return
         if self.latest is not None and not anew and self.is_entered(self.latest.mission):
             act(self.latest)
@@ -87,9 +87,9 @@ class Planning(QObject):
         self._when_planned = act
         self._refusal = refusal
         if is_waiting and self._planner.busy and self.is_entered(self._asked):
-            # Pressed again: what is under way is not begun anew.
+            # A repeated request does not restart planning.
             return
-        # Before it is worked out, which may take a while.
+        # Before planning, which may take a while.
         self._messages.withdraw_refusal()
         self._messages.wait(tr("Working out the plan…"))
         if not self.plan(at_once=True):
@@ -97,7 +97,7 @@ class Planning(QObject):
             self.refuse(refusal)
 
     def plan(self, at_once: bool = False) -> bool:
-        """Have what is entered planned; False where an entry is wrong, which is then marked."""
+        """Request a plan; False if an entry is wrong, which is then marked."""
         state = self._form.state()
         try:
             mission = mission_form.mission(state)
@@ -106,7 +106,7 @@ class Planning(QObject):
             self.latest = None
             messages = wrong.messages
             if not any(getattr(state, name).strip() for name in BOX_FIELDS):
-                # Nothing entered yet is not an error.
+                # An empty form is not an error.
                 messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
             self._form.show_messages(messages)
             unseen = self._form.marks.out_of_sight(messages)
@@ -121,14 +121,14 @@ class Planning(QObject):
         return True
 
     def is_entered(self, mission: Mission) -> bool:
-        """Return whether a mission is what is entered."""
+        """Return whether a mission is the one entered."""
         try:
             return bool(mission_form.mission(self._form.state()) == mission)
         except FormError:
             return False
 
     def refuse(self, what: str) -> None:
-        """Say what there is not, and the first thing that is wrong with the entries."""
+        """Report ``what`` is missing, and the first problem of the entries."""
         wrong = self._form.marks.first_message() or self._dock.problem.text()
         self._messages.refused(wrong or tr("no area yet; draw a box or enter coordinates"), what)
 
@@ -165,7 +165,7 @@ class Planning(QObject):
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _mission_cost(self, mission: Mission) -> str:
-        """Times measured of a mission's methods; empty where not known."""
+        """Timing of a mission's methods; empty if unknown."""
         return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 
     def _show_refused(self, error: Exception) -> None:

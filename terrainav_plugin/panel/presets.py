@@ -1,4 +1,4 @@
-"""The chooser of a preset, at the top of the panel, and what it says of the one that is entered."""
+"""Chooser of a preset, at the top of the panel, with a description."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _CUSTOM = ""
 
 
 class PresetChooser(QWidget):
-    """Presets by name, and a line that says what the chosen one has set.
+    """Presets by name, and a line that describes the selected one.
 
     Signals
     -------
     chosen(object)
-        A `Preset`, by the user.
+        A `Preset` chosen by the user.
 
     Attributes
     ----------
     preset : Preset or None
-        The one that is shown.
+        The preset shown.
     """
 
     chosen = pyqtSignal(object)
@@ -37,7 +37,7 @@ class PresetChooser(QWidget):
         self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], tip)
         model = self.choice.model()
         if isinstance(model, QStandardItemModel):
-            # Shown while the values are one's own; there is nothing to fill in.
+            # Shown for other values; choosing it does nothing.
             model.item(self.choice.count() - 1).setFlags(Qt.ItemFlag.NoItemFlags)
         self.note = wrapped_label("preset_note")
         layout = QVBoxLayout(self)
@@ -51,7 +51,7 @@ class PresetChooser(QWidget):
         self.show_preset(None)
 
     def show_preset(self, preset: Preset | None) -> None:
-        """Show which preset is entered, telling nobody; None for values of one's own."""
+        """Show the preset entered without emitting signals; None for other values."""
         self.preset = preset
         with QSignalBlocker(self.choice):
             self.choice.setCurrentIndex(self.choice.findData(_CUSTOM if preset is None else preset.name))

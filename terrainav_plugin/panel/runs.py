@@ -1,4 +1,4 @@
-"""The captures of this session in the panel: at work, waiting, and over."""
+"""The captures of this session in the panel: running, waiting and ended."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ from ..widgets import ElidedLabel, named, push_button, tool_button
 if TYPE_CHECKING:
     from ..capture.queue import Runs
 
-#: Characters of a run's name and of what is said of it that there is always room for.
+#: Characters of a run's title and text that always fit.
 _TITLE_LETTERS, _TEXT_LETTERS = 10, 8
 
 
 class RunPanel(QObject):
-    """Keeps the list in step with the line of captures.
+    """Keep the list up to date with the queue of captures.
 
     Parameters
     ----------
     zoom, open_folder, clean : callable
-        What to do with a run whose row asks for it.
+        Called with a run by the actions of its row.
     """
 
     def __init__(
@@ -100,13 +100,13 @@ class RunPanel(QObject):
         self._list.fit(any(run.has_ended for run in self._rows))
 
     def _clear(self) -> None:
-        """Take those that are over off the list."""
+        """Remove ended runs from the list."""
         for run in [run for run in self._rows if run.has_ended]:
             self._runs.dismiss(run)
 
 
 class RunList(QWidget):
-    """Runs below a heading with a button that clears those that are over; hidden while there are none.
+    """Runs below a heading with a button that removes ended ones; hidden while empty.
 
     Signals
     -------
@@ -137,27 +137,27 @@ class RunList(QWidget):
 
     @property
     def rows(self) -> list[RunRow]:
-        """From the top."""
+        """Rows from top to bottom."""
         return self.listed.rows
 
     def add(self, row: RunRow) -> None:
-        """Put a row below the others."""
+        """Add a row at the bottom."""
         self.listed.add(row)
         self.show()
 
     def remove(self, row: RunRow) -> None:
-        """Take a row away."""
+        """Remove a row."""
         self.listed.remove(row)
         self.setVisible(bool(self.rows))
 
     def fit(self, finished: bool) -> None:
-        """Ask for room after rows have changed; ``finished`` is whether one is over."""
+        """Update the height after rows have changed; ``finished`` is whether a run has ended."""
         self.clear.setEnabled(finished)
         self.listed.fit()
 
 
 class RunRows(QScrollArea):
-    """Rows below each other, as high as they are up to a few of them."""
+    """Rows from top to bottom, as high as they are, up to a few of them."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -177,37 +177,37 @@ class RunRows(QScrollArea):
 
     @property
     def rows(self) -> list[RunRow]:
-        """From the top."""
+        """Rows from top to bottom."""
         widgets = (self._layout.itemAt(index).widget() for index in range(self._layout.count()))
         return [widget for widget in widgets if isinstance(widget, RunRow)]
 
     def add(self, row: RunRow) -> None:
-        """Put a row below the others."""
+        """Add a row at the bottom."""
         self._layout.insertWidget(self._layout.count() - 1, row)
         self._to_newest = True
         self.fit()
 
     def remove(self, row: RunRow) -> None:
-        """Take a row away."""
+        """Remove a row."""
         self._layout.removeWidget(row)
         row.hide()
         row.deleteLater()
         self.fit()
 
     def fit(self) -> None:
-        """Ask for room after rows have changed."""
+        """Update the height after rows have changed."""
         self.updateGeometry()
 
     def sizeHint(self) -> QSize:
-        """All rows, up to a few."""
+        """Return the size of all rows, up to a few."""
         return QSize(super().sizeHint().width(), self._list_height(4))
 
     def minimumSizeHint(self) -> QSize:
-        """One row."""
+        """Return the size of one row."""
         return QSize(super().minimumSizeHint().width(), self._list_height(1))
 
     def _grown(self, _least: int, most: int) -> None:
-        """Scroll to a row that has come, once it has its place."""
+        """Scroll to a new row once it is laid out."""
         if self._to_newest:
             self._to_newest = False
             self.verticalScrollBar().setValue(most)
@@ -222,7 +222,7 @@ class RunRows(QScrollArea):
 
 
 class RunRow(QFrame):
-    """Shows a run and asks; what it shows is given to it.
+    """Show a run as given, and emit requests.
 
     Signals
     -------
@@ -259,21 +259,21 @@ class RunRow(QFrame):
         self._lay_out()
 
     def show_progress(self, percent: float, text: str) -> None:
-        """Show how far the run is."""
+        """Show the progress of the run."""
         self.bar.setValue(int(percent))
         self.text.say(text)
 
     def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
-        """Offer what can be done now.
+        """Enable the actions possible now.
 
         Parameters
         ----------
         actions : set of str
             Of `DEEDS`.
         enabled : bool
-            Whether pausing is possible just now.
+            Whether pausing is possible now.
         underway : bool
-            Whether there is a progress to show.
+            Whether to show the progress bar.
         """
         for name, button in self.buttons.items():
             button.setVisible(name in actions)
@@ -303,7 +303,7 @@ class RunRow(QFrame):
             button = tool_button(f"run_{name}", image, tip)
             button.setAutoRaise(True)
             button.setAccessibleName(f"{tip} ({title})")
-            # By keyboard as well.
+            # Reachable by keyboard.
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             button.clicked.connect(lambda _=False, name=name: self.asked.emit(name))
             buttons[name] = button
@@ -325,7 +325,7 @@ class RunRow(QFrame):
 
 
 def _run_actions(run: BackgroundRun) -> set[str]:
-    """Actions that a run offers now."""
+    """Actions possible for a run now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}
     if run.stage is Stage.RUNNING:
@@ -333,7 +333,7 @@ def _run_actions(run: BackgroundRun) -> set[str]:
     if run.stage is Stage.PAUSED:
         return {RunRow.CANCEL, RunRow.RESUME}
     if run.stage is Stage.STOPPING:
-        # Once nothing is captured any more, what is left to be stopped is the mosaic.
+        # After the last image, only the mosaic can be stopped.
         return {RunRow.CANCEL} if run.result is not None else set()
     actions = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
     if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:

@@ -1,4 +1,4 @@
-"""Groups of entries: flight, output, and what most missions leave as it is."""
+"""Groups of entries: flight, output and less common ones."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from .start import StartEntry
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
-#: What the spin boxes let through; what is right is said in words.
+#: Ranges of the spin boxes, wider than the valid ones, which messages explain.
 _HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
 
 
@@ -63,7 +63,7 @@ class FlightEntries(Entries):
     Attributes
     ----------
     height_by : str
-        What the height follows from, as in `FormState`: what was typed last.
+        What determines the height, as in `FormState`: the entry changed last.
     """
 
     align_clicked = pyqtSignal(str)
@@ -77,12 +77,12 @@ class FlightEntries(Entries):
         self.add_declared("airspeed_m_per_s")
 
     def values(self) -> dict[str, Any]:
-        """Return what is entered; a ground sample distance only where the height follows from it."""
+        """Return the entries; the ground sample distance only if it determines the height."""
         values = {**super().values(), "height_by": self.height_by}
         return values if self.height_by == "gsd" else {**values, "camera_gsd": 0.0}
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; shows the ground sample distance that follows from a height."""
+        """Enter the fields of a state; shows the ground sample distance of its height."""
         self.camera_gsd.setSuffix(" " + (tr("in") if state.agl_unit == "ft" else tr("cm")))
         gsd = shown_gsd(state)
         super().enter(replace(state, camera_gsd=gsd if state.height_by == "gsd" else short_number(gsd)))
@@ -91,8 +91,8 @@ class FlightEntries(Entries):
         self.show_low(state)
 
     def show_low(self, state: FormState) -> None:
-        """Say what a ground sample distance comes to where that is a flight close to the ground."""
-        # Flights below 20 m are seldom intended: such a height results from a small image.
+        """Explain a ground sample distance that results in a low flight."""
+        # Flights below 20 m are seldom intended: a small image may cause such a height.
         is_low = state.height_by == "gsd" and 0.0 < state.agl_m < 20.0
         text = tr(
             "With {px} px along the image's longer side, this means flying {height} above ground. To fly "
@@ -169,7 +169,7 @@ class OutputEntries(Entries):
 
 
 class AttitudeSection(Section):
-    """Where every picture looks, how high the ground lies, and when the flight begins."""
+    """Attitude of the images, height of the ground, and start of the flight."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
@@ -179,7 +179,7 @@ class AttitudeSection(Section):
 
 
 class PixelsSection(Section):
-    """Which of the source's pixels are taken, and what size they are written in."""
+    """Resolution of the source's pixels, and size of the images."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("pixels", tr("Pixels"), marks)
@@ -227,7 +227,7 @@ class PixelsSection(Section):
         self._show_rows()
 
     def show_zooms(self, plan: Plan, unit: str) -> None:
-        """Say which zooms the source of a plan has, and what its pixels show of the ground; ``unit`` is m or ft."""
+        """Explain the zooms of a plan's source and their ground sample distances; ``unit`` is m or ft."""
         self._plan, grid = plan, plan.grid
         text = tr(
             "Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down "
@@ -238,7 +238,7 @@ class PixelsSection(Section):
         self._show_rows()
 
     def _way_chosen(self) -> None:
-        """Start with the zoom that has been taken where the source has not the one that is entered."""
+        """Start with the zoom of the plan if the source lacks the one entered."""
         values, plan = self.values(), self._plan
         if plan is None or values["resolution"] != "zoom":
             return
@@ -247,7 +247,7 @@ class PixelsSection(Section):
             self._zoom_entry.setValue(plan.zoom)
 
     def _show_rows(self) -> None:
-        """Show what is said by the choices made."""
+        """Show the rows that apply to the choices made."""
         values = self.values()
         self.show_row(self._zoom, values["resolution"] == "zoom")
         self._zooms.setVisible(values["resolution"] == "zoom" and self._plan is not None)
@@ -257,7 +257,7 @@ class PixelsSection(Section):
 
 
 class ReliefSection(Section):
-    """Heights of the ground, and how a flight follows it."""
+    """Elevation of the ground, and terrain following."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("relief", tr("Relief"), marks)
@@ -280,12 +280,12 @@ class ReliefSection(Section):
 
 
 class RouteSection(Section):
-    """Take-off, the way to the rows and from row to row, what releases the camera, and batteries.
+    """Take-off, connection of rows, trigger of the camera, and batteries.
 
     Signals
     -------
     pick_clicked()
-        The take-off point is to be set on the map.
+        The take-off point is to be picked on the map.
     """
 
     pick_clicked = pyqtSignal()
@@ -309,7 +309,7 @@ class RouteSection(Section):
 
 
 class WindSection(Section):
-    """Wind and gusts, which move and turn the camera; off unless ticked."""
+    """Wind and gusts, which move and turn the camera; off by default."""
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("wind", tr("Wind"), marks)
@@ -321,11 +321,11 @@ class WindSection(Section):
         self.toggled.connect(lambda: self.edited.emit("wind"))
 
     def values(self) -> dict[str, Any]:
-        """Return what is entered, and whether it counts."""
+        """Return the entries, and whether they apply."""
         return {**super().values(), "wind": self.isChecked()}
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; opens where the wind is switched on."""
+        """Enter the fields of a state; unfold the group if that switches the wind on."""
         switched_on = state.wind and not self.isChecked()
         self.setChecked(state.wind)
         super().enter(state)
@@ -334,12 +334,12 @@ class WindSection(Section):
 
 
 class AccuracySection(Section):
-    """How wrong pictures and footprints may be, and what kind of picture is made.
+    """Error budget of images and footprints, and the kind of image.
 
     Signals
     -------
     reset_clicked()
-        What goes beyond the entries is to be forgotten.
+        Values without entries are to be reset.
     """
 
     reset_clicked = pyqtSignal()
@@ -351,7 +351,7 @@ class AccuracySection(Section):
         frame, resampling = declared_choice("frame"), declared_choice("resampling")
         self.add_declared("frame", frame)
         self.add_declared("resampling", resampling)
-        # What a camera frame is resampled with says nothing about a map frame.
+        # The resampling of camera frames does not apply to map frames.
         frame.currentIndexChanged.connect(lambda: resampling.setEnabled(frame.currentData() != "map"))
         self.more = named(QLabel(), "more", tr("Settings in the mission file that the panel cannot show"))
         self.more.setWordWrap(True)
@@ -362,7 +362,7 @@ class AccuracySection(Section):
         self.more.hide()
 
     def show_more(self, text: str) -> None:
-        """Show what goes beyond the entries; nothing for an empty text."""
+        """Show the values without entries; hidden for an empty text."""
         link = tr("reset")
         shown = tr("Also set: {text}").format(text=html.escape(text))
         self.more.setText(f'{shown} (<a href="forget">{link}</a>)' if text else "")

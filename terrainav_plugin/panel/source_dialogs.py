@@ -1,4 +1,4 @@
-"""Sources of one's own: by an address, or a layer of a WMS or WMTS that QGIS has a connection to."""
+"""Dialogs for the user's sources: by an address, or a layer of a WMS or WMTS connection of QGIS."""
 
 from __future__ import annotations
 
@@ -54,34 +54,34 @@ if TYPE_CHECKING:
     from ...core.imagery.services.detecting import FoundService
     from ...core.imagery.trial import Trial
 
-#: Of a source of which nothing is said; a server may take more, and should be asked first.
+#: Default limits of a source without known terms; ask the server's operator before exceeding them.
 _CONNECTIONS, _REQUESTS_PER_S = 4, 10.0
-#: Entries in which fields of a source are put right; all others come of its address.
+#: Entries for fields of a source; all other fields come from its address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
-#: Choice of a layer in a service's name, by kind.
+#: Parameter that selects a layer in a service's name, by kind.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
-#: Lines of the list of layers, and width of the tile that is shown of a source, px.
+#: Rows of the list of layers, and width of the test tile, px.
 _LAYERS_ROOM_PX, _TILE_ROOM_PX = 110, 128
-#: Systems that an entry of the list names.
+#: Most reference systems named by an entry of the list.
 _SYSTEMS_NAMED = 3
 
 
 class AddSourceDialog(QDialog):
-    """Asks for a source, says what is wrong with it while it is typed, and keeps it.
+    """Ask for a source, show problems while typing, and save it.
 
-    One entry takes templates of tiles and addresses of services; a service is asked which kind it is and what it
-    offers, in the background.
+    One entry accepts tile templates and service addresses; a service is asked for its kind and layers in the
+    background.
 
     Parameters
     ----------
     parent : QWidget or None
     place : callable or None
-        Latitude and longitude that the map shows in its middle, for the tile that is shown; None for none.
+        Returns latitude and longitude of the map's centre, for the test tile, or None.
 
     Attributes
     ----------
     added : str
-        Name of the source that was kept; empty for none.
+        Name of the source saved; empty for none.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class AddSourceDialog(QDialog):
         self._check()
 
     def accept(self) -> None:
-        """Keep the source; stay open where that is not possible."""
+        """Save the source; stay open if that fails."""
         from ...core.imagery.catalogue import add
 
         name, key = self.name.text().strip(), self.key.text().strip()
@@ -119,7 +119,7 @@ class AddSourceDialog(QDialog):
         super().accept()
 
     def done(self, result: int) -> None:
-        """End what is still being asked."""
+        """Cancel pending requests."""
         self._stop()
         super().done(result)
 
@@ -250,7 +250,7 @@ class AddSourceDialog(QDialog):
         self._named = True
 
     def _suggest_name(self) -> None:
-        """Name the source by its host, until a name is typed."""
+        """Suggest the host as name, until a name is typed."""
         if self._named and self.name.text():
             return
         host = re.sub(r"^[^/]*//|[:/?].*$|\{s\}\.", "", self.url.text().strip().lower())
@@ -301,7 +301,7 @@ class AddSourceDialog(QDialog):
         return is_service_address(self.url.text().strip())
 
     def _forget(self) -> None:
-        """Another address: what was found of the one before is gone."""
+        """Discard what was found at a previous address."""
         self._stop()
         self._found = self._entry = None
         for chooser in (self.layers, self.system):
@@ -318,7 +318,7 @@ class AddSourceDialog(QDialog):
             self._task = None
 
     def _ask(self, description: str, work: Callable[[QgisTransport], object], then: Callable[[Any], None]) -> None:
-        """Do something with the network in the background; ``then`` is given what comes of it."""
+        """Do something with the network in the background; ``then`` receives the result."""
         self._stop()
 
         def ended(task: _Asking) -> None:
@@ -342,7 +342,7 @@ class AddSourceDialog(QDialog):
         return SourceOptions(key=self.key.text().strip() or None, crs=crs, transport=transport, connections=1)
 
     def _find(self) -> None:
-        """Ask which kind of service it is, and for its layers or, where it has but one, for that."""
+        """Ask for the kind of service and its layers, or for its only layer."""
         from ...core.imagery.services.detecting import found_service
 
         address = self.url.text().strip()
@@ -386,7 +386,7 @@ class AddSourceDialog(QDialog):
         return items[0].data(Qt.ItemDataRole.UserRole) if items else None
 
     def _describe(self) -> None:
-        """Ask for all about the layer that is chosen."""
+        """Ask for the details of the chosen layer."""
         from ...core.imagery.opening import named_source
         from ...core.imagery.services.detecting import LAYER_CHOICES
 
@@ -406,7 +406,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _take(self, entry: CatalogueEntry) -> None:
-        """Show what a service states of a layer; what is typed comes before it."""
+        """Show what a service states about a layer; typed entries take precedence."""
         self._entry = entry
         self.title.setPlaceholderText(entry.title)
         self.attribution.setPlaceholderText(entry.attribution)
@@ -417,7 +417,7 @@ class AddSourceDialog(QDialog):
     # --- a tile
 
     def _try(self) -> None:
-        """Fetch one tile of what is entered, and show it."""
+        """Fetch and show one tile of the source entered."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.opening import DescribedSource
         from ...core.imagery.trial import try_tile
@@ -467,7 +467,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _check(self) -> None:
-        """Say what is wrong, and under which limits it would be used."""
+        """Show what is wrong, and the limits under which the source would be used."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.tiles import check_address
 
@@ -513,12 +513,12 @@ class AddSourceDialog(QDialog):
 
 
 class ServiceDialog(QDialog):
-    """Lists the layers of a service, found by typing, and keeps the one that is chosen.
+    """List the layers of a service, filtered by typing, and save the chosen one.
 
     Attributes
     ----------
     added : str
-        Name of the source that was kept; empty for none.
+        Name of the source saved; empty for none.
     """
 
     def __init__(self, service: ServiceConnection, parent: QWidget | None = None) -> None:
@@ -546,13 +546,13 @@ class ServiceDialog(QDialog):
         self._ask(_Capabilities(service), self._show_layers)
 
     def accept(self) -> None:
-        """Ask for what is to be known of the layer, and keep it."""
+        """Ask for the details of the layer, and save it."""
         layer = self._chosen()
         if layer and self._task is None:
             self._ask(_Capabilities(self._service, self._kind, layer), self._keep)
 
     def done(self, result: int) -> None:
-        """End what is still being asked."""
+        """Cancel pending requests."""
         if self._task is not None:
             self._task.abandon()
             self._task = None
@@ -606,12 +606,12 @@ class ServiceDialog(QDialog):
 
 
 def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
-    """Keep a layer as a source of the user, with the connection's authentication; returns its name.
+    """Save a layer as a user's source, with the connection's authentication; returns its name.
 
     Raises
     ------
     TerrAInavError
-        It cannot be kept.
+        The source cannot be saved.
     """
     from ...core.imagery.catalogue import add
 
@@ -619,14 +619,14 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
     authcfg = store_key(title, service.key) if service.key else service.authcfg
-    # Its tiles may be on another server, which the service's capabilities name and the user has not.
+    # Its tiles may be on another server, which the service's capabilities name without the user's consent.
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
         Settings().set_authcfg(name, authcfg)
     return name
 
 
 def _free_name(words: str) -> str:
-    """Name made of words, which no source has yet."""
+    """Unused source name made from words."""
     from ...core.imagery.catalogue import shelf, sources
 
     taken = {known.name for known in sources()} | set(shelf().problems)
@@ -639,7 +639,7 @@ def _free_name(words: str) -> str:
 
 
 def _layer_words(layer: Offered) -> str:
-    """Title of a layer, with its systems and dates as far as they are known."""
+    """Title of a layer, with its reference systems and dates, if known."""
     codes = list(layer.systems[:_SYSTEMS_NAMED])
     if len(layer.systems) > _SYSTEMS_NAMED:
         codes.append(tr("{count} more").format(count=number_text(len(layer.systems) - _SYSTEMS_NAMED)))
@@ -650,7 +650,7 @@ def _layer_words(layer: Offered) -> str:
 
 
 def _name_problem(name: str) -> dict[str, str]:
-    """Message for a name that is not right, or taken."""
+    """Message for a name that is invalid or taken."""
     from ...core.imagery.catalogue import sources
     from ...core.imagery.entry import NAME
 
@@ -664,18 +664,18 @@ def _name_problem(name: str) -> dict[str, str]:
 
 
 def _field_message(error: TerrAInavError) -> dict[str, str]:
-    """Message at the entry that an error is about, without the name of the source that is being made."""
+    """Message at the entry of an error, without the name of the new source."""
     inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
     return {_ENTRIES.get(inner.field, "url"): translate(inner)}
 
 
 class _Asking(Task):
-    """Something that is asked of a server.
+    """A request to a server.
 
     Attributes
     ----------
     result : object
-        What came of it.
+        Result of the request.
     """
 
     def __init__(self, description: str, work: Callable[[QgisTransport], object], address: str) -> None:
@@ -692,27 +692,27 @@ class _Asking(Task):
             self.result = self._work(self._transport)
 
     def close(self) -> None:
-        """End the requests."""
+        """Cancel the requests."""
         self._transport.close()
 
     def cancel(self) -> None:
-        """End the requests as well."""
+        """Cancel the requests too."""
         super().cancel()
         self._transport.close()
 
     def finished(self, result: bool) -> None:
-        """Tell; on the main thread."""
+        """Emit `ended`, on the main thread."""
         self._transport.close()
         super().finished(result)
 
 
 class _Capabilities(Task):
-    """Asks a service for its layers, or for all about one of them.
+    """Ask a service for its layers, or for the details of one.
 
     Attributes
     ----------
     kind : str
-        wms or wmts, as it was found to be.
+        wms or wmts, once known.
     layers : list of Offered
     entry : CatalogueEntry or None
     """
@@ -738,13 +738,13 @@ class _Capabilities(Task):
                 self._find_layers()
 
     def cancel(self) -> None:
-        """End the requests as well."""
+        """Cancel the requests too."""
         super().cancel()
         self._transport.close()
 
     def finished(self, result: bool) -> None:
-        """Tell; on the main thread."""
-        # A task that is cancelled before its turn does not run.
+        """Emit `ended`, on the main thread."""
+        # A task cancelled before its turn does not run.
         self._transport.close()
         super().finished(result)
 
@@ -754,7 +754,7 @@ class _Capabilities(Task):
         return named_source(name, SourceOptions(key=self._service.key or None, transport=self._transport))
 
     def _find_layers(self) -> None:
-        """QGIS's connections do not say which of the two they lead to."""
+        """Try both kinds: QGIS's connections do not state which one they have."""
         kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
         problems: list[SourceError] = []
         for kind in kinds:

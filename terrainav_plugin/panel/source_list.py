@@ -1,4 +1,4 @@
-"""The sources there are to choose from: as the project's layers come and go, and as the user adds and removes some."""
+"""The list of sources, kept up to date as layers and the user's sources are added and removed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class SourceList(QObject):
-    """Keeps the source chooser up to date.
+    """Keep the source chooser up to date.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class SourceList(QObject):
     imagery : ImageryEntries
     messages : Messages
     window : QWidget
-        That dialogs belong to.
+        Parent of dialogs.
     visible_box : callable
-        What the map shows; None for no place.
+        Returns the extent of the map; None if it shows no place.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class SourceList(QObject):
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
         self._checked_features = visible_box
         self._told = ""
-        # Layers come and go by the dozen; one look is enough.
+        # Layers are added and removed in groups; one update is enough.
         self._soon = single_shot(self.refresh, self)
         self._signals = (
             project.layersAdded,
@@ -64,18 +64,18 @@ class SourceList(QObject):
         imagery.remove_source_clicked.connect(self.remove)
         imagery.cache_clicked.connect(self.show_cache)
         imagery.service_chosen.connect(self.choose_layer)
-        # QGIS does not tell of connections that come and go.
+        # QGIS emits no signal when connections are added or removed.
         imagery.source.about_to_open.connect(self.refresh)
         self.refresh()
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._soon.stop()
         for signal in self._signals:
             signal.disconnect(self._changed)
 
     def refresh(self) -> None:
-        """Offer what there is now."""
+        """Offer the current sources."""
         choices, problem = source_choices(self._project)
         self._imagery.set_choices(choices)
         if problem and problem != self._told:
@@ -83,7 +83,7 @@ class SourceList(QObject):
         self._told = problem
 
     def add(self) -> None:
-        """Ask for a source's URL, keep it, and choose it."""
+        """Ask for a source's URL, save and choose it."""
 
         def place() -> tuple[float, float] | None:
             box = self._checked_features()
@@ -98,7 +98,7 @@ class SourceList(QObject):
         dialog.deleteLater()
 
     def choose_layer(self, name: str) -> None:
-        """Ask which layer of a service of QGIS is wanted, keep it, and choose it."""
+        """Ask for a layer of a QGIS service, save and choose it."""
         from ..qgis_source.connections import service
         from .source_dialogs import ServiceDialog
 
@@ -109,7 +109,7 @@ class SourceList(QObject):
         dialog.deleteLater()
 
     def remove(self) -> None:
-        """Forget the user's own source that is chosen, after asking."""
+        """Remove the chosen user's source, after asking."""
         from ...core.imagery.catalogue import remove
 
         choice = self._imagery.choice()
@@ -128,7 +128,7 @@ class SourceList(QObject):
         self.refresh()
 
     def show_cache(self) -> None:
-        """Show what is kept of earlier captures."""
+        """Show the contents of the cache."""
         dialog = CacheDialog(self._window)
         dialog.exec()
         dialog.deleteLater()

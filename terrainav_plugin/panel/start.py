@@ -1,4 +1,4 @@
-"""The entry of the capture time of the first image: a day and a time in UTC, beside the local one."""
+"""Entry of the first image's capture time: date and time in UTC, with the local time."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ..widgets import FieldMessage, named
 
 
 class _DayAndTime(QgsDateTimeEdit):
-    """An entry that Tab leaves at once, and that a wheel turns only when it has been entered."""
+    """An entry that Tab leaves at once, and that the mouse wheel changes only while focused."""
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Go on to the next entry: the arrow keys go from part to part."""
+        """Move to the next entry: the arrow keys move between parts."""
         return QWidget.focusNextPrevChild(self, forward)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -31,9 +31,9 @@ class _DayAndTime(QgsDateTimeEdit):
 
 
 class StartEntry(QWidget):
-    """A day and a time in UTC; not set, they are the mission's default.
+    """Date and time in UTC; if not set, the mission's default.
 
-    A text that was entered stays as it is, decimals of a second included, until a person changes it.
+    A text that was entered stays unchanged, including decimals of a second, until the user changes it.
 
     Signals
     -------
@@ -65,11 +65,11 @@ class StartEntry(QWidget):
         self.edit.valueChanged.connect(self._edited)
 
     def text(self) -> str:
-        """Return what is entered, as a mission has it."""
+        """Return the text as a mission has it."""
         return self._text
 
     def enter(self, text: str) -> None:
-        """Enter a text, telling nobody; one that is no time is kept, for what is wrong with it to be said."""
+        """Enter a text without emitting signals; an invalid one is kept for its error to be shown."""
         if text != self._text:
             self._text = text
             self._show()
@@ -81,7 +81,7 @@ class StartEntry(QWidget):
             except InvalidInput:
                 time = None
             if time is None:
-                # `clear` alone shows the present time until the entry is left or shown anew.
+                # After `clear` alone, the entry shows the current time until it loses the focus or is shown again.
                 self.edit.setDateTime(QDateTime())
             else:
                 at = QTime(time.hour, time.minute, time.second, time.microsecond // 1000)
@@ -99,7 +99,7 @@ class StartEntry(QWidget):
         self.changed.emit()
 
     def _show_local(self) -> None:
-        """Say what the clock of this computer shows then."""
+        """Show the local time of this computer."""
         text = ""
         if self._text != Flight.start:
             try:
@@ -110,7 +110,7 @@ class StartEntry(QWidget):
 
 
 def local_text(time: datetime) -> str:
-    """Local time, as the user writes times; empty beyond what this computer converts."""
+    """Local time in the user's format; empty outside the range of this computer."""
     try:
         seconds = int(time.replace(tzinfo=timezone.utc).timestamp())
     except (OverflowError, OSError, ValueError):

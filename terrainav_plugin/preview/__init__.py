@@ -1,11 +1,11 @@
-"""The preview of a mission on the map, and the background below it.
+"""The preview of a mission on the map, and background imagery.
 
-view            what the map shows now
-preview         layers that follow every change of the mission and of the view
-layers          their attributes, styles, map tips and times
-scene           what of a plan is drawn for a view
-index           where captures are, so that those in view are found among a million
-features        captures and the flight line as map features
-density         how many images show each place, for images too many to be drawn
-background      the source that is entered, shown around the area
+view            the current view of the map
+preview         layers that follow every change of the mission and the view
+layers          attributes, styles, map tips and times of these layers
+scene           features drawn of a plan for a view
+index           spatial index of captures, to find those in view among a million
+features        captures and flight line as map features
+density         number of images per place, if there are too many images to draw
+background      the source entered, shown around the area
 """

@@ -1,4 +1,4 @@
-"""The map below: the source that is entered, shown as background around the area."""
+"""Background imagery: the source entered, shown around the area."""
 
 from __future__ import annotations
 
@@ -38,28 +38,28 @@ if TYPE_CHECKING:
     from ..messages import Messages
 
 _BACKGROUND = "background"
-#: Most pixels of a picture: a few seconds of drawing, and sharper than the screen until zoomed in twofold.
+#: Most pixels of an image: a few seconds of drawing, and sharper than the screen until zoomed in twofold.
 _MOST_PX = 20_000_000
-#: Room left around the area that is zoomed to, as a share of it.
+#: Margin around the area zoomed to, as a share of it.
 _ROOM = 1.2
 
 
 class SourceOnMap(QObject):
-    """Shows sources as background; the embedded world is drawn first, on a thread of the task manager.
+    """Show sources as background; the embedded world is drawn first, on a task manager's thread.
 
     Parameters
     ----------
     background : Background
     messages : Messages
     read : callable
-        What is entered.
+        Returns the state of the form.
     title : callable
-        Title of the source that is.
+        Returns the title of the source entered.
 
     Signals
     -------
     drawing(bool)
-        The embedded world is being drawn, or has been.
+        Whether the embedded world is being drawn.
     """
 
     drawing = pyqtSignal(bool)
@@ -80,7 +80,7 @@ class SourceOnMap(QObject):
         self._coarse: Callable[[], None] = lambda: None
 
     def show(self, then: Callable[[], None] | None = None) -> None:
-        """Show what is entered, and zoom to the area; ``then`` is called once it is there, or cannot be shown."""
+        """Show the source entered and zoom to the area; ``then`` is called once it is shown, or fails."""
         state = self._read()
         area, seen = mission_form.box(state), self._background.visible_box()
         map_type = state.map_types[0] if state.map_types else "satellite"
@@ -88,7 +88,7 @@ class SourceOnMap(QObject):
         try:
             stay = area is None and seen is not None
             if state.source == WORLD:
-                # The fields of the published dataset, where nothing is entered and the map shows nothing.
+                # The fields of the published dataset, if nothing is entered and the map is empty.
                 self._show_world(area or seen or Box(35.16, -89.90, 35.115, -89.823), map_type, state.seed, stay)
                 return
             title = self._title()
@@ -103,19 +103,19 @@ class SourceOnMap(QObject):
         self._finish()
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         if self._task is not None:
             self._task.abandon()
             self._task = None
 
     def _show_world(self, box: Box, map_type: str, seed: int, stay: bool) -> None:
-        """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
+        """Draw and show the embedded world around a box, and zoom there unless ``stay``."""
         if self._task is not None:
             return
         folder = Settings().backgrounds
         task = self._background.world_task(box, map_type, seed, folder)
         title = self._title()
-        # The map goes there with the first image that there is, and stays where the user moves it then.
+        # The first image moves the map; after that, keep the user's view.
         self._begin = None if stay else lambda: self._background.zoom_to_box(box)
 
         def show(task: WorldTask | None) -> None:
@@ -134,7 +134,7 @@ class SourceOnMap(QObject):
             return
         self._task = task
         self.drawing.emit(True)
-        # To a method of an object of the main thread, so that it is called there.
+        # A bound method of an object of the main thread, so that it is called there.
         self._coarse = lambda: self._show_image(task.coarse, folder, title)
         task.coarse_drawn.connect(self._show_coarse)
         task.begin(show)
@@ -144,7 +144,7 @@ class SourceOnMap(QObject):
             self._coarse()
 
     def _show_image(self, picture: WorldPicture, folder: Path, title: str) -> None:
-        """Show an image of the embedded world; the first one moves the map, and begins what comes after it."""
+        """Show an image of the embedded world; the first one moves the map and starts pending work."""
         begin, self._begin = self._begin, None
         try:
             self._background.show_picture(picture, folder, title)
@@ -155,19 +155,19 @@ class SourceOnMap(QObject):
         self._finish()
 
     def _finish(self) -> None:
-        """Do what was to be done once the map shows something."""
+        """Do the pending work, now that the map shows something."""
         then, self._then = self._then, None
         if then is not None:
             then()
 
 
 class WorldTask(Task):
-    """Renders an image of the embedded world: a coarse one within a moment, then the fine one.
+    """Render an image of the embedded world: first a coarse one, quickly, then the fine one.
 
     Signals
     -------
     coarse_drawn()
-        The coarse image can be shown; emitted on the thread that draws.
+        The coarse image can be shown; emitted on the drawing thread.
     """
 
     coarse_drawn = pyqtSignal()
@@ -191,47 +191,47 @@ class WorldTask(Task):
         render(self.picture, self.path, self.go_on)
 
     def remove_coarse(self) -> None:
-        """Remove the coarse image, which the map does not show any more."""
+        """Remove the coarse image, which the map no longer shows."""
         if self.coarse != self.picture:
             with suppress(OSError):
                 (self._folder / self.coarse.file_name).unlink()
 
 
 class Background:
-    """Adds a source below all layers of the project; at most one layer for each source."""
+    """Add sources below all layers of the project; at most one layer per source."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         self._project = project
         self._canvas = iface.mapCanvas()
-        #: A zoom to be done once the map has a layer, by the layer's id.
+        #: A zoom to do once the map has a layer, with the layer's id.
         self._waiting: tuple[str, Callable[[], None]] | None = None
         self._bridge = iface.layerTreeCanvasBridge()
         self._bridge.canvasLayersChanged.connect(self._settled)
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._bridge.canvasLayersChanged.disconnect(self._settled)
         self._waiting = None
 
     def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
-        """Task that draws the embedded world around a box; None where that is there already."""
+        """Task that draws the embedded world around a box; None if its image exists."""
         picture = choose_picture(box, map_type, seed)
         return None if (folder / picture.file_name).is_file() else WorldTask(picture, folder)
 
     def show_picture(self, picture: WorldPicture, folder: Path, title: str) -> QgsRasterLayer:
-        """Show an image of the embedded world that has been drawn."""
+        """Show an existing image of the embedded world."""
         return self._show(str(folder / picture.file_name), "gdal", title, WORLD)
 
     def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
-        """Show a source of tiles; raises InvalidInput where it cannot be shown."""
+        """Show a tiled source; raises InvalidInput if it cannot be shown."""
         return self._show(tile_layer_uri(source, map_type, date), "wms", title, source)
 
     def show_file(self, path: str, title: str) -> QgsRasterLayer:
-        """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
+        """Show a raster or MBTiles file; raises InvalidInput if QGIS cannot open it."""
         return self._show(name_for_gdal(path), "gdal", title, path)
 
     def zoom_to_box(self, box: Box | None) -> None:
-        """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
+        """Zoom to a box, or to everything; raises InvalidInput outside the domain of the project's CRS."""
         if box is None:
             self._when_settled(self._canvas.zoomToFullExtent)
             return
@@ -247,7 +247,7 @@ class Background:
         )
 
     def visible_box(self) -> Box | None:
-        """Box that the map shows; None for an empty map, or one that shows no place on Earth."""
+        """Box that the map shows; None for an empty map, or if it shows no place on Earth."""
         if not self._canvas.layers():
             return None
         try:
@@ -256,14 +256,14 @@ class Background:
             return None
 
     def rectangle(self, box: Box) -> QgsRectangle:
-        """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""
+        """Rectangle of the canvas around a box; raises InvalidInput outside the domain of the project's CRS."""
         return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
 
     def _when_settled(self, zoom: Callable[[], None]) -> None:
-        """Zoom now; or, while the map has not got all layers that it is to show, once it has.
+        """Zoom now or, while the map lacks some of its layers, once it has them.
 
-        With the first layer of a project QGIS takes its CRS and zooms to it, a while after it was added. What the map
-        still shows of an earlier project says nothing about that.
+        With a project's first layer QGIS sets the CRS and zooms to it, a while after the layer was added. What the map
+        still shows of an earlier project does not matter.
         """
         there = {layer.id() for layer in self._canvas.layers()}
         coming = [
@@ -281,7 +281,7 @@ class Background:
             return
         wanted, zoom = self._waiting
         node = self._project.layerTreeRoot().findLayer(wanted)
-        # A layer that has been removed or hidden meanwhile does not come.
+        # Do not wait for a layer that was removed or hidden meanwhile.
         if node is None or not node.isVisible() or wanted in {layer.id() for layer in layers}:
             self._waiting = None
             zoom()
@@ -322,14 +322,14 @@ class WorldPicture(NamedTuple):
 
     @property
     def file_name(self) -> str:
-        """The same picture has the same name."""
+        """Name of the image's file, the same for the same image."""
         return f"synthetic-{'-'.join(str(part) for part in self)}.tif"
 
 
 def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
-    """Tiles around a box at the highest zoom that keeps the picture small; None for the whole world.
+    """Tiles around a box at the highest zoom that keeps the image small; the whole world for None.
 
-    Columns end at the world's edges, so that of a box across the antimeridian the wider side is shown.
+    Columns end at the world's edges: of a box across the antimeridian, the wider side is shown.
     """
     west, east, north, south = 0.0, 1.0, 0.0, 1.0
     if box is not None:
@@ -341,11 +341,11 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
             for lat in (box.north_deg, box.south_deg)
         )
         width, height = east - west, south - north
-        # Shorter side of the picture over its longer, at least.
+        # Least ratio of the image's shorter side to its longer.
         narrowest = 0.75
-        # The picture in widths and heights of the area.
+        # Size of the image, in sizes of the area.
         around = 2.0
-        # Even around a small area there is some land to see; world fractions.
+        # Show some land even around a small area; world fractions.
         least = 2.0**-16
         half_u = max(width, narrowest * height, least) * around / 2.0
         half_v = max(height, narrowest * width, least) * around / 2.0
@@ -362,7 +362,7 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
 
 
 def coarser(picture: WorldPicture) -> WorldPicture:
-    """Tiles of a lower zoom around an image: a few, which are drawn within a moment."""
+    """Tiles of a lower zoom around an image: few, and drawn quickly."""
     # A 64th of the pixels.
     steps = min(3, picture.zoom)
     left, top = picture.left >> steps, picture.top >> steps
@@ -372,12 +372,12 @@ def coarser(picture: WorldPicture) -> WorldPicture:
 
 
 def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:
-    """Draw a picture and write it as a GeoTIFF with overviews, whole or not at all.
+    """Draw an image and write it as GeoTIFF with overviews, completely or not at all.
 
     Raises
     ------
     Cancelled
-        When ``progress`` (share done, 0 to 1) said so.
+        ``progress``, called with the share done, has returned False.
     OutputError
     """
     make_folder(path.parent)

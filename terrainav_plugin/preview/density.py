@@ -1,4 +1,4 @@
-"""How many images show each place: what stands for images too many or too small to be drawn. Runs in the background."""
+"""Number of images per place, shown instead of images too many or too small to draw. Runs in the background."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: A polygon of one closed ring of five corners, in well-known binary.
+#: Header of a polygon with one closed ring of five points, in well-known binary.
 _RECTANGLE = np.dtype([("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))])
 _LITTLE_ENDIAN, _POLYGON, _MULTI_POLYGON = 1, 3, 6
 
 
 class DensityCells(NamedTuple):
-    """A part of the grid that cuts the world into 2**level cells a side, counted from its south-west corner.
+    """A part of the grid of 2**level by 2**level cells of the world, counted from its south-west corner.
 
-    Cells keep their places when the map is moved. A last column beyond the world's end lies across the antimeridian.
+    Cells keep their places when the map moves. A last column beyond the world's end is across the antimeridian.
     """
 
     level: int
@@ -39,10 +39,10 @@ class DensityCells(NamedTuple):
 
     @classmethod
     def covering(cls, rect: Rect, px_per_m: float) -> DensityCells:
-        """Cells over a part of the world, as fine as can be seen."""
-        # Of a cell on the screen; twice that is never reached.
+        """Cells over a part of the world, as fine as is visible."""
+        # Least size of a cell on the screen; the actual size is under twice that.
         least_px = 8.0
-        # Along a side of the grid.
+        # Most cells along a side of the grid.
         most_cells = 400
         width = max(least_px / px_per_m, rect.longer_m / (most_cells - 2))
         world = rect.world
@@ -60,15 +60,15 @@ class DensityCells(NamedTuple):
 
 
 def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
-    """How many rectangles show a place of each cell on average, exactly; (rows, columns), southernmost row first.
+    """Mean number of rectangles over each cell, exactly; (rows, columns), southernmost row first.
 
-    The mean and not the number at one place of the cell: that of a regular grid of images beats against the grid of
-    the cells, and shows patterns that are not there.
+    The mean, since the number at one place per cell would show moiré between the regular grid of images and that of the
+    cells.
     """
     around, size, world = 1 << cells.level, cells.size_m, cells.world
-    # What each rectangle covers of rows and columns is the running sum of a few steps at its edges.
+    # The coverage of rows and columns by a rectangle is the running sum of a few steps at its edges.
     steps = np.zeros((cells.rows + 1) * (cells.columns + 1))
-    # Rectangles counted at once, to bound memory.
+    # Process rectangles in blocks to bound memory.
     batch = 1 << 17
     for start in range(0, len(boxes.west), batch):
         west, south, east, north = (
@@ -88,7 +88,7 @@ def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
 
 
 def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, Floats]]:
-    """Places and heights of the steps whose running sum is the share of each cell between two edges, 0 to ``cells``."""
+    """Indices and heights of steps whose running sum is the share of each cell between two edges, 0 to ``cells``."""
     steps = []
     for edge, sign in ((first, 1.0), (last, -1.0)):
         cell = np.minimum(edge.astype(np.int64), cells - 1)
@@ -98,18 +98,18 @@ def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, 
 
 
 def levels(means: Floats) -> Numbers:
-    """Means in steps of a quarter, as whole numbers; of many images in coarser ones, so that there are few."""
+    """Means in integer steps of a quarter, coarser for many images, so that there are few levels."""
     quarters = np.rint(4.0 * means)
-    # Eight levels to a doubling of the number of images, a sixth apart at most.
+    # Eight levels per doubling of the number of images, at most a sixth apart.
     step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - 3, 0.0)
     return (np.rint(quarters / step) * step).astype(np.int64)
 
 
 def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]:
-    """One feature for each of the `levels`: all cells of that level, neighbours as one rectangle."""
+    """One feature for each of the `levels`: all its cells, with neighbours merged."""
     padded = np.pad(quarters, ((0, 0), (1, 1)))
     change = padded[:, 1:] != padded[:, :-1]
-    # No cell lies on both sides of the antimeridian.
+    # No cell spans the antimeridian.
     border = (1 << cells.level) - cells.column
     if cells.world.wraps and 0 < border < cells.columns:
         change[:, border] = True
@@ -120,7 +120,7 @@ def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]
     row, column, stop, value = row[shown], column[shown], stop[shown], value[shown]
     order = np.lexsort((row, stop, column, value))
     row, column, stop, value = row[order], column[order], stop[order], value[order]
-    # Rectangles of one width above each other become one: edges between them would show as hairlines.
+    # Merge rectangles of equal width above each other: their edges would show as hairlines.
     same = (np.diff(value) == 0) & (np.diff(column) == 0) & (np.diff(stop) == 0) & (np.diff(row) == 1)
     first = np.flatnonzero(np.r_[True, ~same][: len(value)])
     tops = np.r_[row[first[1:] - 1], row[-1:]] + 1
@@ -140,7 +140,7 @@ def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]
 
 
 def _rectangles(cells: DensityCells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers) -> NDArray[np.void]:
-    """Rectangles from rows and columns of cells up to others (excluded), in well-known binary."""
+    """Rectangles between rows and columns of cells (the upper ones excluded), in well-known binary."""
     size, around, world = cells.size_m, 1 << cells.level, cells.world
     turn = np.floor_divide(cells.column + first, around) * around if world.wraps else 0
     west, east = (world.west + size * (cells.column + edge - turn) for edge in (first, stop))

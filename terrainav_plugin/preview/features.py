@@ -1,4 +1,4 @@
-"""Captures of a plan and its flight line as map features. Runs in the background: plain values in, features out."""
+"""Captures and flight line of a plan as map features. Runs in the background on plain values."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: A flight of up to so many captures is always drawn whole; longer ones have so many corners from afar.
+#: Flights of up to this many captures are always drawn completely; longer ones with this many corners from afar.
 MOST_CORNERS = 4000
 
 
 class ExposureTimes:
-    """When each capture is exposed, and the next one."""
+    """Time of each exposure, and of the next one."""
 
     def __init__(self, plan: Plan) -> None:
         self.start_ms = utc_ms(plan)
         self.at_ms = self.start_ms + np.round(1000.0 * plan.times_s)
         last = self.at_ms[-1] - self.at_ms[-2] if len(self.at_ms) > 1 else 0.0
-        #: A picture is the latest one until the next; of a single one there is no next, so it is for a second.
+        #: An image is current until the next one; a single one, for a second.
         self.until_ms = np.append(self.at_ms[1:], self.at_ms[-1] + (last or 1000.0))
 
     def during(self, times_ms: tuple[float, float]) -> tuple[int, int]:
-        """First capture shown in a range of time, and the one after the last."""
+        """First capture shown in a time range, and the one after the last."""
         begin, end = times_ms
         first = int(np.searchsorted(self.until_ms, begin))
         return first, max(int(np.searchsorted(self.at_ms, end, "right")), first)
@@ -64,7 +64,7 @@ def moment(unix_ms: float) -> QDateTime:
 
 
 def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
-    """Feature of a geometry and its attributes."""
+    """Feature with a geometry and attributes."""
     made = QgsFeature()
     made.setGeometry(geometry)
     made.setAttributes(list(attributes))
@@ -72,14 +72,14 @@ def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
 
 
 def area_features(plan: Plan) -> list[QgsFeature]:
-    """Outline of each polygon of the area, or of the box; none of points.
+    """Outline of each polygon of the area, or of the box; empty for points.
 
-    Its edges are straight in longitude and latitude, in pieces as other CRSs bend them.
+    Edges are straight in longitude and latitude, in pieces since other CRSs bend them.
     """
     if plan.mission.kind != "raster":
         return []
     area = plan.mission.area
-    # Of each edge: other CRSs bend parallels and meridians.
+    # Pieces of an edge: other CRSs bend parallels and meridians.
     pieces = 64
     share = np.arange(pieces) / pieces
     plane = plan.grid.plane
@@ -99,8 +99,8 @@ def area_features(plan: Plan) -> list[QgsFeature]:
 class Picked(NamedTuple):
     """Some captures of a plan, as a plan, with figures of the whole plan.
 
-    ``overlap`` is how many of all planned images show the middle of each, ``crowd`` how many of these are drawn over
-    the middle of each, by the rectangles around them.
+    ``overlap`` is the number of planned images that show the middle of each capture, ``crowd`` the number of these
+    captures drawn over its middle, by their bounding rectangles.
     """
 
     plan: Plan
@@ -125,7 +125,7 @@ def plan_part(plan: Plan, ids: Numbers) -> Plan:
 
 
 def footprint_features(picked: Picked) -> list[QgsFeature]:
-    """Footprint of each image: the frame its file will state, or the ground the camera sees."""
+    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
     plan = picked.plan
     where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
     sight = (picked.overlap, picked.crowd, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
@@ -137,7 +137,7 @@ def footprint_features(picked: Picked) -> list[QgsFeature]:
 
 
 def centre_features(picked: Picked) -> list[QgsFeature]:
-    """Where the camera is at each capture."""
+    """Position of the camera at each capture."""
     plan = picked.plan
     lon = wrap_lon_deg(plan.lon_deg)
     places = (values.tolist() for values in placed(plan.grid.plane, lon, plan.lat_deg))
@@ -150,12 +150,12 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
 
 
 def plan_flight(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
-    """Flight of a plan: from capture to capture, or a path that has more points than these."""
+    """Flight of a plan: from capture to capture, or a path with more points."""
     return FlightLine(plan, index, clock) if plan.path.is_captures else SortieLines(plan, clock)
 
 
 class SortieLines:
-    """The path of a plan that has more than its captures, sortie by sortie; it is always drawn whole."""
+    """The flight path of a plan that is more than its captures, by sortie; always drawn completely."""
 
     is_short = True
 
@@ -164,24 +164,24 @@ class SortieLines:
         path, rows = plan.path, np.full(len(plan.path), -1)
         taken = path.capture >= 0
         rows[taken] = plan.row[path.capture[taken]]
-        # Of rows of a long flight their ends.
+        # Of long flights, the ends of rows.
         inside = taken & np.append(False, rows[1:] == rows[:-1]) & np.append(rows[1:] == rows[:-1], False)
         self._kept = ~inside if len(path) > MOST_CORNERS else np.ones(len(path), bool)
 
     def whole(self) -> list[QgsFeature]:
-        """The line of each sortie."""
+        """Return the line of each sortie."""
         return [self._line(number) for number in range(self._plan.path.sorties)]
 
     def ends(self) -> list[QgsFeature]:
-        """The same: ways there and back are what there is to see from afar."""
+        """Return the line of each sortie: the ways there and back matter from afar."""
         return self.whole()
 
     def is_clear(self, _bounds: Rect, _px_per_m: float) -> bool:
-        """Whether it is to be drawn."""
+        """Return that it is always drawn."""
         return True
 
     def legs(self, _ids: Numbers, _rect: Rect) -> list[QgsFeature]:
-        """The line of each sortie."""
+        """Return the line of each sortie."""
         return self.whole()
 
     def _line(self, number: int) -> QgsFeature:
@@ -212,7 +212,7 @@ class FlightLine:
         self._whole = _corners(plan.row)
         if self.is_short:
             return
-        # Legs longer than the pictures beside them may cross a view that no picture of them touches.
+        # Legs longer than their images may cross a view that none of their images touches.
         if plan.grid.plane.wraps:
             x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
         else:
@@ -226,30 +226,30 @@ class FlightLine:
 
     @property
     def is_short(self) -> bool:
-        """Whether it is always drawn whole."""
+        """Whether it is always drawn completely."""
         return len(self._plan) <= MOST_CORNERS
 
     def whole(self) -> list[QgsFeature]:
-        """The line from end to end, at few corners of a long flight: where rows begin and end, and some between."""
+        """Line from end to end; of a long flight with few corners: the ends of rows, and some between."""
         return self._feature([self._whole])
 
     def ends(self) -> list[QgsFeature]:
-        """The first row and the last."""
+        """First and last row."""
         row = self._plan.row[self._whole]
         return self._feature([self._whole[row == end] for end in np.unique([row[0], row[-1]])])
 
     def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
-        """Whether the legs of the whole flight lie far enough apart on the screen to be distinct, on average."""
+        """Whether the legs of the whole flight are far enough apart on the screen, on average."""
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
         plane = self._plan.grid.plane
-        # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.
+        # The map's scale enlarges lengths linearly and areas quadratically.
         shrunk = np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if plane.wraps else plane.unit_m
         length_m = self._plan.direct.distance_m / shrunk
         # Legs closer than 10 px on the screen would hide everything else.
         return bool(area_m2 * px_per_m >= 10.0 * length_m)
 
     def legs(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
-        """Legs of a long flight from or to some captures, and those that cross a part of the world on their way."""
+        """Legs of a long flight from or to some captures, and those that cross a part of the world."""
         last = len(self._plan) - 1
         crossing = self._long[self._long_boxes.meets(rect)]
         legs = np.unique(np.concatenate([ids, ids - 1, crossing]))

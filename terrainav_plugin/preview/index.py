@@ -1,4 +1,4 @@
-"""Where captures are, so that those in view are found among a million in milliseconds. Numpy alone."""
+"""Spatial index of captures: finds those in view among a million in milliseconds. Numpy only."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Rects(NamedTuple):
 
     @classmethod
     def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR) -> Rects:
-        """Rectangles of continuous eastings, at most as wide as the world."""
+        """Rectangles from continuous eastings, at most as wide as the world."""
         if world.wraps:
             east = np.minimum(east, west + world.size)
             turn = np.floor((west - world.west) / world.size)
@@ -36,11 +36,11 @@ class Rects(NamedTuple):
 
     @property
     def longer_m(self) -> Floats:
-        """Longer side of each."""
+        """Longer side of each rectangle."""
         return np.maximum(self.east - self.west, self.north - self.south)
 
     def take(self, which: Numbers) -> Rects:
-        """Some of them."""
+        """Return some of the rectangles."""
         return Rects(*(edge[which] for edge in self.edges), self.world)
 
     @property
@@ -50,7 +50,7 @@ class Rects(NamedTuple):
 
     @property
     def middles(self) -> tuple[Floats, Floats]:
-        """Middle of each, within the world."""
+        """Middle of each rectangle, within the world."""
         x = (self.west + self.east) / 2.0
         if self.world.wraps:
             # It may lie beyond the antimeridian.
@@ -58,7 +58,7 @@ class Rects(NamedTuple):
         return x, (self.south + self.north) / 2.0
 
     def meets(self, rect: Rect) -> NDArray[np.bool_]:
-        """Which of them share ground with a rectangle."""
+        """Whether each overlaps a rectangle."""
         level = (self.south <= rect.north) & (self.north >= rect.south)
         beside = np.zeros(len(self.west), bool)
         for shift in self.world.shifts:
@@ -67,9 +67,9 @@ class Rects(NamedTuple):
 
 
 class CaptureIndex:
-    """Captures by place and size: in each class of sizes, a factor of two wide, bins as wide as its largest.
+    """Captures by place and size: in each size class, a factor of two wide, bins are as wide as its largest.
 
-    A query reads the limits of the bins it needs from sorted arrays; it touches no capture outside of them.
+    A query reads the ranges of the bins it needs from sorted arrays, and touches no other captures.
     """
 
     def __init__(self, boxes: Rects) -> None:
@@ -87,11 +87,11 @@ class CaptureIndex:
         return len(self.longer_m)
 
     def count(self, rect: Rect, from_m: float = 0.0) -> int:
-        """At least as many as `find` returns; no capture is looked at."""
+        """Upper limit of the number of captures from `find`, computed without touching them."""
         return sum(int((stop - start).sum()) for _, start, stop in self._slices(rect, from_m))
 
     def find(self, rect: Rect, from_m: float = 0.0) -> Numbers:
-        """Captures that share ground with a rectangle, of a longer side of ``from_m`` or more; in flight order."""
+        """Captures that overlap a rectangle and whose longer side is at least ``from_m``, in flight order."""
         found = [level.ids[_ranges(start, stop)] for level, start, stop in self._slices(rect, from_m)]
         ids = np.sort(np.concatenate([np.empty(0, np.int64), *found]))
         return ids[(self.longer_m[ids] >= from_m) & self.boxes.take(ids).meets(rect)]
@@ -101,7 +101,7 @@ class CaptureIndex:
 
 
 class _SizeClass:
-    """Captures of one class of sizes, sorted by bin."""
+    """Captures of one size class, sorted by bin."""
 
     def __init__(self, boxes: Rects, ids: Numbers, bin_m: float) -> None:
         self.bin_m = bin_m
@@ -119,7 +119,7 @@ class _SizeClass:
         return np.floor((position_m - from_m) / self.bin_m).astype(np.int64)
 
     def slices(self, rect: Rect) -> tuple[Numbers, Numbers]:
-        """Where in ``ids`` those stand whose bins a rectangle may touch: starts and stops."""
+        """Ranges in ``ids`` of the bins that a rectangle may touch: starts and stops."""
         reach, world = self.bin_m / 2.0, self._world
         low, high = self._bin(np.array([rect.south - reach, rect.north + reach]), world.south).tolist()
         rows = self._rows[np.searchsorted(self._rows, low) : np.searchsorted(self._rows, high, "right")]
@@ -141,14 +141,14 @@ class _SizeClass:
 
 
 def _ranges(start: Numbers, stop: Numbers) -> Numbers:
-    """All whole numbers of the ranges, one after the other."""
+    """All integers of some ranges, one after another."""
     counts = stop - start
     before = np.cumsum(counts) - counts
     return np.arange(int(counts.sum())) + np.repeat(start - before, counts)
 
 
 def count_shown(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
-    """How many rectangles show each place, (m,); eastings within the world."""
+    """Number of rectangles that contain each place, (m,); eastings within the world."""
     order = np.argsort(y_m)
     heights, eastings = y_m[order], x_m[order]
     first = np.searchsorted(heights, boxes.south)

@@ -1,4 +1,4 @@
-"""The preview's layers: their attributes, styles, map tips and times."""
+"""The preview's layers: attributes, styles, map tips and times."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ FIELDS = {
     ),
     "density": "field=images:double",
 }
-#: Attributes that say from when until when a feature is there.
+#: Attributes with the start and end of a feature's time.
 _WHEN = {"footprints": ("time", "time_end"), "centres": ("time", "time_end"), "flight": ("start", "end")}
 
 
 def field_names(role: str) -> list[str]:
-    """Names of the attributes of a layer."""
+    """Names of a layer's attributes."""
     return [part.partition("=")[2].partition(":")[0] for part in FIELDS[role].split("&")]
 
 
@@ -47,13 +47,13 @@ class PreviewLayer:
     geometry: str
 
     def new_layer(self, crs: str) -> QgsVectorLayer:
-        """Layer without features in a CRS, a code or WKT, in its styles."""
+        """Empty layer in a CRS (a code or WKT), with its styles."""
         uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
         layer = QgsVectorLayer(uri, title(self.role), "memory")
         layer.setCrs(crs_named(crs))
-        # It can be made again at any time, so closing the project need not ask whether to save it.
+        # It can be recreated at any time, so closing the project need not ask whether to save it.
         layer.setCustomProperty("skipMemoryLayersCheck", 1)
-        # Styles keep such properties, too: they are set before there are two.
+        # Styles hold such properties too: set them before there are two.
         layer.setCustomProperty(ROLE, self.role)
         _dress(layer, self.role, self.role)
         layer.setReadOnly(True)
@@ -65,7 +65,7 @@ class PreviewLayer:
             yield from _add_overlap_style(layer)
 
 
-#: From the top of the group to its bottom.
+#: Layers from top to bottom of the group.
 KINDS = (
     PreviewLayer("area", "MultiPolygon"),
     PreviewLayer("centres", "Point"),
@@ -118,12 +118,12 @@ def _map_tip(role: str) -> str:
 
 
 def _sortie_text() -> str:
-    """Which sortie a line is of, as the inside of a text in an expression."""
+    """Number of a line's sortie, for use inside a string of an expression."""
     return tr("Sortie {number}").replace("'", "''").format(number="' || \"sortie\" || '")
 
 
 def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
-    """Load a style; one that is loaded takes away map tips and times, which are the same in all."""
+    """Load a style and restore map tips and times, which it would remove."""
     layer.loadNamedStyle(style(name))
     layer.setMapTipTemplate(_map_tip(role))
     _set_times(layer, role)
@@ -132,7 +132,7 @@ def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
 
 
 def _label_sorties(layer: QgsVectorLayer) -> None:
-    """Write along the line of each of several sorties which one it is; colours repeat, and not all tell them apart."""
+    """Label each of several sorties along its line: colours repeat, and not everyone distinguishes them."""
     labels = QgsPalLayerSettings()
     text = _sortie_text()
     labels.fieldName, labels.isExpression = f"if(\"sortie\" > 0, '{text}', '')", True
@@ -147,7 +147,7 @@ def _label_sorties(layer: QgsVectorLayer) -> None:
 
 
 def _set_times(layer: QgsVectorLayer, role: str) -> None:
-    """Have QGIS's temporal controller show features at their time."""
+    """Make QGIS's temporal controller show features at their time."""
     if role not in _WHEN:
         return
     times = layer.temporalProperties()
@@ -159,7 +159,7 @@ def _set_times(layer: QgsVectorLayer, role: str) -> None:
 
 
 def _add_overlap_style(layer: QgsVectorLayer) -> Iterator[None]:
-    """Give the footprints a second style by name, for the user to choose."""
+    """Add a second, named style for footprints, for the user to choose."""
     styles = layer.styleManager()
     plain, overlap = tr("Footprints"), tr("Overlap count")
     styles.renameStyle(styles.currentStyle(), plain)

@@ -1,4 +1,4 @@
-"""The preview: what would be captured, as layers that follow every change of the mission and of the view."""
+"""The preview: what would be captured, as layers that follow every change of the mission and the view."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from .scene import Drawing, PreviewScene
 
-#: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
+#: Features added to a layer at once: QGIS takes some hundredths of a millisecond for each.
 MOST_A_STEP = 100
 
 
 class _Overtaken(Exception):
-    """Another view or plan is wanted by now."""
+    """Another view or plan has been requested."""
 
 
 class Preview(QObject):
-    """Shows one plan at a time, in the detail that the map's view allows.
+    """Show one plan at a time, in the detail that the map's view allows.
 
-    A thread works out what a view needs; the layers are made and filled on the main thread, in steps too
-    short to be felt. What is there already and still right stays.
+    A thread computes the features of a view; the main thread creates and fills the layers, in steps too short to be
+    noticed. What is still valid stays.
 
     Signals
     -------
     closed()
-        After the user removed the preview's layers, or the project was closed.
+        The user has removed the preview's layers, or the project was closed.
     visibility_changed(bool)
-        Its layers have come into sight, or have all gone out of it, by whoever ticked them.
+        Any of its layers has become visible, or all are hidden, whoever changed them.
     failed(object)
-        The error that has kept a view from being drawn.
+        The error that prevented drawing.
     """
 
     closed = pyqtSignal()
@@ -57,9 +57,9 @@ class Preview(QObject):
         self._plan: Plan | None = None
         self._world = MERCATOR
         self._drawing: Drawing | None = None
-        #: What each layer holds, so that the same is not put there again.
+        #: Features in each layer, to skip unchanged ones.
         self._held: dict[str, list[QgsFeature]] = {}
-        #: Layers that were changed while the map was being drawn.
+        #: Layers changed while the map was being drawn.
         self._overdrawn: set[str] = set()
         self._pieces: Iterator[None] | None = None
         self._filling = False
@@ -85,12 +85,12 @@ class Preview(QObject):
 
     @property
     def shown(self) -> bool:
-        """Whether there are preview layers in the project."""
+        """Whether the project has preview layers."""
         return bool(self._ids)
 
     @property
     def visible(self) -> bool:
-        """Whether anything of it is to be seen, or will be as soon as it is there."""
+        """Whether any of it is visible, or will be once it is drawn."""
         nodes = self._nodes()
         return not nodes or any(node.isVisible() for node in nodes)
 
@@ -105,11 +105,11 @@ class Preview(QObject):
         return self._drawing
 
     def layer(self, role: str) -> QgsVectorLayer | None:
-        """Layer of a kind: area, centres, flight, footprints or density."""
+        """Layer with a role: area, centres, flight, footprints or density."""
         return self._project.mapLayer(self._ids.get(role, ""))
 
     def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
-        """Have a plan drawn; layers that are there already are filled anew, in place."""
+        """Show a plan; refills existing layers in place."""
         self._set_group(group)
         self._plan, self._world, self._drawing = plan, preview_world(plan), None
         self._filling, self._pieces = False, self._make_layers(mission)
@@ -117,7 +117,7 @@ class Preview(QObject):
         self._look()
 
     def set_footprints_visible(self, visible: bool) -> None:
-        """Tick or untick the planned images, their density, centres and flight line in the layer tree."""
+        """Check or uncheck the planned images, density, centres and flight line in the layer tree."""
         for node in self._nodes():
             if visible:
                 node.setItemVisibilityCheckedParentRecursive(True)
@@ -125,27 +125,27 @@ class Preview(QObject):
                 node.setItemVisibilityChecked(False)
 
     def remove(self) -> None:
-        """Take the preview off the map; results in its group stay."""
+        """Remove the preview from the map; results in its group stay."""
         self._worker.forget()
         self._pause.stop()
         self._plan = self._scene = self._drawing = self._pieces = None
         self._held = {}
         ids = [layer_id for layer_id in self._ids.values() if self._project.mapLayer(layer_id)]
         self._keep_styles(ids)
-        # Removed by the preview: `_forget` need not react.
+        # Removed by the preview itself: `_forget` must not react.
         self._ids = {}
         self._project.removeMapLayers(ids)
         if ids:
-            # QGIS itself draws the map anew only where layers are gone from its list before they are deleted.
+            # QGIS redraws the map only if layers leave its list before they are deleted.
             self._canvas.refresh()
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None
-        # Layers of another group are not hidden because those of this one were.
+        # Hidden layers of this group do not hide those of another.
         self._look_at_visibility()
 
     def close(self) -> None:
-        """End for good: nothing of the preview, no thread and no connection is left."""
+        """Stop for good: remove the preview, its thread and its connections."""
         for moved in self._moves:
             moved.disconnect(self._follow)
         self._canvas.mapCanvasRefreshed.disconnect(self._paint_again)
@@ -158,25 +158,25 @@ class Preview(QObject):
     # --- from a view to features
 
     def _follow(self, *_: object) -> None:
-        """Look again once the map has come to rest."""
+        """Check the view again once the map has come to rest."""
         if self._plan is not None:
             self._pause.start()
 
     def _look(self) -> None:
-        """Have drawn what the map shows now, unless it is there."""
+        """Request a drawing of the current view, unless there is one."""
         self._pause.stop()
         if self._plan is None:
             self._scene = None
             return
         view = current_view(self._canvas, self._world)
         if self._drawing is not None and view is not None and self._drawing.serves(view):
-            # On its way may be another view, which has been left meanwhile.
+            # A drawing under way may be of another view, which is obsolete.
             self._worker.forget()
         else:
             self._worker.ask(partial(self._work, self._plan, view), self._take)
 
     def _work(self, plan: Plan, view: MapView | None, overtaken: Callable[[], bool]) -> Drawing:
-        """Make features, ending early when overtaken. Runs on the preview's thread."""
+        """Compute features, ending early if overtaken. Runs on the preview's thread."""
         from .scene import PreviewScene
 
         def check() -> None:
@@ -189,7 +189,7 @@ class Preview(QObject):
 
         scene = self._scene
         if scene is None or scene.plan is not plan:
-            # It serves all views of its plan, so that only another plan overtakes it.
+            # The scene serves all views of its plan: only another plan overtakes it.
             scene = PreviewScene(plan, check_plan)
             check_plan()
             self._scene = scene
@@ -197,13 +197,13 @@ class Preview(QObject):
 
     def _take(self, drawing: Drawing) -> None:
         self._drawing = drawing
-        # Layers that are still being made are filled after that.
+        # Layers still being created are filled afterwards.
         if self._pieces is None or self._filling:
             self._pieces = self._fill(drawing)
             self._fill_next()
 
     def _fill_next(self) -> None:
-        """Take the next step, and let the application breathe before the one after it."""
+        """Do the next step, and return to the event loop before the one after it."""
         if self._pieces is None:
             return
         if next(self._pieces, self) is self:
@@ -212,7 +212,7 @@ class Preview(QObject):
             self._turn.start()
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
-        """Bring the layers that are not there, step by step: reading their styles takes a while."""
+        """Create missing layers, step by step: reading their styles takes a while."""
         has_area = mission.kind == "raster"
         if not has_area:
             self._remove_area()
@@ -222,7 +222,7 @@ class Preview(QObject):
                 self._bring_to_world(there, kind.role)
                 continue
             layer = kind.new_layer(self._world.crs)
-            # Before the project has it: what it looks like meanwhile is not seen.
+            # Set up before the project has it, so that intermediate states are not visible.
             for _ in kind.add_styles(layer):
                 yield None
             self._add(layer, kind.role, index)
@@ -233,14 +233,14 @@ class Preview(QObject):
             yield from self._fill(self._drawing)
 
     def _fill(self, drawing: Drawing) -> Iterator[None]:
-        """Fill the layers, some features a step, and show them all at the end."""
+        """Fill the layers, some features per step, and show them all at the end."""
         self._filling = True
         changed = []
         for kind in KINDS:
             wanted, held = drawing.layers[kind.role], self._held.get(kind.role)
             if self.layer(kind.role) is None or held is wanted or (held == [] and not wanted):
                 continue
-            # Until it is filled, what it holds is of no use to another drawing.
+            # While it is being filled, another drawing cannot use its contents.
             self._held.pop(kind.role, None)
             self.layer(kind.role).dataProvider().truncate()
             for first in range(0, len(wanted), MOST_A_STEP):
@@ -264,7 +264,7 @@ class Preview(QObject):
             if layer is None:
                 continue
             if role != "area":
-                # "Zoom to layer" goes to the whole mission, whatever part of it is drawn.
+                # "Zoom to layer" shows the whole mission, whatever part of it is drawn.
                 layer.setExtent(bounds)
             else:
                 layer.updateExtents()
@@ -273,10 +273,10 @@ class Preview(QObject):
             self._overdrawn.update(roles)
 
     def _paint_again(self) -> None:
-        """Have layers drawn once more that were changed under a running drawing.
+        """Redraw layers that were changed while the map was being drawn.
 
-        That drawing shows what they held before, and QGIS may keep its images for the next one, which the change
-        had asked for: the old state would then stay on the map.
+        That drawing shows their earlier contents, and QGIS may reuse its images for the next drawing, which the change
+        had requested: the old contents would stay on the map.
         """
         roles, self._overdrawn = self._overdrawn, set()
         for role in roles:
@@ -293,12 +293,12 @@ class Preview(QObject):
         self._group = group
 
     def _adopt(self, role: str) -> QgsVectorLayer | None:
-        """Take over the empty layer that a reopened project has kept of an earlier preview."""
+        """Reuse the empty layer of an earlier preview that a reopened project has kept."""
         layer = self._group.layer(role)
         if not (isinstance(layer, QgsVectorLayer) and layer.providerType() == "memory"):
             return None
         if layer.fields().names() != field_names(role):
-            # Of another version, which knew other attributes.
+            # Of another version, with other attributes.
             self._project.removeMapLayer(layer.id())
             return None
         self._ids[role] = layer.id()
@@ -306,10 +306,10 @@ class Preview(QObject):
         return layer
 
     def _bring_to_world(self, layer: QgsVectorLayer, role: str) -> None:
-        """Have a layer, which keeps its style, hold features in the CRS of another plan."""
+        """Change a layer to the CRS of another plan, keeping its style."""
         crs = crs_named(self._world.crs)
         if layer.crs() != crs:
-            # What it holds lies elsewhere in that CRS.
+            # Its features are elsewhere in that CRS.
             layer.dataProvider().truncate()
             layer.setCrs(crs)
             self._held[role] = []
@@ -320,19 +320,19 @@ class Preview(QObject):
         self._held[role] = []
 
     def _remove_area(self) -> None:
-        """Take the layer of the area away, which for points would be empty."""
+        """Remove the layer of the area, which would be empty for points."""
         layer = self.layer("area") or self._adopt("area")
         if layer is not None:
             self._keep_styles([layer.id()])
-            # Removed by the preview: `_forget` need not react.
+            # Removed by the preview itself: `_forget` must not react.
             del self._ids["area"]
             self._project.removeMapLayer(layer.id())
             self._canvas.refresh()
 
     def _nodes(self) -> list[QgsLayerTreeLayer]:
-        """Where the layers that hide results are in the layer tree."""
+        """Layer tree nodes of the layers that cover results."""
         root = self._project.layerTreeRoot()
-        # The area hides nothing.
+        # The area covers nothing.
         found = (root.findLayer(layer_id) for role, layer_id in self._ids.items() if role != "area")
         return [node for node in found if node is not None]
 
@@ -343,11 +343,11 @@ class Preview(QObject):
             self.visibility_changed.emit(visible)
 
     def _keep_styles(self, layer_ids: list[str]) -> None:
-        """Have the styles of layers that go outlive them for a while.
+        """Keep the styles of removed layers alive for a while.
 
-        A drawing that begins copies a style's expressions just after it has let go of the original, in every QGIS
-        known (`QgsExpression::detach`): if the layer goes at that moment, QGIS reads freed memory and ends. The
-        original stays while a copy of the style holds it, too.
+        When a drawing begins, QGIS (every known version) copies a style's expressions just after releasing the original
+        (`QgsExpression::detach`): if the layer is deleted at that moment, QGIS reads freed memory and crashes. A copy
+        of the style keeps the original alive.
         """
         styles = []
         for layer_id in set(layer_ids) & set(self._ids.values()):
@@ -358,7 +358,7 @@ class Preview(QObject):
             QTimer.singleShot(30_000, styles.clear)
 
     def _forget(self, layer_ids: list[str]) -> None:
-        """Notice layers that the user has removed; the preview ends with its footprints."""
+        """Handle layers removed by the user; without its footprints the preview ends."""
         gone = set(layer_ids)
         if not gone & set(self._ids.values()):
             return

@@ -32,32 +32,32 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Most images drawn one by one: they are put into a layer in one go, which must not be felt.
+#: Most images drawn individually: adding them to a layer in one step must not be noticed.
 MOST_DRAWN = 1000
-#: So few images are drawn however small they are: from afar there would be nothing to see of them.
+#: Up to this many images are drawn however small they are: otherwise nothing would be visible from afar.
 FEW = 100
 _DENSITY_MARGIN = 0.25
-#: Share by which an edge of a footprint may bulge out of the rectangle of its corners, and the degrees it holds up to.
+#: Bulge of a footprint's edges beyond the rectangle of its corners, as share, and the degrees up to which it holds.
 _BULGE, _STRAIGHT_DEG = 0.01, 0.5
 
 
 class Drawing(NamedTuple):
-    """Features of each layer, and for what views they are right.
+    """Features of each layer, and the views for which they are valid.
 
     Attributes
     ----------
     layers : dict
-        Features by the role of their layer; a list that is the same as before need not be put there again.
+        Features by role of their layer; an unchanged list need not be added again.
     covers : Rect
-        Part of the world they are right in.
+        Part of the world for which they are valid.
     px_per_m : float
-        Scale they are made for.
+        Scale for which they were computed.
     all_drawn : bool
-        Whether each image in that part is drawn, none as density.
+        Whether all images in that part are drawn individually, none as density.
     times_ms : tuple of float, or None
-        Moments they are made for; None where they are right at any time.
+        Time range for which they were computed; None if they are valid at any time.
     bounds : Rect
-        Of the whole mission.
+        Bounds of the whole mission.
     """
 
     layers: dict[str, list[QgsFeature]]
@@ -68,22 +68,22 @@ class Drawing(NamedTuple):
     bounds: Rect
 
     def serves(self, view: MapView) -> bool:
-        """Whether another view needs nothing new."""
+        """Whether another view needs no new drawing."""
         if not self.covers.contains(view.rect) or (not self.all_drawn and self.times_ms != view.times_ms):
             return False
         scale = view.px_per_m(*_middle(view.rect, self.bounds))
-        # Nearer, images that are drawn are still there; farther away they may be too small.
+        # Zoomed in, all drawn images remain; zoomed out, they may be too small.
         return math.isclose(scale, self.px_per_m, rel_tol=1e-3) or (self.all_drawn and scale > self.px_per_m)
 
 
 class PreviewScene:
-    """A plan made ready to be looked at; one thread at a time.
+    """A plan prepared for drawing; use on one thread at a time.
 
     Parameters
     ----------
     plan : Plan
     check : callable
-        Called between steps; raises where the work is no longer wanted.
+        Called between steps; raises if the work is overtaken.
     """
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
@@ -100,7 +100,7 @@ class PreviewScene:
         self._density: tuple[tuple[DensityCells, float], list[QgsFeature]] | None = None
 
     def draw(self, view: MapView | None, check: Callable[[], None] = lambda: None) -> Drawing:
-        """Features for a view; for the whole mission where there is none yet."""
+        """Features for a view; for the whole mission before the first view."""
         rect = self.bounds if view is None else view.rect
         scale = 1000.0 / rect.longer_m if view is None else view.px_per_m(*_middle(rect, self.bounds))
         times = None if view is None else view.times_ms
@@ -129,13 +129,13 @@ class PreviewScene:
     def _choose(
         self, rect: Rect, smallest_m: float, times: tuple[float, float] | None
     ) -> tuple[Numbers | None, Rect, float]:
-        """Images to draw one by one, if any; where that is right; and the size below which the rest is density."""
+        """Images to draw individually, if any; where that is valid; and the size below which the rest is density."""
         if rect.is_empty():
             return np.empty(0, np.int64), rect, 0.0
-        # Margins around the view, so that small moves need nothing new; the widest that fits.
+        # Margins around the view let small moves reuse the drawing; take the widest that fits.
         for margin in (0.5, 0.2, 0.05, 0.0):
             covers = rect.grown(margin)
-            # Bins also hold images out of view; of more than three times as many, none is looked at.
+            # Bins also contain images out of view; skip the search if there are more than three times too many.
             if self.index.count(covers, smallest_m) > 3 * MOST_DRAWN:
                 continue
             ids = self.index.find(covers, smallest_m)
@@ -154,7 +154,7 @@ class PreviewScene:
         )
 
     def _flown(self, rect: Rect, times: tuple[float, float] | None) -> Numbers | None:
-        """Images of the moments that the temporal controller shows, where too many others are in view."""
+        """Images of the time range shown by the temporal controller, if the view has too many others."""
         if times is None:
             return None
         first, after = self._clock.during(times)
@@ -175,7 +175,7 @@ class PreviewScene:
         )
 
     def _overlap(self, ids: Numbers) -> Numbers:
-        """How many planned images show the middle of each of these; of camera frames, by the rectangle inside each."""
+        """Number of planned images that show the middle of each; of camera frames, by their inscribed rectangles."""
         if not len(ids):
             return np.empty(0, np.int64)
         x, y = self.windows.take(ids).middles
@@ -195,12 +195,12 @@ class PreviewScene:
 
 
 def _crowd(boxes: Rects) -> Numbers:
-    """How many of some rectangles lie over the middle of each."""
+    """Number of rectangles over the middle of each."""
     return count_shown(boxes, *boxes.middles)
 
 
 def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
-    """A place of a view where its scale counts: in the mission, if that is in view."""
+    """Point of a view that determines its scale: within the mission, if that is in view."""
     x = [max(rect.west, bounds.west), min(rect.east, bounds.east)]
     y = [max(rect.south, bounds.south), min(rect.north, bounds.north)]
     if x[0] > x[1]:
@@ -212,7 +212,7 @@ def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
 
 
 def _bounds(plan: Plan, boxes: Rects) -> Rect:
-    """Rectangle of a whole mission; longitudes of its captures are continuous."""
+    """Bounds of a whole mission; its captures have continuous longitudes."""
     world, turn = boxes.world, 0.0
     if world.wraps:
         x, _ = metres(plan.lon_deg, np.zeros(len(plan)))
@@ -222,7 +222,7 @@ def _bounds(plan: Plan, boxes: Rects) -> Rect:
 
 
 def _seen(plan: Plan, windows: Rects) -> Rects:
-    """Rectangles that hold what each camera frame shows; ample ones, where the horizon or a pole may be in sight."""
+    """Bounding rectangles of what camera frames show; generous if the horizon or a pole may be visible."""
     if not windows.world.wraps:
         return _seen_in_own_crs(plan, windows)
     corners = plan.corners
@@ -237,7 +237,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
         reach = _horizon_deg(plan.height_m[ample])
         at_lat, at_lon = plan.lat_deg[ample], plan.lon_deg[ample]
         south[ample], north[ample] = at_lat - reach, at_lat + reach
-        # Meridians of a circle on a sphere; one with a pole in it has them all.
+        # Meridians of a circle on a sphere: all of them if it contains a pole.
         share = np.sin(np.radians(reach)) / np.cos(np.radians(at_lat))
         wide = np.where(np.abs(at_lat) + reach < 90.0, np.degrees(np.arcsin(np.clip(share, 0.0, 1.0))), 180.0)
         west[ample], east[ample] = at_lon - wide, at_lon + wide
@@ -247,9 +247,9 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
 
 
 def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
-    """The same in the imagery's CRS, where camera frames see no horizon."""
+    """Bounding rectangles as from `_seen`, in the imagery's CRS, in which camera frames see no horizon."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
-    # Corners that the projection does not reach count for nothing; the rectangle inside of each picture is there.
+    # Ignore corners outside the domain of the projection; the inscribed rectangle of each image remains.
     west, east = np.fmin.reduce(x, axis=1, initial=np.inf), np.fmax.reduce(x, axis=1, initial=-np.inf)
     south, north = np.fmin.reduce(y, axis=1, initial=np.inf), np.fmax.reduce(y, axis=1, initial=-np.inf)
     west, south = np.minimum(west, windows.west), np.minimum(south, windows.south)
@@ -259,8 +259,8 @@ def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
 
 
 def _horizon_deg(height_m: Floats) -> Floats:
-    """Degrees to the horizon, at least."""
+    """Lower limit of the degrees to the horizon."""
     height = np.maximum(height_m, 0.0)
-    # The least radius has the nearest horizon; 1 % more covers the ellipsoid's other radii.
+    # The smallest radius has the nearest horizon; 1 % more covers the ellipsoid's other radii.
     polar_radius_m = 6_356_752.0
     return np.degrees(np.arccos(polar_radius_m / (polar_radius_m + height))) * 1.01 + 1e-6

@@ -25,26 +25,26 @@ from ..tasks import crs_named
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
-#: Of pictures of the map's pixels.
+#: CRS of images on the web map's grid.
 CRS = "EPSG:3857"
-#: Width of the world in metres of that CRS.
+#: Width of the world in metres of this CRS.
 WORLD_M = 2.0 * HALF_WORLD_M
-#: Points a side at which a view in another CRS is looked up: a twentieth of it apart, which is also its margin.
+#: Points along a side by which a view in another CRS is transformed; their spacing, a twentieth, is also the margin.
 _SAMPLES = 21
 
 
 @dataclass(frozen=True)
 class PreviewWorld:
-    """The square of a CRS's plane that a plan is looked at in: the whole map, or what lies about the plan.
+    """Square in a CRS in which a plan is drawn: the whole web map, or the surroundings of the plan.
 
     Parameters
     ----------
     crs : str
-        Of the pictures' pixels and so of all layers, in which the pictures' edges are exact: ``EPSG:code``, or WKT.
+        Of the images' pixels, and thus of all layers, since images have exact edges in it: ``EPSG:code``, or WKT.
     west, south, size : float
-        The square's lower left corner and its side, in the CRS's unit, which is called metres everywhere here.
+        The square's lower left corner and its side, in the CRS's unit, called metres throughout.
     wraps : bool
-        Whether what leaves it in the east comes back in the west, as on the map.
+        Whether the world repeats to the east, as on the web map.
     """
 
     crs: str = CRS
@@ -55,22 +55,22 @@ class PreviewWorld:
 
     @property
     def east(self) -> float:
-        """Its right side."""
+        """Right edge."""
         return self.west + self.size
 
     @property
     def north(self) -> float:
-        """Its upper side."""
+        """Upper edge."""
         return self.south + self.size
 
     @property
     def shifts(self) -> tuple[float, ...]:
-        """How far to the east things within it may be seen again."""
+        """Eastward shifts at which places may appear again."""
         return (-self.size, 0.0, self.size) if self.wraps else (0.0,)
 
     @property
     def whole(self) -> Rect:
-        """All of it."""
+        """The whole square."""
         return Rect(self.west, self.south, self.east, self.north, self)
 
 
@@ -78,7 +78,7 @@ MERCATOR = PreviewWorld()
 
 
 def preview_world(plan: Plan) -> PreviewWorld:
-    """World that a plan is looked at in."""
+    """World in which to draw a plan."""
     plane = plan.grid.plane
     if plane.wraps:
         return MERCATOR
@@ -91,8 +91,8 @@ def preview_world(plan: Plan) -> PreviewWorld:
         degrees = np.hypot(lat - plan.lat_deg[:, np.newaxis], east_deg)
         reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / plane.unit_m
     longest = max(edges[2] - edges[0], edges[3] - edges[1]) + 2.0 * reach
-    # A power of two, so that the cells of a density have round sides.
-    # The world is at least four times as wide as what the images show.
+    # A power of two, so that the cells of a density have round sizes.
+    # The world is at least four times as wide as the extent of the images.
     size = 2.0 ** math.ceil(math.log2(4.0 * longest))
     middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
     return PreviewWorld(plane.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
@@ -109,7 +109,7 @@ class Rect(NamedTuple):
 
     @classmethod
     def fitted(cls, west: float, south: float, east: float, north: float, world: PreviewWorld = MERCATOR) -> Rect:
-        """Rectangle brought to where the world is; at most once around it."""
+        """Rectangle moved into the world, and at most as wide."""
         south, north = max(south, world.south), min(north, world.north)
         if not world.wraps:
             return cls(max(west, world.west), south, min(east, world.east), north, world)
@@ -129,12 +129,12 @@ class Rect(NamedTuple):
         return max(self.east - self.west, self.north - self.south)
 
     def grown(self, share: float) -> Rect:
-        """Rectangle with a margin on each side, as a share of its width and height."""
+        """Rectangle with margins, as a share of its width and height."""
         x, y = share * (self.east - self.west), share * (self.north - self.south)
         return Rect.fitted(self.west - x, self.south - y, self.east + x, self.north + y, self.world)
 
     def contains(self, other: Rect) -> bool:
-        """Whether another one lies inside."""
+        """Whether another rectangle lies inside."""
         if self.south > other.south or self.north < other.north:
             return False
         if not self.world.wraps:
@@ -145,7 +145,7 @@ class Rect(NamedTuple):
         return west + (other.east - other.west) <= self.east
 
     def is_empty(self) -> bool:
-        """Whether nothing of the world is in it."""
+        """Whether it contains nothing of the world."""
         return self.south >= self.north or self.west >= self.east
 
 
@@ -154,20 +154,20 @@ WORLD = MERCATOR.whole
 
 @dataclass(frozen=True)
 class MapView:
-    """A look at the map.
+    """A view of the map.
 
     Attributes
     ----------
     rect : Rect
-        What is in view; a little more where the project has another CRS than the world's.
+        The part of the world in view; slightly more if the project has another CRS.
     to_map : QgsCoordinateTransform
         From the world's CRS to the map's.
     units_per_px : float
-        Map units of a pixel of the screen.
+        Map units per pixel of the screen.
     width_px : int
         Width of the map on the screen.
     times_ms : tuple of float, or None
-        First and last moment that the temporal controller shows, milliseconds UTC.
+        First and last moment shown by the temporal controller, in milliseconds UTC.
     """
 
     rect: Rect
@@ -177,10 +177,10 @@ class MapView:
     times_ms: tuple[float, float] | None = None
 
     def px_per_m(self, x_m: float, y_m: float) -> float:
-        """Pixels of the screen that a metre of the world takes at a place."""
+        """Screen pixels per metre of the world at a point."""
         step = max(self.rect.longer_m * 1e-3, 1e-3)
         world, at = self.rect.world, []
-        # Towards its middle: beyond its ends there may be nothing.
+        # Towards the middle of the world: beyond its edges a point may be outside the CRS's domain.
         beside_x = x_m - math.copysign(step, x_m - (world.west + world.east) / 2.0)
         beside_y = y_m - math.copysign(step, y_m - (world.south + world.north) / 2.0)
         try:
@@ -196,7 +196,7 @@ class MapView:
 
 
 def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
-    """View of a world on a map canvas; None where the canvas shows nothing yet. On the main thread."""
+    """View of a world on a map canvas; None if the canvas shows nothing yet. Main thread only."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
     size = settings.outputSize()
@@ -217,7 +217,7 @@ def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapVie
 def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, context: object) -> Rect:
     edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
     if not crs.isValid() or crs.authid() == CRS:
-        # Such maps have one world; beside it there is nothing.
+        # Geographic and projected maps show one world without repetition.
         return Rect(*(min(max(edge, -HALF_WORLD_M), HALF_WORLD_M) for edge in edges))
     if crs.isGeographic():
         west, south, east, north = edges
@@ -233,7 +233,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
     gaps = [(after - lon, after) for lon, after in zip(lons, [*lons[1:], lons[0] + 360.0])]
     gap, west = max(gaps)
     south, north = min(lats) - margin, max(lats) + margin
-    # With no wider gap than this between longitudes, the view goes around the Earth.
+    # If no gap between longitudes is wider than this, the view goes around the Earth.
     if gap < 40.0:
         return _degree_rect(-180.0, south, 180.0, north)
     margin = (360.0 - gap) / (_SAMPLES - 1)
@@ -241,7 +241,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
 
 
 def _visible_own_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
-    """Part of a world without wrapping in view; all of it where parts of the view lie outside its CRS's domain."""
+    """Part in view of a world without wrapping; all of it if part of the view is outside its CRS's domain."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
         return Rect.fitted(*edges, world)
@@ -258,7 +258,7 @@ def _looked_up(
     transform: QgsCoordinateTransform,
     direction: Qgis.TransformDirection = Qgis.TransformDirection.Forward,
 ) -> tuple[list[tuple[float, float]], bool]:
-    """Points spread over a view in another CRS, those that it has, and whether it has all of them."""
+    """Points of a view transformed to another CRS, without failed ones; and whether all succeeded."""
     found = []
     for i in range(_SAMPLES):
         x = extent.xMinimum() + extent.width() * i / (_SAMPLES - 1)
@@ -283,7 +283,7 @@ def _degree_rect(west: float, south: float, east: float, north: float) -> Rect:
 
 
 def _utc_ms(moment: QDateTime, otherwise: float) -> float:
-    """Moment of the temporal controller, which knows no time zones, as UTC."""
+    """Moment of the temporal controller, which has no time zones, as UTC."""
     if not moment.isValid():
         return otherwise
     return float(QDateTime(moment.date(), moment.time(), QTimeZone.utc()).toMSecsSinceEpoch())

@@ -1,4 +1,4 @@
-"""Base of all algorithms; their work is kept off the main thread."""
+"""Base of all algorithms, which runs their work off the main thread."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from ..tasks import PythonThread, hold_crs, on_python_thread
 from .choices import ChoiceParameter
 
 Result = TypeVar("Result")
-#: NUL, and halves of characters.
+#: NUL and lone surrogates.
 _IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
 
 
@@ -58,29 +58,29 @@ class AlgorithmRun(NamedTuple):
         return self.parameters.get(name) not in (None, "")
 
     def text(self, name: str) -> str:
-        """Text, path or configuration that a parameter holds."""
+        """Text, path or configuration of a parameter."""
         return self.algorithm.parameterAsString(self.parameters, name, self.context)
 
     def number(self, name: str) -> float:
-        """Number that a parameter holds; raises InvalidInput where it holds none."""
+        """Number of a parameter; raises InvalidInput if it is not one."""
         found = self.algorithm.parameterAsDouble(self.parameters, name, self.context)
         self._check_number(name, found, tr("{title} {value}: must be a number"))
         return found
 
     def whole(self, name: str) -> int:
-        """Whole number that a parameter holds; raises InvalidInput where it holds none."""
+        """Integer of a parameter; raises InvalidInput if it is not one."""
         found = self.algorithm.parameterAsInt(self.parameters, name, self.context)
         self._check_number(name, found, tr("{title} {value}: must be a whole number of 32 bits"))
         return found
 
     def _check_number(self, name: str, found: float, words: str) -> None:
-        """Refuse texts that QGIS would read as another number: those of optional parameters, and large numbers."""
+        """Refuse texts that QGIS would read as another number: optional parameters and large numbers."""
         given = self.parameters.get(name)
         if given == "" or not isinstance(given, (str, int, float)):
             return
         try:
-            # QGIS rounds to whole numbers. NaN is left to who knows its range, where whole ones are not asked for.
-            # Rounding to a whole number changes it by a half at most.
+            # QGIS rounds to integers, which changes a number by a half at most. The check of the range refuses NaN,
+            # unless an integer is wanted.
             is_same = abs(float(given) - found) <= 0.5 or repr(float(given)) == repr(found)
         except ValueError:
             is_same = False
@@ -93,12 +93,12 @@ class AlgorithmRun(NamedTuple):
         return self.algorithm.parameterAsBool(self.parameters, name, self.context)
 
     def choice(self, name: str) -> str:
-        """Chosen value; empty without a choice. Raises InvalidInput for a value that is not a choice."""
+        """Value chosen; empty without a choice. Raises InvalidInput for an unknown value."""
         chosen = self.chosen(name)
         return chosen[0] if chosen else ""
 
     def chosen(self, name: str) -> tuple[str, ...]:
-        """Values of a choice of several."""
+        """Values of a multiple choice."""
         value = self.parameters.get(name)
         if isinstance(value, QgsProperty):
             value = self.text(name)
@@ -107,27 +107,27 @@ class AlgorithmRun(NamedTuple):
 
 
 class Algorithm(QgsProcessingAlgorithm):
-    """An algorithm of TerrAInav: named by its class, its errors are one line, its heavy imports wait until it runs.
+    """A TerrAInav algorithm: named by its class, with one-line errors and imports of heavy packages on running.
 
     Parameters
     ----------
     listed : bool
-        For the toolbox's list only: choices that take long to find out are left for the copy that runs.
+        Whether it is only for the toolbox's list: choices that are slow to determine are left to the copy that runs.
     """
 
-    #: Its identifier, and that of its group.
+    #: Identifiers of the algorithm and its group.
     NAME, GROUP = "", "missions"
-    #: Python packages that it needs beside the plugin's own.
+    #: Python packages needed beside the plugin's.
     PACKAGES: tuple[str, ...] = ()
 
     def __init__(self, *, listed: bool = False) -> None:
         super().__init__()
         self._listed = listed
-        #: Its choices, by name.
+        #: Choices by parameter name.
         self.choices: dict[str, ChoiceParameter] = {}
 
     def createInstance(self) -> QgsProcessingAlgorithm:
-        """Make the copy that runs."""
+        """Create the copy that runs."""
         return type(self)()
 
     def name(self) -> str:
@@ -152,11 +152,11 @@ class Algorithm(QgsProcessingAlgorithm):
         return self.words().tip
 
     def tags(self) -> list[str]:
-        """Words that it is found by."""
+        """Search words."""
         return self.words().tags.split(",")
 
     def shortHelpString(self) -> str:
-        """Help, which the toolbox shows as HTML and a terminal as it is."""
+        """Help, which the toolbox shows as HTML and a terminal verbatim."""
         return "\n\n".join(self.words().help)
 
     def icon(self) -> QIcon:
@@ -164,17 +164,17 @@ class Algorithm(QgsProcessingAlgorithm):
         return icon("icon")
 
     def svgIconPath(self) -> str:
-        """Icon where QGIS draws it itself."""
+        """Path of the icon, for QGIS to draw."""
         return str(RESOURCES / "icon.svg")
 
     def helpUrl(self) -> str:
-        """Page about the plugin."""
+        """Address of the plugin's page."""
         from ..help import homepage
 
         return homepage()
 
     def canExecute(self) -> tuple[bool, str]:
-        """Whether all packages are there, and which are not."""
+        """Whether all packages are installed, and which are missing."""
         missing = missing_packages(*self.PACKAGES)
         if not missing:
             return True, ""
@@ -183,7 +183,7 @@ class Algorithm(QgsProcessingAlgorithm):
         )
 
     def add(self, parameter: QgsProcessingParameterDefinition, help_text: str, *, advanced: bool = False) -> None:
-        """Add a parameter and what there is to say of it."""
+        """Add a parameter and its help."""
         parameter.setHelp(help_text)
         if advanced:
             parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.Flag.FlagAdvanced)
@@ -192,12 +192,12 @@ class Algorithm(QgsProcessingAlgorithm):
         self.addParameter(parameter)
 
     def add_dataset(self, help_text: str) -> None:
-        """Add the parameter of a dataset's folder."""
+        """Add the parameter for a dataset's folder."""
         folder = QgsProcessingParameterFile.Behavior.Folder
         self.add(QgsProcessingParameterFile("DATASET", tr("Dataset folder"), folder), help_text)
 
     def add_numbers(self, titles: dict[str, str]) -> None:
-        """Add outputs that are numbers, each with its title."""
+        """Add numeric outputs with their titles."""
         for name, title in titles.items():
             self.addOutput(QgsProcessingOutputNumber(name, title))
 
@@ -208,7 +208,7 @@ class Algorithm(QgsProcessingAlgorithm):
     def prepareAlgorithm(
         self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
     ) -> bool:
-        """Take what belongs to the main thread, where QGIS calls this."""
+        """Take what belongs to the main thread, on which QGIS calls this."""
         hold_crs()
         _checked(lambda: self._check_texts(parameters))
         _checked(lambda: self.prepared(AlgorithmRun(self, parameters, context, feedback)))
@@ -234,15 +234,15 @@ class Algorithm(QgsProcessingAlgorithm):
                 )
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         raise NotImplementedError
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         raise NotImplementedError
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Take what belongs to the main thread, before it runs."""
+        """Take what belongs to the main thread, before the run."""
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Do the work, on any thread; returns the outputs."""
@@ -253,19 +253,19 @@ class Algorithm(QgsProcessingAlgorithm):
         context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
         feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
     ) -> dict[str, Any]:
-        """Finish on the main thread, where QGIS calls this; a model calls it on its own thread."""
+        """Finish on the main thread, on which QGIS calls this; a model calls it on its thread."""
         _checked(self.finished)
         return {}
 
     def finished(self) -> None:
-        """Do what belongs to the main thread once the work is done."""
+        """Do what belongs to the main thread, after the work."""
 
     def released(self) -> None:
-        """Let go of what was prepared; whatever became of the run."""
+        """Release what was prepared, whatever the end of the run."""
 
 
 class WorkFeedback:
-    """Progress of the work, in its thread, and whether it is cancelled."""
+    """Progress and cancellation, for the thread of the work."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         self._feedback = feedback
@@ -279,7 +279,7 @@ class WorkFeedback:
         self._feedback.pushWarning(text)
 
     def progress(self, share: float) -> bool:
-        """Set how much is done, 0 to 1; returns whether to go on."""
+        """Set the share done, 0 to 1; returns whether to continue."""
         self._feedback.setProgress(100.0 * share)
         return not self.cancelled()
 
@@ -289,9 +289,9 @@ class WorkFeedback:
 
 
 def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Do ``work`` while the main thread is free for its events; returns or raises what it does.
+    """Do ``work`` on another thread while the main thread handles its events; returns or raises what it does.
 
-    Called in another thread, which is beside it already, that one waits.
+    If called on another thread than the main one, that thread waits.
     """
     from ..network.worker import in_main_thread
 
@@ -306,10 +306,10 @@ def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcess
             loop.quit()
 
     timer.timeout.connect(look)
-    # Look every 20 ms at the progress and at whether the user has cancelled.
+    # Check the progress and for cancellation every 20 ms.
     timer.start(20)
     try:
-        # What the user does meanwhile waits, as it does for every algorithm that runs here.
+        # User input waits, as for every algorithm that runs on the main thread.
         loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
     finally:
         relay.stop()
@@ -320,7 +320,7 @@ def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcess
 
 
 def is_loadable(path: Path, feedback: QgsProcessingFeedback) -> bool:
-    """Whether QGIS may open a result that lies in a folder of somebody else; says why where it may not."""
+    """Whether QGIS may open a result in a foreign folder; warns if not."""
     try:
         (check_vector if path.suffix == ".geojson" else check_raster)(path)
     except InvalidInput as wrong:
@@ -341,12 +341,12 @@ def _checked(work: Callable[[], Result]) -> Result:
         text = translate(wrong)
     except OSError as wrong:
         text = tr("cannot go on ({error})").format(error=one_line(str(wrong)))
-    # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
+    # Raise outside `except`: the error is released, with everything its traceback refers to.
     raise QgsProcessingException(text)
 
 
 class _Relay(WorkFeedback):
-    """A watch whose words go through the main thread, where the caller's feedback expects them."""
+    """Relay messages through the main thread, where the caller's feedback expects them."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         super().__init__(feedback)
@@ -367,7 +367,7 @@ class _Relay(WorkFeedback):
         return self._stop.is_set()
 
     def deliver(self) -> None:
-        """Pass on the progress reported; in the main thread."""
+        """Pass on the progress reported; on the main thread."""
         if self._feedback.isCanceled():
             self._stop.set()
         try:
@@ -377,5 +377,5 @@ class _Relay(WorkFeedback):
             return
 
     def stop(self) -> None:
-        """Ask the work to end."""
+        """Ask the work to stop."""
         self._stop.set()

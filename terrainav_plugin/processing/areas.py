@@ -1,4 +1,4 @@
-"""Areas and no-fly areas out of what Processing hands over: extents, polygons and points in any CRS."""
+"""Areas and no-fly areas from Processing parameters: extents, polygons and points in any CRS."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from .algorithm import AlgorithmRun
 
 
-#: What fields of points may say, as parameters of Processing: AGL_FIELD and so on.
+#: Attributes of points with a parameter for their field, such as AGL_FIELD.
 POINT_FIELDS = ("agl", "yaw", "tilt", "gimbal_pitch", "roll", "time")
-#: An extent or a point as QGIS reads it, and its CRS in square brackets.
+#: An extent or a point as QGIS reads it, with its CRS in square brackets.
 _NUMBERS_OF_CRS = re.compile(r"(?:[^,\[\]]*,){1,3}[^,\[\]]*\[(.*)\]\s*", re.DOTALL)
-#: Latitude and longitude, which missions are in.
+#: CRS of missions.
 _GEOGRAPHIC = "EPSG:4326"
 
 
 def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
-    """Ground under an extent, as that of a rectangle drawn on the map; raises InvalidInput."""
+    """Ground under an extent, as for a rectangle drawn on the map; raises InvalidInput."""
     from ..area.layers import rectangle_area
 
     check_crs(run, "EXTENT", tr("extent"))
@@ -53,7 +53,7 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
                 text=run.parameters.get("EXTENT")
             )
         )
-    # Numbers that come without a CRS are degrees, as QGIS leaves them, and not what the project has.
+    # Numbers without a CRS are degrees, as QGIS leaves them, not coordinates in the project's CRS.
     crs = (
         geographic
         if extent == in_degrees
@@ -95,7 +95,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
             for name in POINT_FIELDS
         }
         for field in filter(None, fields.values()):
-            # QGIS checks that in its own windows only.
+            # QGIS checks this only in its windows.
             if source.fields().lookupField(field) < 0:
                 raise InvalidInput(
                     tr("area {name}: has no field {field}").format(name=source.sourceName(), field=field)
@@ -116,7 +116,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
 
 
 def no_fly_of_layer(run: AlgorithmRun) -> tuple[Polygon, ...]:
-    """No-fly polygons of a layer; empty without a layer, or for an empty one."""
+    """No-fly polygons of a layer; none without a layer or for an empty one."""
     if not run.is_given("NO_FLY"):
         return ()
     source = run.algorithm.parameterAsSource(run.parameters, "NO_FLY", run.context)
@@ -134,14 +134,14 @@ def _together(polygons: tuple[Polygon, ...]) -> Polygons:
 
 
 def layer_crs(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
-    """CRS of a layer; raises InvalidInput where it has none."""
+    """CRS of a layer; raises InvalidInput if it has none."""
     return required_crs(source.sourceCrs(), source.sourceName())
 
 
 def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
-    """Features of a layer, whatever QGIS's setting says of invalid ones: who reads them checks them.
+    """Features of a layer, without QGIS's check for invalid ones: their readers check them.
 
-    The exception that QGIS throws where its check fails passes through Python (seen in 3.22), and the next call crashes
+    The exception that QGIS throws if its check fails passes through Python (seen in 3.22), and the next call crashes
     QGIS.
     """
     unchecked = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
@@ -149,7 +149,7 @@ def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
 
 
 def _features(run: AlgorithmRun, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
-    """Features of a layer that have a geometry with something in it."""
+    """Features of a layer with a non-empty geometry."""
     return [
         feature
         for feature in layer_features(source)
@@ -160,7 +160,7 @@ def _features(run: AlgorithmRun, source: QgsProcessingFeatureSource) -> list[Qgs
 def _polygons(
     run: AlgorithmRun, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
-    """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
+    """Polygons of features and their parts, as for a layer in the panel; raises InvalidInput."""
     from ..area.layers import read_polygons
 
     crs, context = layer_crs(source), run.context.transformContext()

@@ -1,4 +1,4 @@
-"""Algorithms: a benchmark made of a mission's views and a reference, and answers to it judged."""
+"""Algorithms that make a benchmark from a mission's views and a reference, and score answers to it."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
 _GROUP = "benchmarks"
-#: Overlap in percent: with more, tiles would hardly end.
+#: Largest overlap in percent: with more, the number of tiles explodes.
 _PERCENT, _MOST_OVERLAP = 100.0, 99.0
-#: Figures of all queries that are outputs, by the names that the core gives them.
+#: Figures of all queries that become outputs, by their names in the core.
 _FIGURES = {
     "QUERY_COUNT": "queries",
     "RECALL_1": "recall@1",
@@ -68,12 +68,12 @@ _FIGURES = {
 
 
 class MakeBenchmark(WithImagery):
-    """Queries, the reference that they are to be found in, and what is true of them."""
+    """Queries, the reference in which to find them, and the right answers."""
 
     NAME, GROUP = "makebenchmark", _GROUP
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Make a benchmark"),
             tr("Queries of one imagery that are to be found in another, with exact labels."),
@@ -97,7 +97,7 @@ class MakeBenchmark(WithImagery):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
         self._add_imagery()
         self._add_reference()
@@ -219,7 +219,7 @@ class MakeBenchmark(WithImagery):
         self.take_imagery(run, *(settings.queries.select_imagery(one) for one in self._named.values()))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Count, or capture."""
+        """Count or capture."""
         from ...core.benchmark.planning import plan_benchmark
 
         folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
@@ -292,12 +292,12 @@ class MakeBenchmark(WithImagery):
 
 
 class ScoreBenchmark(Algorithm):
-    """Answers of a baseline or of a file, judged."""
+    """Scores of a baseline's answers or those in a file."""
 
     NAME, GROUP = "scorebenchmark", _GROUP
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Score a benchmark"),
             tr("Runs a baseline or reads predictions, judges them, and shows the errors on the map."),
@@ -324,7 +324,7 @@ class ScoreBenchmark(Algorithm):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         self.add(
             QgsProcessingParameterFile("BENCHMARK", tr("Benchmark folder"), QgsProcessingParameterFile.Behavior.Folder),
             tr("As “Make a benchmark” leaves it."),
@@ -375,11 +375,11 @@ class ScoreBenchmark(Algorithm):
         )
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Note what the project shows."""
+        """Note the project's layers."""
         self._known = _layer_ids(run.context)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Answer, and judge."""
+        """Answer the queries and score the answers."""
         from ...core.benchmark.folder import Benchmark
         from ...core.benchmark.page import MAP_FILE, figure_rows
         from ...core.benchmark.running import scores_folder
@@ -453,7 +453,7 @@ def _reference(run: AlgorithmRun) -> NamedImagery:
 
 
 def _source_text(layer: QgsMapLayer) -> str:
-    """A raster as named imagery: by its file where it has one, else as a layer of the project."""
+    """A raster as named imagery: its file if it has one, otherwise a layer of the project."""
     from ...core.mission.imageries import folder_name
     from ..map.mission_group import layer_file
     from ..qgis_source.snapshot import source_name
@@ -473,7 +473,7 @@ def _widths(text: str) -> tuple[float, ...]:
 
 
 def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
-    """Say what is captured, folder by folder."""
+    """Report what is captured, by folder."""
     for folder, (imagery, plan) in worked_out.captures.items():
         watch.say(
             tr("{folder}: {imagery}; images: {images}, {width} x {height} px; requests: {requests}").format(
@@ -491,7 +491,7 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
 
 
 def _progress(worked_out: BenchmarkPlan, watch: WorkFeedback) -> Callable[[Progress], object]:
-    """Tell how far all captures together are, each weighing as many requests as it takes."""
+    """Report the progress of all captures together, weighted by their requests."""
     weights = {folder: max(plan.requests, 1) for folder, (_, plan) in worked_out.captures.items()}
     shares: dict[str, float] = {}
 
@@ -507,7 +507,7 @@ def _progress(worked_out: BenchmarkPlan, watch: WorkFeedback) -> Callable[[Progr
 def _judged(
     benchmark: Benchmark, name: str, predictions: str, part: str, target: Path, watch: WorkFeedback
 ) -> tuple[Scores, Path]:
-    """Scores of a file of predictions, or of the baseline of a name, and their page."""
+    """Scores of a file of predictions, or of a baseline, and their page."""
     from ...core.benchmark.answers import Predictions
     from ...core.benchmark.page import write_scores
     from ...core.benchmark.running import method_named, prediction_file, run_method
@@ -517,7 +517,7 @@ def _judged(
     if predictions:
         answers = Predictions.read(predictions, benchmark)
     else:
-        # Answering takes most of the time, scoring the rest.
+        # Answering takes most of the time.
         found = run_method(
             benchmark,
             method_named(name),
@@ -538,20 +538,20 @@ def _judged(
 
 
 def _numbers(figures: tuple[Figure, ...]) -> dict[str, float]:
-    """Values of the numbers; those of which there is nothing to be counted are left out."""
+    """Values of the numeric figures that are defined."""
     values = {one.name: one.value for one in figures}
     found = {name: values[own] for name, own in _FIGURES.items() if own in values}
     return {name: value for name, value in found.items() if value == value}
 
 
 def _layer_ids(context: QgsProcessingContext) -> frozenset[str]:
-    """Ids of the layers of the project, where there is one; on the main thread."""
+    """Ids of the project's layers, if there is a project. Main thread only."""
     project = context.project()
     return frozenset(() if project is None else project.mapLayers())
 
 
 def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:
-    """Layers of the footprints of queries: file, options and title, by their roles."""
+    """Layers of the queries' footprints: file, options and title, by role."""
     from ...core.benchmark.folder import QUERIES_FOLDER
     from ...core.dataset.folder import FOOTPRINTS_FILE
     from ..dataset.scores import QUERIES
@@ -564,7 +564,7 @@ def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:
 
 
 def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path, str, str]]:
-    """Layers of the errors of a method, one for each imagery of the queries, whose places are the same."""
+    """Layers of a method's errors, one for each imagery of the queries, as their places coincide."""
     from ..dataset.scores import ERRORS
 
     title = tr("Errors of {name}").format(name=name)
@@ -577,7 +577,7 @@ def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path
 def _load(
     run: AlgorithmRun, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
 ) -> None:
-    """Have the reference and other layers, by their roles, added to the benchmark's group in the project, if any."""
+    """Add the reference and other layers, by role, to the benchmark's group in the project, if any."""
     from ..dataset.scores import REFERENCE, into_group
 
     context = run.context

@@ -1,4 +1,4 @@
-"""Algorithms: a mission captured into a dataset folder, and what has failed of one captured again."""
+"""Algorithms that capture a mission into a dataset folder, or failed images again."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from ..dataset.mosaic import MosaicRaster
 
-#: Share of the progress that capturing is; the mosaic takes the rest.
+#: Share of capturing in the progress; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
-#: Failed pictures that the log names; all are in the journal and the tables.
+#: Most failed images named in the log; the journal and tables name all.
 _NAMED_FAILURES = 20
 
 
 class _Capturing(WithImagery):
-    """Base of both: parameters of a run, the run, its outputs."""
+    """Base of both algorithms: parameters, run and outputs."""
 
     def _add_run(self) -> None:
         self.add_access(
@@ -121,13 +121,13 @@ class _Capturing(WithImagery):
         }
 
     def finished(self) -> None:
-        """Put new mosaics in the place of those that the project may show."""
+        """Replace mosaics that the project may show."""
         from ..dataset.placing import place_mosaics
 
         place_mosaics(QgsProject.instance(), self._made)
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: WorkFeedback) -> list[MosaicRaster]:
-        """Mosaics of all map types, as far as there are some."""
+        """Mosaics of all map types, if there are any."""
         from ..dataset.mosaic import build_any_mosaics
         from ..sources import mission_heights
 
@@ -145,12 +145,12 @@ class _Capturing(WithImagery):
 
 
 class Capture(_Capturing):
-    """A mission captured into a folder."""
+    """Capture a mission into a folder."""
 
     NAME = "capture"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Capture a mission"),
             tr("Georeferenced images with their poses, as a simulated UAV takes them."),
@@ -173,7 +173,7 @@ class Capture(_Capturing):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
         self._add_run()
         self.add(
@@ -192,12 +192,12 @@ class Capture(_Capturing):
 
 
 class CaptureFailed(_Capturing):
-    """Capture again what has failed."""
+    """Capture failed images again."""
 
     NAME = "capturefailed"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Capture failed images again"),
             tr("Only those that failed in an earlier capture."),
@@ -211,14 +211,14 @@ class CaptureFailed(_Capturing):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         self.add_dataset(tr("Of an earlier capture."))
         self._add_run()
         self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
         self._add_results()
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Take the imagery of the mission that was captured."""
+        """Take the imagery of the captured mission."""
         from ...core.mission.mission import Mission
 
         self._folder = Path(run.text("DATASET"))
@@ -237,14 +237,14 @@ class CaptureFailed(_Capturing):
 
 
 def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> None:
-    """Have a layer added to the project, where there is one, once the algorithm has ended."""
+    """Add a layer to the project, if any, after the algorithm."""
     if context.project() is not None:
         details = QgsProcessingContext.LayerDetails(title, context.project(), title)
         context.addLayerToLoadOnCompletion(str(path), details)
 
 
 def tell_result(result: CaptureResult, watch: WorkFeedback) -> None:
-    """Say what a capture has made, what has failed, and which tiles came for many places."""
+    """Report the images written and failed, and tiles received for many places."""
     watch.say(
         tr("{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.").format(
             written=number_text(result.written),

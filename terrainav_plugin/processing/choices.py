@@ -1,4 +1,4 @@
-"""Choices: what is listed of them, and every way in which a script, a model or a terminal may name one."""
+"""Parameters for choices, which a script, model or terminal may name by value, title or number."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from ...core.errors import InvalidInput
 from ...core.text.plain import listed
 from ..i18n import tr
 
-#: Values of choices that others make at run time are known then.
+#: Values of choices that are determined at run time.
 _LATER = (QgsProperty,)
 
 
 class ChoiceParameter(QgsProcessingParameterEnum):
-    """A choice of words: each is taken by its value, its title, as it is listed or by its number, in any case.
+    """A choice of words: given by value, title, list entry or number, in any case.
 
-    What is listed is the value itself; with ``titled``, the title with the value in square brackets.
+    The list shows the values; with ``titled``, the titles with the values in square brackets.
 
     Parameters
     ----------
     name, description : str
     choices : mapping
-        Values, each with its title.
+        Values with their titles.
     usual : object
         Default value, or a list of them; None for an optional choice.
     several : bool
-        Whether several can be chosen.
+        Whether several may be chosen.
     titled : bool
     more : bool
-        Whether the running copy may know more choices, and so checks the value.
+        Whether the running copy may have more choices, and checks the value itself.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         self._how = {"several": several, "titled": titled, "more": more}
         self.values = tuple(choices)
         shows = [listed(value, title) if titled else value for value, title in choices.items()]
-        # The number comes last: a value may be one.
+        # Numbers come last: a value may be one.
         self._names: dict[str, set[str]] = {}
         for at, (value, title) in enumerate(choices.items()):
             for known in (value, title, shows[at]):
@@ -70,7 +70,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         )
 
     def clone(self) -> ChoiceParameter:
-        """Return a copy that takes the same."""
+        """Return a copy with the same choices."""
         made = ChoiceParameter(*self._made_of, **self._how)
         made.setFlags(self.flags())
         made.setHelp(self.help())
@@ -87,7 +87,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return self._how["more"] or all(self._found(one) is not None for one in given)
 
     def chosen(self, value: object) -> tuple[str, ...]:
-        """Values by name; raises InvalidInput for a name that is not a choice."""
+        """Values by name; raises InvalidInput for an unknown name."""
         found = []
         for one in self._given(value):
             known = self._found(one)
@@ -110,7 +110,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return [value]
 
     def _found(self, one: object) -> str | None:
-        """Value by name; None for several names or for a name that is not a choice."""
+        """Value by name; None for an ambiguous or unknown name."""
         text = str(one)
         if text in self.values:
             return text
@@ -118,8 +118,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         if len(named) == 1:
             return next(iter(named))
         number = text.removesuffix(".0") if isinstance(one, float) else text
-        # Python refuses numbers of thousands of digits.
-        # Digits of the number of a choice.
+        # No number of a choice has more digits; Python refuses to convert thousands of them.
         is_number = number.isascii() and number.isdigit() and len(number) <= 9
         if not named and is_number and int(number) < len(self.values):
             return self.values[int(number)]

@@ -1,4 +1,4 @@
-"""Algorithms: a dataset cleaned, divided into parts, made one orthophoto, and exported."""
+"""Algorithms that clean, split, mosaic and export a dataset."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ _MARK, _MOVE, _UNDO = "mark", "move", "undo"
 
 
 class _OfDataset(Algorithm):
-    """Base of both: the folder, and a dry run."""
+    """Base of cleaning and splitting: the folder, and a dry run."""
 
     GROUP = "datasets"
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         self.add_dataset(tr("Of a capture, or of images with a meta_data.csv beside them."))
         self._define_own()
         self.add(QgsProcessingParameterBoolean("DRY_RUN", titles()["dry_run"], False), helps()["dry_run"])
@@ -48,12 +48,12 @@ class _OfDataset(Algorithm):
 
 
 class Clean(_OfDataset):
-    """Images with too little to see, marked or moved."""
+    """Mark or move images with too little detail."""
 
     NAME = "clean"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Clean a dataset"),
             tr("Rejects low-detail images; deletes nothing."),
@@ -153,13 +153,13 @@ class Clean(_OfDataset):
             "REJECTED": sum(one.rejected for one in cleaned),
             "MOVED": sum(one.moved + one.returned for one in cleaned),
             **({} if suggested is None else {"SUGGESTED": suggested}),
-            # Of the map type that comes first: the others lie beside it.
+            # Of the first map type: the others are beside it.
             **dict(zip(("HISTOGRAM", "BARS"), next((one.figures for one in cleaned if one.figures), ()))),
         }
 
 
 def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFeedback) -> None:
-    """Warn where a threshold separates no images, or is of another kind of entropy than the table's."""
+    """Warn if a threshold rejects too many images, or the table has another kind of entropy."""
     for one in cleaned:
         if one.is_one_sided:
             feedback.pushWarning(
@@ -186,7 +186,7 @@ def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFee
 
 
 def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
-    """Say that a mosaic still names images that are elsewhere now, or lacks some that are back."""
+    """Report mosaics that refer to moved images, or lack restored ones."""
     from ..dataset.mosaic import mosaic_names
 
     mosaics = mosaic_names(folder)
@@ -200,12 +200,12 @@ def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
 
 
 class SplitAlgorithm(_OfDataset):
-    """Images given to the training, the validation or the test part."""
+    """Divide images into training, validation and test."""
 
     NAME = "split"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Split a dataset"),
             tr("Divides images into training, validation and test, and scales their positions."),
@@ -281,13 +281,13 @@ class SplitAlgorithm(_OfDataset):
 
 
 class Export(Algorithm):
-    """A dataset or a benchmark in a format of other programs."""
+    """Export a dataset or benchmark to a format of another program."""
 
     NAME = "export"
     GROUP = "datasets"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Export a dataset or benchmark"),
             tr("Writes a dataset or a benchmark in a format of other programs."),
@@ -303,7 +303,7 @@ class Export(Algorithm):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         self.add_dataset(tr("Of a capture, or of a benchmark."))
         self.add(
             ChoiceParameter("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
@@ -335,7 +335,7 @@ class Export(Algorithm):
 
 
 def add_shares(algorithm: Algorithm) -> None:
-    """Add the parameters of the shares of training, validation and test."""
+    """Add parameters for the shares of training, validation and test."""
     title, text = titles(), helps()
     for part, share in zip(PARTS, SHARES):
         algorithm.add(
@@ -347,13 +347,13 @@ def add_shares(algorithm: Algorithm) -> None:
 
 
 def read_shares(run: AlgorithmRun) -> tuple[float, float, float]:
-    """Shares that parameters hold."""
+    """Read the shares of the parameters."""
     training, validation, test = (run.number(part.upper()) for part in PARTS)
     return training, validation, test
 
 
 def add_gap(algorithm: Algorithm, help_text: str) -> None:
-    """Add the parameter of the distance between parts."""
+    """Add a parameter for the distance between parts."""
     algorithm.add(
         QgsProcessingParameterNumber(
             "GAP",
@@ -369,12 +369,12 @@ def add_gap(algorithm: Algorithm, help_text: str) -> None:
 
 
 class MakeMosaic(Algorithm):
-    """One orthophoto of all images."""
+    """Make one orthophoto from all images."""
 
     NAME, GROUP = "mosaic", "datasets"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Make an orthomosaic"),
             tr("One orthophoto of all images of a dataset, also of turned and tilted ones and over relief."),
@@ -394,7 +394,7 @@ class MakeMosaic(Algorithm):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         self.add_dataset(tr("Of a capture."))
         self.add(
             QgsProcessingParameterString("MAP_TYPE", tr("Map type"), "", optional=True),
@@ -426,7 +426,7 @@ class MakeMosaic(Algorithm):
         )
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Make it."""
+        """Make the orthomosaic."""
         from ..dataset.rectify import write_mosaic
         from ..sources import mission_heights
 

@@ -1,4 +1,4 @@
-"""The imagery of a mission, for algorithms: what belongs to the main thread is taken there, before they run."""
+"""The imagery of a mission, for algorithms: taken on the main thread before they run."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 
 class MissionSource:
-    """A mission's source as it is when an algorithm is prepared; made on the main thread.
+    """A mission's source, as prepared for an algorithm; create on the main thread.
 
     Parameters
     ----------
     mission : Mission
     authcfg : str
-        Configuration of QGIS's authentication database for the source's key or its requests; empty for the one that
-        the user has chosen for the source in the panel.
+        Configuration of QGIS's authentication database for the source's key or requests; empty for the one chosen for
+        the source in the panel.
     placeholders : tuple of str
         SHA-256 of tiles that count as missing, beside those of the settings.
 
     Raises
     ------
     InvalidInput
-        The configuration or the layer is not there.
+        The configuration or layer does not exist.
     """
 
     def __init__(self, mission: Mission, authcfg: str = "", placeholders: tuple[str, ...] = ()) -> None:
@@ -71,14 +71,14 @@ class MissionSource:
         return self._grid()
 
     def planned(self) -> Plan:
-        """Work the mission out; raises InvalidInput or SourceError."""
+        """Plan the mission; raises InvalidInput or SourceError."""
         from ..sources import worked_out
 
         return worked_out(self._mission, self._grid)
 
     @contextmanager
     def opened(self) -> Iterator[Source]:
-        """Source ready to fetch, once; closed afterwards with its connections."""
+        """Open the source, once; it is closed with its connections on exit."""
         from ..sources import open_for_capture
 
         with closing(self._transport) as transport:
@@ -94,7 +94,7 @@ class MissionSource:
 
 
 class _Keeper(QObject):
-    """Holds what belongs to the main thread until that lets go of it: algorithms end on any."""
+    """Hold objects of the main thread until it can release them: algorithms end on any thread."""
 
     over = pyqtSignal(object)
 
@@ -104,11 +104,11 @@ class _Keeper(QObject):
         self.over.connect(self._drop, Qt.ConnectionType.QueuedConnection)
 
     def keep(self, imagery: MissionSource) -> None:
-        """Hold it."""
+        """Hold a source."""
         self._kept[id(imagery)] = imagery
 
     def release_source(self, key: int) -> None:
-        """Let go, in the main thread, of what has this identity; called in any, by the last that used it."""
+        """Release a source by its identity on the main thread; the last user calls this on any thread."""
         from ..network.worker import in_main_thread
 
         if in_main_thread():
@@ -127,17 +127,17 @@ def _keeper() -> _Keeper:
 
 
 class WithImagery(Algorithm):
-    """An algorithm that fetches, and holds its imagery while it runs."""
+    """An algorithm that fetches imagery, and holds it while it runs."""
 
     _taken: tuple[MissionSource, ...] = ()
 
     @property
     def _imagery(self) -> MissionSource:
-        """That of a mission of one source."""
+        """The source of its single mission."""
         return self._taken[0]
 
     def add_access(self, help_text: str) -> None:
-        """Add the parameters of what a source asks for: a key or authentication, and consent."""
+        """Add parameters for a source's key or authentication, and for consent."""
         self.add(
             QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
             help_text,
@@ -146,7 +146,7 @@ class WithImagery(Algorithm):
         self.add_consent()
 
     def add_consent(self) -> None:
-        """Add the parameter of consent to terms."""
+        """Add a parameter for consent to terms."""
         self.add(
             QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
             tr("Sources that ask for consent refuse larger missions without it."),
@@ -154,7 +154,7 @@ class WithImagery(Algorithm):
         )
 
     def add_placeholders(self) -> None:
-        """Add the parameter of tiles that show no imagery."""
+        """Add a parameter for tiles without imagery."""
         self.add(
             QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
             tr(
@@ -165,21 +165,21 @@ class WithImagery(Algorithm):
         )
 
     def take_imagery(self, run: AlgorithmRun, *missions: Mission) -> None:
-        """Take the imagery of missions; on the main thread."""
+        """Take the imagery of missions. Main thread only."""
         placeholders = tuple(run.text("PLACEHOLDERS").replace(",", " ").split())
         self._taken = tuple(MissionSource(mission, run.text("AUTHCFG"), placeholders) for mission in missions)
         for imagery in self._taken:
             _keeper().keep(imagery)
 
     def released(self) -> None:
-        """Let go of the imagery."""
+        """Release the imagery."""
         keys, self._taken = [id(imagery) for imagery in self._taken], ()
         for key in keys:
             _keeper().release_source(key)
 
 
 def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bool) -> None:
-    """Raise SourceError where the source's terms do not let a run pass."""
+    """Raise SourceError if the source's terms do not allow a run."""
     from ...core.imagery.catalogue import check_policy
 
     check_policy(

@@ -1,4 +1,4 @@
-"""Algorithm: poses along a line that is flown at a speed, as points with attitude and time."""
+"""Algorithm that flies along a line at a speed, and gives poses with attitude and time."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class PosesAlongLine(Algorithm):
     NAME = "posesalongline"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Poses along a line"),
             tr("Points along lines that are flown at a speed, with height, yaw, roll and time."),
@@ -59,7 +59,7 @@ class PosesAlongLine(Algorithm):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         lines = QgsProcessing.SourceType.TypeVectorLine
         self.add(
             QgsProcessingParameterFeatureSource("INPUT", tr("Lines"), [lines]),
@@ -80,7 +80,7 @@ class PosesAlongLine(Algorithm):
         )
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Read the lines, and how they are flown."""
+        """Read the lines and the flight's parameters."""
         from ..area.layers import read_lines
 
         self._flight = LineFlight(
@@ -102,7 +102,7 @@ class PosesAlongLine(Algorithm):
         )
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Fly, and write the points."""
+        """Fly the lines and write the points."""
         from ...core.poses.line import fly
         from ..area.layers import flown_words
 

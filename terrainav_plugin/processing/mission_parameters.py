@@ -1,4 +1,4 @@
-"""The parameters of a mission, and the mission that they ask for."""
+"""The parameters of a mission, and the mission read from them."""
 
 from __future__ import annotations
 
@@ -41,20 +41,20 @@ if TYPE_CHECKING:
 
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
-#: Parameters that are not called as the command's option is.
+#: Parameters with names other than those of the command's options.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
-#: pixels, and texts are empty then.
+#: Parameters that are undefined if not given, despite a mission's default: a chosen camera has its pixels, and texts
+#: are empty then.
 _IF_GIVEN = ("image_px", "start", "date", "crs")
-#: The last of a mission's parameters, which stands for all others.
+#: The last parameter of a mission, which replaces all others.
 _FILE = "MISSION"
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
 def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
-    """Add all parameters of a mission; those that few people need are advanced ones.
+    """Add all parameters of a mission, the less common ones as advanced.
 
-    ``listed`` leaves the user's own cameras and sources out of the choices, which take long to find out.
+    ``listed`` omits the user's cameras and sources from the choices, as they are slow to determine.
     """
     _add_area(algorithm)
     _add_camera(algorithm, listed)
@@ -79,7 +79,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
 
 
 def leave_mission_to_file(algorithm: QgsProcessingAlgorithm) -> None:
-    """Have an algorithm's window ask for the mission's file, and for nothing that this says; other windows still do."""
+    """Hide the parameters that the mission's file replaces in an algorithm's window."""
     flags = QgsProcessingParameterDefinition.Flag
     for parameter in algorithm.parameterDefinitions():
         if parameter.name() == _FILE:
@@ -89,9 +89,9 @@ def leave_mission_to_file(algorithm: QgsProcessingAlgorithm) -> None:
 
 
 def read_mission(run: AlgorithmRun) -> Mission:
-    """Mission that parameters ask for; raises InvalidInput.
+    """Mission from parameters; raises InvalidInput.
 
-    A mission file says all of it: parameters beside it are left aside.
+    A mission file replaces all other parameters.
     """
     from ...core.imagery.catalogue import source_name
     from ...core.mission.mission import Mission
@@ -128,7 +128,7 @@ def _parameter_id(field: Field) -> str:
 
 
 def _value(run: AlgorithmRun, field: Field) -> Any:
-    """Value of a field's parameter; None where it is not given and need not be."""
+    """Value of a field's parameter; None if it is optional and not given."""
     name = _parameter_id(field)
     if field.unit.times != 1.0:
         return _share(run, field)
@@ -139,7 +139,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
     if field.kind is str:
         text = run.text(name).strip()
         return (text.lower() if field.name == "facing" else text) or None
-    # Paths may have spaces, so they are separated by semicolons.
+    # Paths may contain spaces: separate them by semicolons.
     if field.name in ("elevation", "surface"):
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
@@ -150,7 +150,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
 
 
 def _parameter(field: Field) -> QgsProcessingParameterDefinition:
-    """Parameter of a field as it is declared."""
+    """Parameter of a declared field."""
     name, title = _parameter_id(field), field_title(field)
     if field.choices:
         several = field.kind is tuple
@@ -266,7 +266,7 @@ def _add_source(algorithm: Algorithm, listed: bool) -> None:
 
 
 def number_parameter(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
-    """Number of a field, in the range that is declared."""
+    """Number parameter of a field, with its declared range."""
     kind = _WHOLE if field.kind is int else _REAL
     times = field.unit.times
     shown = None if usual is None else usual * times if times != 1.0 else usual
@@ -289,7 +289,7 @@ def _cameras(listed: bool) -> tuple[str, ...]:
 
 
 def _sources(listed: bool) -> dict[str, str]:
-    """Titles of sources by their names."""
+    """Titles of sources by name."""
     shipped = {name: str(data["title"]) for name, data in read_json("sources.json").items()}
     if listed:
         return shipped
@@ -298,12 +298,12 @@ def _sources(listed: bool) -> dict[str, str]:
     try:
         return {**shipped, **{entry.name: entry.title for entry in user_sources()}}
     except InvalidInput:
-        # A broken file of one's own sources is named where one of them is asked for.
+        # A broken file of the user's sources is reported when one of them is used.
         return shipped
 
 
 def _share(run: AlgorithmRun, field: Field) -> float:
-    """Share of a field in percent: of the decimal that was typed, and not of its binary fraction."""
+    """Share of a field in percent: of the decimal typed, not of its binary fraction."""
     return float(Decimal(repr(run.number(_parameter_id(field)))) / int(field.unit.times))
 
 

@@ -1,4 +1,4 @@
-"""Algorithm: a mission worked out, as layers, numbers and files. Fetches no imagery."""
+"""Algorithm that plans a mission, as layers, numbers and files. Fetches no imagery."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class PlanAlgorithm(Algorithm):
     NAME = "plan"
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Plan a mission"),
             tr("Footprints, coverage and figures of a simulated UAV flight; fetches nothing."),
@@ -83,7 +83,7 @@ class PlanAlgorithm(Algorithm):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         from ..missions.plan_export import file_filters
 
         add_mission_parameters(self, listed=self._listed)
@@ -112,7 +112,7 @@ class PlanAlgorithm(Algorithm):
         self.add_numbers(_figures())
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Read the mission, and the grid of layers of the project."""
+        """Read the mission, and the grid of project layers."""
         from ..sources import grid_finder
 
         self._mission = read_mission(run)
@@ -125,7 +125,7 @@ class PlanAlgorithm(Algorithm):
             check_plan_ending(self._export)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Plan, and write what is asked for."""
+        """Plan, and write the outputs asked for."""
         from ...core.mission.estimate import estimate
         from ..settings import Settings
         from ..sources import request_costs
@@ -151,7 +151,7 @@ class PlanAlgorithm(Algorithm):
         ):
             if not run.is_given(name):
                 continue
-            # That of the pictures' pixels, in which their edges are exact.
+            # The CRS of the images' pixels, in which their edges are exact.
             held_crs(worked_out.grid.plane.crs)
             crs = crs_named(worked_out.grid.plane.crs)
             sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
@@ -163,7 +163,7 @@ class PlanAlgorithm(Algorithm):
         return results
 
     def _aligned(self, watch: WorkFeedback) -> Mission:
-        """Mission with its rows aligned as asked for; says what that gains."""
+        """Mission with its rows aligned as requested; reports the gain."""
         from ...core.mission.flight.alignment import align_rows
         from ..sources import mission_heights
 
@@ -186,7 +186,7 @@ class PlanAlgorithm(Algorithm):
                 run.feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
                 run.feedback.pushInfo(translate(note))
-            # A flight too long for one file is in several.
+            # A flight too long for one file is divided among several.
             results["EXPORT"] = str(exported.files[0])
 
 
@@ -201,7 +201,7 @@ def flight_fields() -> QgsFields:
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
-    """Footprint of each image: the frame that its file will state, or the ground that the camera sees."""
+    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
     from ..map.outlines import footprint_shapes
 
     for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
@@ -236,9 +236,9 @@ def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
 
 
 def fill(sink: QgsFeatureSink, found: Iterable[QgsFeature], count: int, feedback: QgsProcessingFeedback) -> None:
-    """Write features to a sink, as far as the user lets it."""
+    """Write features to a sink until the user cancels."""
     for done, feature in enumerate(found):
-        # Look every 1,000 features whether the user has cancelled.
+        # Check every 1,000 features whether the user has cancelled.
         if done % 1000 == 0:
             feedback.setProgress(_PERCENT * done / count)
             if feedback.isCanceled():
@@ -270,7 +270,7 @@ def _figures() -> dict[str, str]:
 
 
 def _values(summary: Summary) -> dict[str, Any]:
-    """Values of the numbers; those that have no meaning, such as a coverage of points, are left out."""
+    """Values of the outputs, without undefined ones such as a coverage of points."""
     percent = {
         "COVERAGE": summary.covered_share,
         "LEAST_FRONT_OVERLAP": summary.least_overlap_along,

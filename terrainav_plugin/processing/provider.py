@@ -1,4 +1,4 @@
-"""The provider: what QGIS lists under TerrAInav in its toolbox."""
+"""The provider of algorithms in QGIS's toolbox."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ PROVIDER = "terrainav"
 
 
 class Provider(QgsProcessingProvider):
-    """The plugin's algorithms. What they compute with is loaded when one of them runs."""
+    """The plugin's algorithms; heavy packages are imported when one runs."""
 
     def id(self) -> str:
-        """Name in ``terrainav:plan``."""
+        """Id in ``terrainav:plan``."""
         return PROVIDER
 
     def name(self) -> str:
@@ -26,7 +26,7 @@ class Provider(QgsProcessingProvider):
         return icon("icon")
 
     def svgIconPath(self) -> str:
-        """Icon where QGIS draws it itself."""
+        """Path of the icon, for QGIS to draw."""
         return str(RESOURCES / "icon.svg")
 
     def loadAlgorithms(self) -> None:

@@ -1,4 +1,4 @@
-"""Algorithm: a mission's error measured against run time."""
+"""Algorithm that measures a mission's error against run time."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from .mission_parameters import add_mission_parameters, read_mission
 
 
 class AccuracyReport(WithImagery):
-    """Error against run time of every method, for the mission at hand."""
+    """Error against run time of every method, for the given mission."""
 
     NAME = "accuracyreport"
     PACKAGES = ("matplotlib",)
 
     def words(self) -> Words:
-        """Return what people read of it."""
+        """Return the texts of the algorithm."""
         return Words(
             tr("Accuracy report of a mission"),
             tr("Measures every method's error against its run time."),
@@ -44,7 +44,7 @@ class AccuracyReport(WithImagery):
         )
 
     def define(self) -> None:
-        """Add its parameters and outputs."""
+        """Add the parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
         self.add_access(tr("As for a capture."))
         self.add(
@@ -76,7 +76,7 @@ class AccuracyReport(WithImagery):
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
-                # A report measures on a few images, and needs at most 200 requests.
+                # A report measures a few images, and needs at most 200 requests.
                 check_terms(worked_out, source, 200, accepted=accepted)
                 return write_report(worked_out, source, folder, progress=tell, quick=quick)
 

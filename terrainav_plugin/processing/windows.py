@@ -1,4 +1,4 @@
-"""Processing's windows for benchmarks, opened from toolbar and menu with the panel's mission."""
+"""Processing's benchmark windows, opened from toolbar and menu with the panel's mission."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _MAKE, _SCORE = "terrainav:makebenchmark", "terrainav:scorebenchmark"
 
 
 class BenchmarkWindows(QObject):
-    """The windows that are open, and what follows when one has done its work.
+    """The open windows, and the handling of their results.
 
-    They are Processing's own, which bring progress, cancelling, a log, batches and a history.
+    They are Processing's, with progress, cancelling, log, batches and history.
     """
 
     def __init__(self, iface: QgisInterface, messages: Messages) -> None:
@@ -38,7 +38,7 @@ class BenchmarkWindows(QObject):
         self._latest: Path | None = None
 
     def make(self, mission: Mission) -> None:
-        """Ask for the rest of a benchmark whose queries are the views of a mission."""
+        """Ask for the settings of a benchmark whose queries are the views of a mission."""
         # In a folder that QGIS removes when it ends; the benchmark keeps the mission itself.
         file = QgsProcessingUtils.generateTempFilename("mission.json")
         mission.save(file)
@@ -49,12 +49,12 @@ class BenchmarkWindows(QObject):
             dialog.algorithmFinished.connect(self._made)
 
     def score(self, folder: Path | None = None) -> None:
-        """Ask for the answers to be judged; of a benchmark, or else of the one made last."""
+        """Ask for the answers to score, by default for the latest benchmark."""
         folder = folder or self._latest
         self._show(_SCORE, {} if folder is None else {"BENCHMARK": str(folder)})
 
     def close(self) -> None:
-        """Close them, and cancel what they are doing."""
+        """Close the windows, and cancel their runs."""
         for dialog in self.windows:
             if not sip.isdeleted(dialog):
                 if dialog.feedback is not None:

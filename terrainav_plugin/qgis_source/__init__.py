@@ -1,10 +1,10 @@
-"""Layers of the project, and QGIS's connections, as sources of imagery.
+"""Project layers and QGIS connections as imagery sources.
 
-connections     the connections to servers that the user has made in QGIS
-terms           whose terms hold for a layer
-snapshot        the project's layers as they are when a capture starts
+connections     connections to servers that the user has made in QGIS
+terms           terms of the providers of a layer
+snapshot        copies of the project's layers at the start of a capture
 source          a layer, or the whole map, as a source
-tiles           layers of tiles: their pixels as the server has them
-sampling        a raster file's layer on another pixel grid
-renderer        QGIS's renderer and raster pipes on the threads of a capture
+tiles           tile layers, with pixels as the server sends them
+sampling        a raster file's layer, sampled on another pixel grid
+renderer        QGIS's renderer and raster pipes on capture threads
 """

@@ -1,4 +1,4 @@
-"""The connections to tile servers that the user has made in QGIS, as sources; asked of QGIS each time."""
+"""QGIS connections to tile servers as sources; read from QGIS each time."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ..i18n import tr, translate
 if TYPE_CHECKING:
     from ...core.imagery.entry import CatalogueEntry
 
-#: What sources that are connections of QGIS to XYZ tiles are named by.
+#: Prefix of sources that are QGIS connections to XYZ tiles.
 XYZ = "qgis:xyz/"
-#: What stands in the chooser for a service whose layer is still to be chosen; no mission names it.
+#: Prefix in the chooser of a service whose layer is still to be chosen; missions never contain it.
 SERVICE_PREFIX = "qgis:service/"
 _SERVICE_KIND = "WMS"
-#: Headers of a connection, which versions of QGIS write in several ways.
+#: Headers of a connection, which QGIS versions write in several ways.
 _HEADER = "http-header:"
-#: Zooms of a connection that states none, as QGIS takes them.
+#: Zooms of a connection that states none, as in QGIS.
 _USUAL_ZOOM = 18
 
 
@@ -36,18 +36,18 @@ class Connection:
     Parameters
     ----------
     name : str
-        As the user calls it.
+        As shown in QGIS.
     url : str
-        Template, with {key} where the connection holds a key.
+        Template, with {key} in place of a key.
     key : str
-        Empty for none. Never to be written anywhere.
+        Empty for none. Never write it anywhere.
     min_zoom, max_zoom, tile_px : int
     any_size : bool
-        Whether the width of its tiles is not stated: whatever it is, QGIS draws a tile at 256 px.
+        Whether the size of its tiles is not stated: QGIS then draws each tile at 256 px, whatever its size.
     authcfg : str
         Id of its authentication configuration; empty for none.
     headers : mapping of str
-        To be sent along with each request.
+        Sent with each request.
     """
 
     name: str
@@ -61,12 +61,12 @@ class Connection:
     headers: Mapping[str, str] = field(default_factory=dict)
 
     def entry(self) -> CatalogueEntry:
-        """Entry of the tiles, under the terms of their provider where those are known.
+        """Entry of the tiles, under their provider's terms if those are known.
 
         Raises
         ------
         InvalidInput
-            Its address is none that tiles can be had from.
+            The address cannot be used.
         """
         from ...core.addresses import key_parameters
         from ...core.imagery.catalogue import described
@@ -97,22 +97,22 @@ class Connection:
 
 
 def is_connection(name: str) -> bool:
-    """Whether a source is a connection of QGIS to XYZ tiles."""
+    """Whether a source is a QGIS connection to XYZ tiles."""
     return name.startswith(XYZ)
 
 
 def connection_names() -> list[str]:
-    """Names of the connections to XYZ tiles, as QGIS's browser lists them."""
+    """Names of the XYZ connections, as in QGIS's browser."""
     return [name for name, _ in _listed()]
 
 
 def connection(source: str) -> Connection:
-    """Connection that a source is.
+    """Connection that a source names.
 
     Raises
     ------
     InvalidInput
-        There is none of this name (any more), or it cannot be used.
+        QGIS has no such connection (any more), or it cannot be used.
     """
     wanted = source[len(XYZ) :]
     for name, uri in _listed():
@@ -124,7 +124,7 @@ def connection(source: str) -> Connection:
 
 
 def service_names() -> list[str]:
-    """Names of the connections to a WMS or WMTS."""
+    """Names of the WMS and WMTS connections."""
     return sorted(QgsOwsConnection.connectionList(_SERVICE_KIND), key=str.casefold)
 
 
@@ -136,7 +136,7 @@ class ServiceConnection:
     ----------
     name : str
     address : str
-        With {key} where the connection holds a key.
+        With {key} in place of a key.
     key : str
     authcfg : str
     """
@@ -148,14 +148,14 @@ class ServiceConnection:
 
 
 def service(name: str) -> ServiceConnection:
-    """Connection of a name of `service_names`."""
+    """Connection with a name from `service_names`."""
     uri = QgsOwsConnection(_SERVICE_KIND, name).uri()
     address, key = without_key(uri.param("url"))
     return ServiceConnection(name, address.rstrip("?&"), key, uri.authConfigId())
 
 
 def without_key(url: str) -> tuple[str, str]:
-    """Address with {key} in the place of the one key in it, and that key; empty where it holds none."""
+    """Address with its only key replaced by {key}, and the key; without a key, the address and an empty text."""
     from ...core.addresses import is_key_name
 
     parts = urlsplit(url)
@@ -165,7 +165,7 @@ def without_key(url: str) -> tuple[str, str]:
         for at, piece in enumerate(pieces)
         if "=" in piece and is_key_name(piece.partition("=")[0]) and "{key}" not in piece
     ]
-    # Of several, none is known to be the key; `Connection.entry` refuses them.
+    # With several candidates the key is unknown; `Connection.entry` refuses them.
     if len(held) != 1 or "{key}" in url:
         return url, ""
     name, _, value = pieces[held[0]].partition("=")
@@ -176,7 +176,7 @@ def without_key(url: str) -> tuple[str, str]:
 def _listed() -> list[tuple[str, str]]:
     """Name and data source of each connection."""
     for provider in QgsApplication.dataItemProviderRegistry().providers():
-        # The folder of QGIS's browser with the connections to XYZ tiles.
+        # The browser folder of XYZ connections.
         if provider.name() == "XYZ Tiles":
             root = provider.createDataItem("", None)
             if root is not None:
@@ -186,7 +186,7 @@ def _listed() -> list[tuple[str, str]]:
 
 
 def parse_connection(name: str, uri: str) -> Connection:
-    """Connection that a data source of QGIS describes; raises InvalidInput where it cannot be used."""
+    """Connection from a QGIS data source; raises InvalidInput if it cannot be used."""
     options = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
     if options.get("username") or options.get("password"):
         raise InvalidInput(
@@ -198,7 +198,7 @@ def parse_connection(name: str, uri: str) -> Connection:
     headers = {key[len(_HEADER) :]: value for key, value in options.items() if key.startswith(_HEADER)}
     if options.get("referer"):
         headers["referer"] = options["referer"]
-    # QGIS unpacks what is written for a space.
+    # QGIS decodes encoded spaces.
     url, key = without_key(options.get("url", "").replace(" ", "%20"))
     least, most = (_zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
     tile_px = {"1": 256, "2": 512}.get(options.get("tilePixelRatio", ""))

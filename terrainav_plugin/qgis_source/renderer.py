@@ -1,4 +1,4 @@
-"""QGIS's renderer on the threads of a capture: whole or not at all, ended when asked or out of time."""
+"""QGIS's renderer on capture threads: complete images only, with cancellation and a time limit."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ if TYPE_CHECKING:
 
     from qgis.core import QgsMapRendererJob
 
-#: Seconds a part may take to draw: what QGIS's own network timeout (60 s) and one more try come to.
+#: Seconds a part may take to draw: QGIS's network timeout (60 s) and one retry.
 LONGEST_JOB_S = 150.0
-#: Seconds between two looks at what is being drawn.
+#: Seconds between checks of the jobs being drawn.
 _LOOK_S = 0.1
 _CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
 
 
 class Jobs:
-    """Draws layers, from any number of threads.
+    """Draw layers, from any number of threads.
 
-    Layers are prepared one after the other, as they belong to all threads; drawing itself goes on side by side.
+    Layers are prepared one at a time, as all threads share them; drawing is parallel.
     """
 
     def __init__(self, longest_s: float = LONGEST_JOB_S) -> None:
@@ -64,7 +64,7 @@ class Jobs:
         settings: QgsMapSettings,
         layers: Sequence[QgsMapLayer],
     ) -> None:
-        """Draw ``layers``, the uppermost first, over what ``image`` shows.
+        """Draw ``layers``, the uppermost first, onto ``image``.
 
         Raises
         ------
@@ -79,7 +79,7 @@ class Jobs:
             with self.watched(job.cancelWithoutBlocking) as going_on:
                 with self.preparing:
                     job.prepare()
-                # What was asked to end before it was prepared does not know of it.
+                # A job ignores a cancellation that precedes its preparation.
                 if not going_on():
                     job.cancelWithoutBlocking()
                 job.renderPrepared()
@@ -89,9 +89,9 @@ class Jobs:
 
     @contextmanager
     def watched(self, end: Callable[[], None]) -> Iterator[Callable[[], bool]]:
-        """Watch over something that is being drawn: ``end`` ends it, maybe more than once.
+        """Limit a drawing in time: calls ``end``, perhaps repeatedly, when it must stop.
 
-        Yields whether it may still go on; raises at the end as `draw` does.
+        Yields a function that returns whether it may continue; raises on exit as `draw` does.
         """
         job = _Job(end, time.monotonic() + self._longest_s)
         with self._lock:
@@ -113,14 +113,14 @@ class Jobs:
             raise PartError(job.reason)
 
     def close(self) -> None:
-        """End what is being drawn, which raises `Cancelled`, and wait for its end."""
+        """Cancel all drawing, which raises `Cancelled`, and wait for its end."""
         self._closed.set()
         self._end_unwanted()
         with self._lock:
             self._none_running.wait_for(lambda: not self._running)
 
     def _look(self) -> None:
-        """End what is no longer wanted; again and again, as what is being prepared takes no notice."""
+        """Cancel jobs that must stop, repeatedly: a job being prepared ignores it."""
         while self._running or not self._closed.is_set():
             self._end_unwanted()
             if self._closed.wait(_LOOK_S):
@@ -142,14 +142,14 @@ class Jobs:
 
 
 def refuse_errors(errors: Sequence[QgsMapRendererJob.Error]) -> None:
-    """Raise PartError with the first of a renderer's errors, where it has any."""
+    """Raise PartError with the first of a renderer's errors, if any."""
     messages = [error.message for error in errors if error.message]
     if messages:
         raise PartError("QGIS could not draw it: {0}", messages[0])
 
 
 def blank(width_px: int, height_px: int) -> QImage:
-    """Image that shows nothing; raises PartError where it is too large for the memory."""
+    """Transparent image; raises PartError if it does not fit in memory."""
     image = QImage(width_px, height_px, _FORMAT)
     if image.isNull():
         raise PartError("image of {0}x{1} px: too large to be drawn", width_px, height_px)
@@ -170,22 +170,22 @@ def to_image(pixels: NDArray[np.uint8]) -> QImage:
     height, width = pixels.shape[:2]
     data = np.ascontiguousarray(pixels).tobytes()
     image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888_Premultiplied)
-    # Converting copies, so that the image does not point into memory that Python frees.
+    # The conversion copies, so the image does not refer to memory that Python frees.
     return image.convertToFormat(_FORMAT)
 
 
 class Pipes:
-    """A layer, and its pipes: one for each thread that draws it at the same time.
+    """A layer and its pipes, one for each thread that draws it at the same time.
 
-    Made and let go of on the main thread, which QGIS's providers belong to: one that is made, wrapped or destroyed on
-    another thread while the main one goes on may end QGIS.
+    Create and release on the main thread, which owns QGIS's providers: creating, wrapping or destroying one on another
+    thread may crash QGIS.
     """
 
     def __init__(self, layer: QgsRasterLayer) -> None:
         self.layer = layer
         self._margin_px = _margin_px(layer.renderer())
         self._idle: SimpleQueue[_Pipe] = SimpleQueue()
-        # One pipe for each connection of a capture; more threads than that wait for one another.
+        # One pipe for each connection of a capture; further threads wait.
         for _ in range(8):
             pipe = _copy(layer.pipe())
             self._idle.put(_Pipe(pipe, pipe.last()))
@@ -196,12 +196,12 @@ class Pipes:
         size: tuple[int, int],
         jobs: Jobs,
     ) -> NDArray[np.uint8]:
-        """Premultiplied pixels of an extent in the layer's own CRS, (height, width, 4) uint8.
+        """Premultiplied pixels of an extent in the layer's CRS, (height, width, 4) uint8.
 
         Raises
         ------
         PartError
-            The layer cannot be read, or it takes too long.
+            The layer cannot be read, or takes too long.
         Cancelled
         """
         feedback = QgsRasterBlockFeedback()
@@ -228,7 +228,7 @@ class Pipes:
 
 
 class _Job:
-    """Something that is being drawn: until when it may, and why it was ended."""
+    """A drawing under way: its time limit, and why it was stopped."""
 
     def __init__(self, end: Callable[[], None], until_s: float) -> None:
         self.end, self.until_s = end, until_s
@@ -236,18 +236,18 @@ class _Job:
 
 
 class _Pipe(NamedTuple):
-    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
+    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is unsafe on other threads."""
 
     pipe: QgsRasterPipe
     last: QgsRasterInterface
 
 
 def _margin_px(renderer: QgsRasterRenderer) -> int:
-    """Pixels around a block that its style looks at; without them there are seams between blocks."""
+    """Margin in pixels that a block's style needs to avoid seams between blocks."""
     if isinstance(renderer, QgsHillshadeRenderer):
         return 1
     if isinstance(renderer, QgsRasterContourRenderer):
-        # QGIS draws contours on a coarser grid, two pixels of which it reads around a block.
+        # QGIS draws contours on a coarser grid, and reads two of its pixels around a block.
         return 2 * math.ceil(renderer.downscale())
     return 0
 
@@ -259,6 +259,6 @@ def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
         stage = pipe.at(index)
         if not isinstance(stage, QgsRasterProjector):
             copy.set(stage.clone())
-    # Which of the stages resamples is a setting of the pipe, and no stage's own.
+    # The resampling stage is a setting of the pipe.
     copy.setResamplingStage(pipe.resamplingStage())
     return copy

@@ -1,8 +1,7 @@
-"""A raster file's layer at its own pixels, or on another pixel grid without QGIS's approximate reprojection.
+"""Sample a raster file's layer, at its pixels or on another grid, without QGIS's approximate reprojection.
 
-QGIS first resamples a raster to another grid, and takes the nearest pixels from that: up to more than a pixel
-off. Here every pixel of a picture on another grid takes the pixel of the raster that its centre lies in, styled by
-QGIS.
+QGIS first resamples a raster to another grid and then takes the nearest pixels: up to more than a pixel off. Here each
+pixel of an image takes the raster's pixel that contains its centre, styled by QGIS.
 """
 
 from __future__ import annotations
@@ -28,16 +27,16 @@ from ...core.arrays import Bytes, Floats
 from ...core.picture.resampling import sample
 from .renderer import Jobs, Pipes
 
-#: Head of a line in well-known binary: byte order, type (2), number of points.
+#: Header of a line in well-known binary: byte order, type (2), number of points.
 _HEADER = struct.Struct("<BII")
-#: Pixels beyond the outermost sample that the widest kernel needs.
+#: Margin in pixels around the outermost samples for the widest kernel.
 _MARGIN_PX = 2
-#: Kernels by the names of QGIS's resamplers; nearest where a layer has none.
+#: Kernels by the names of QGIS's resamplers; nearest if a layer has none.
 _KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
 
 
 class SampledWindow(NamedTuple):
-    """Pixels of a raster, put together where a picture is much coarser: columns and rows from its upper left."""
+    """Pixels of a raster, averaged if the image is much coarser: columns and rows from its upper left."""
 
     factor: int
     left: int
@@ -47,9 +46,9 @@ class SampledWindow(NamedTuple):
 
 
 def enlarging_kernel(layer: QgsRasterLayer) -> str:
-    """Kernel that a layer asks for where it is enlarged."""
+    """Kernel that a layer uses for enlarging."""
     if resamples_early(layer):
-        # The provider has more methods than these; the smoother ones come nearest to cubic.
+        # Providers have more methods; the smoother ones are closest to cubic.
         method = QgsRasterDataProvider.ResamplingMethod
         exact = {method.Nearest: "nearest", method.Bilinear: "bilinear"}
         return exact.get(layer.dataProvider().zoomedInResamplingMethod(), "bicubic")
@@ -58,7 +57,7 @@ def enlarging_kernel(layer: QgsRasterLayer) -> str:
 
 
 def resamples_early(layer: QgsRasterLayer) -> bool:
-    """Whether a layer's provider resamples its values before they are styled."""
+    """Whether a layer's provider resamples values before styling."""
     return bool(
         layer.resamplingStage() == Qgis.RasterResamplingStage.Provider
         and layer.dataProvider().isProviderResamplingEnabled()
@@ -72,23 +71,23 @@ def sampled(
     size: tuple[int, int],
     jobs: Jobs,
 ) -> Bytes | None:
-    """Pixels of a layer where a picture's pixels have their centres.
+    """Pixels of a layer at the pixel centres of an image.
 
     Parameters
     ----------
     pipes : Pipes
-        Of a file's layer.
+        Of a layer from a file.
     settings : QgsMapSettings
-        Its CRS is that of the picture.
+        Has the CRS of the image.
     edges_m : west, south, east, north
-        Of the picture, in its CRS.
+        Of the image, in its CRS.
     size : width, height
-        Of the picture, px.
+        Of the image, px.
     jobs : Jobs
 
     Returns
     -------
-    array (height, width, 4) of uint8, or None where the layer shows nothing there
+    array (height, width, 4) of uint8, or None if the layer shows nothing there
         Premultiplied; alpha is 0 beyond the raster.
     """
     layer, (width, height) = pipes.layer, size
@@ -109,27 +108,27 @@ def sampled(
 
 
 def averaged(pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs) -> Bytes | None:
-    """Pixels of a layer as its raster has them, or means of several.
+    """Pixels of a layer at its raster's resolution, or averages of blocks of them.
 
     Parameters
     ----------
     pipes : Pipes
-        Of a file's layer.
+        Of a layer from a file.
     left_px, top_px : int
-        Of the picture, in its pixels from the raster's corner.
+        Of the image, in its pixels from the raster's corner.
     size : width, height
-        Of the picture, px.
+        Of the image, px.
     factor : int
-        Pixels of the raster along each side of one of the picture; a power of two.
+        Raster pixels along each side of an image pixel; a power of two.
     jobs : Jobs
 
     Returns
     -------
-    array (height, width, 4) of uint8, or None where the layer shows nothing there
-        Premultiplied; alpha is 0 where anything is missing beneath a pixel.
+    array (height, width, 4) of uint8, or None if the layer shows nothing there
+        Premultiplied; alpha is 0 if any raster pixel below is missing.
     """
     layer, (width, height) = pipes.layer, size
-    # At most 8 pixels of the raster a side, to keep blocks small; beyond that QGIS picks pixels itself.
+    # At most 8 raster pixels a side, to keep blocks small; above that QGIS subsamples.
     each = min(factor, 8)
     picked = factor // each
     left, top = max(left_px * each, 0), max(top_px * each, 0)
@@ -151,7 +150,7 @@ def averaged(pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], fac
 
 
 def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) -> Floats:
-    """Centres of a picture's pixels by rows, (width * height, 2)."""
+    """Pixel centres of an image by rows, (width * height, 2)."""
     (west, south, east, north), (width, height) = edges_m, size
     x = west + (np.arange(width) + 0.5) * ((east - west) / width)
     y = north - (np.arange(height) + 0.5) * ((north - south) / height)
@@ -159,7 +158,7 @@ def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) 
 
 
 def _raster_positions(layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats) -> tuple[Floats, Floats]:
-    """Columns and rows of a raster at points of the picture's CRS; infinite where there is no such place."""
+    """Columns and rows of a raster at points in the image's CRS; infinite outside the domain of a CRS."""
     transform = QgsCoordinateTransform(settings.destinationCrs(), layer.crs(), settings.transformContext())
     if not transform.isShortCircuited():
         points = _transformed(points, transform)
@@ -170,8 +169,8 @@ def _raster_positions(layer: QgsRasterLayer, settings: QgsMapSettings, points: F
 
 
 def _transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
-    """Points in another CRS by QGIS's own operation, many in one call."""
-    # PyQGIS lets no other thread run during a call: 4096 points take a few milliseconds.
+    """Points in another CRS by QGIS's operation, many in one call."""
+    # PyQGIS holds the GIL during a call: 4096 points take a few milliseconds.
     parts = np.array_split(points, -(-len(points) // 4096))
     return np.concatenate([_line_transformed(part, transform) for part in parts])
 
@@ -187,9 +186,9 @@ def _line_transformed(points: Floats, transform: QgsCoordinateTransform) -> Floa
 
 
 def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> SampledWindow:
-    """Cells that hold all samples: single pixels, or so many together that a picture's pixel has two to four."""
+    """Cells that contain all samples: pixels, or groups of them so that an image pixel spans two to four."""
     steps = [np.abs(np.diff(values, axis=axis)) for values in (x, y) for axis in (0, 1)]
-    # Of the longer of the two ways along each axis of the picture; a raster may lie turned.
+    # The longer way along each image axis: the raster may be rotated.
     ratio = min(
         float(np.median(np.hypot(steps[axis], steps[2 + axis]))) if steps[axis].size else 1.0 for axis in (0, 1)
     )

@@ -1,4 +1,4 @@
-"""The project's layers as they are when a capture starts: copied on the main thread, drawn on others."""
+"""The project's layers at the start of a capture: copied on the main thread, drawn on others."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ from .renderer import Pipes
 from .terms import policies
 from .tiles import ServerTiles, TileAddress, tile_address
 
-#: What names of sources begin with that QGIS itself draws.
+#: Prefix of sources that QGIS draws.
 PREFIX = "qgis:"
 PROJECT_SOURCE = f"{PREFIX}project"
 _LAYER = f"{PREFIX}layer/"
-#: QGIS's provider of raster files, which are read as they are; others ask a service.
+#: QGIS's provider of raster files, which are read directly; others request a service.
 FILE_PROVIDER = "gdal"
 _MERCATOR = "EPSG:3857"
 #: Zooms of layers without a resolution.
 _MAX_ZOOM = 22
-#: Where layers have their tiles from, by the layers' ids; None for those without.
+#: Tile addresses by layer id; None for layers without one.
 Addresses = dict[str, Optional[TileAddress]]
 
 
@@ -63,23 +63,23 @@ class LayerChoice(NamedTuple):
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Copies of the layers to draw, apart from the project; created and released on the main thread.
+    """Copies of the layers to draw, independent of the project; create and release on the main thread.
 
     Parameters
     ----------
     name, title, attribution, date : str
-        As a source has them.
+        As in a source.
     grid : PixelGrid
     ground : tuple of Pipes or ServerTiles
-        Rasters that nothing but rasters lies below, the lowest first.
+        Rasters with only rasters below, the lowest first.
     policy : Policy
-        The strictest of the providers of its tiles.
+        The strictest policy of the tiles' providers.
     drawing : tuple of QgsMapLayer
-        What lies above them, the uppermost first.
+        The layers above, the uppermost first.
     settings : QgsMapSettings
-        Everything but layers, extent and size.
+        All settings but layers, extent and size.
     paper : QColor
-        Colour of the map below its layers.
+        Background colour of the map.
     """
 
     name: str
@@ -95,17 +95,17 @@ class Snapshot:
 
 
 def is_of_qgis(name: str) -> bool:
-    """Whether a source is drawn by QGIS itself."""
+    """Whether QGIS draws a source."""
     return name.startswith(PREFIX) and not is_connection(name)
 
 
 def source_name(layer: QgsMapLayer) -> str:
-    """Name of the source that a layer is."""
+    """Name of the source for a layer."""
     return f"{_LAYER}{layer.id()}"
 
 
 def layer_choices(project: QgsProject) -> list[LayerChoice]:
-    """Sources that a project has: its map, and each layer that shows something."""
+    """Sources of a project: its map, and each layer that shows something."""
     layers = list(_layers_that_show(project))
     if not layers:
         return []
@@ -119,7 +119,7 @@ def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
     Raises
     ------
     InvalidInput
-        Where there is no such layer, or it shows nothing.
+        The layer does not exist, or shows nothing.
     """
     if name == PROJECT_SOURCE:
         root = project.layerTreeRoot()
@@ -142,12 +142,12 @@ def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
 
 
 def source_title(name: str, project: QgsProject) -> str:
-    """What people call a source."""
+    """Title of a source for people."""
     return tr("Whole map") if name == PROJECT_SOURCE else source_layers(name, project)[0].name()
 
 
 def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
-    """Pixel grid of a source; on the main thread. Raises InvalidInput as `source_layers`."""
+    """Pixel grid of a source; raises InvalidInput as `source_layers`. Main thread only."""
     layers = source_layers(name, project)
     return _grid(name, layers, _addresses(layers), project)
 
@@ -164,7 +164,7 @@ def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: Q
 
 
 def take_snapshot(name: str, project: QgsProject) -> Snapshot:
-    """Copies of what a source shows now; on the main thread. Raises InvalidInput as `source_layers`."""
+    """Copies of a source's layers as shown now; raises InvalidInput as `source_layers`. Main thread only."""
     layers = source_layers(name, project)
     addresses, ground = _addresses(layers), _ground(layers)
     grid = _grid(name, layers, addresses, project)
@@ -184,7 +184,7 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
 
 
 def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
-    """Terms of all providers that a source asks, with the layers' names, as `terms.policies` has them.
+    """Terms of all providers that a source uses, with the layers' names, as from `terms.policies`.
 
     Raises InvalidInput as `source_layers`.
     """
@@ -192,7 +192,7 @@ def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str
 
 
 def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
-    """Where layers have their tiles from, by the layers' ids."""
+    """Tile addresses by layer id."""
     return {layer.id(): tile_address(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
 
 
@@ -204,7 +204,7 @@ def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProje
 def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
     for layer in project.layerTreeRoot().layerOrder():
         role = str(layer.customProperty(ROLE) or "")
-        # Backgrounds are imagery; the plugin's other layers are its results.
+        # Backgrounds are imagery; the plugin's other layers are results.
         if layer.isValid() and layer.isSpatial() and (not role or role.startswith("background/")):
             yield layer
 
@@ -219,11 +219,11 @@ def _ground(layers: list[QgsMapLayer]) -> list[QgsRasterLayer]:
 
 
 def _copy(layer: QgsMapLayer, project: QgsProject) -> QgsMapLayer:
-    """Copy that belongs to no thread, as the threads that draw it are many; with all that changes its pixels."""
+    """Copy for drawing on any thread, with all settings that affect its pixels."""
     copy = layer.clone()
     times = layer.temporalProperties()
     if times is not None and times.isActive():
-        # QGIS's own copies have none before 3.40.
+        # QGIS's copies have none before 3.40.
         style, kind = QDomDocument(), QgsMapLayer.StyleCategory.Temporal
         layer.exportNamedStyle(style, QgsReadWriteContext(), kind)
         copy.importNamedStyle(style, kind)
@@ -235,7 +235,7 @@ def _copy(layer: QgsMapLayer, project: QgsProject) -> QgsMapLayer:
 
 
 def _keep_reading(layer: QgsRasterLayer, copy: QgsRasterLayer) -> None:
-    """Have a copy read its raster as the layer does: QGIS opens it anew, as if nothing had been set."""
+    """Restore on a copy how its layer reads the raster: QGIS reopens it with default settings."""
     own, new = layer.dataProvider(), copy.dataProvider()
     for band in range(1, min(own.bandCount(), new.bandCount()) + 1):
         new.setUserNoDataValue(band, own.userNoDataValues(band))
@@ -248,27 +248,27 @@ def _keep_reading(layer: QgsRasterLayer, copy: QgsRasterLayer) -> None:
 
 
 def _fix_style(copy: QgsRasterLayer, project: QgsProject) -> None:
-    """Have every part of a raster drawn alike, whatever it is drawn with."""
+    """Make all parts of a raster look alike, however they are divided."""
     projector = copy.pipe().projector()
     if projector is not None:
         projector.setPrecision(QgsRasterProjector.Precision.Exact)
     context = project.createExpressionContext()
     context.appendScope(QgsExpressionContextUtils.layerScope(copy))
     copy.pipe().evaluateDataDefinedProperties(context)
-    # A stretch that follows the map's extent stays as the map has it, and is not found anew for each part.
+    # Freeze a stretch that follows the map's extent; otherwise each part would get another.
     origin = QgsRasterMinMaxOrigin(copy.renderer().minMaxOrigin())
     origin.setExtent(QgsRasterMinMaxOrigin.Extent.WholeRaster)
     copy.renderer().setMinMaxOrigin(origin)
 
 
 def _refuse_placeless(layers: list[QgsMapLayer]) -> None:
-    """Refuse layers without a CRS: QGIS shows them wherever their numbers lie on the map of the moment."""
+    """Refuse layers without a CRS: QGIS draws their coordinates in the CRS of the map."""
     for layer in layers:
         required_crs(layer.crs(), layer.name())
 
 
 def _refuse_large(layers: list[QgsMapLayer]) -> None:
-    """Refuse raster files of which QGIS would decode too much for one pixel, on each of the threads that draw it."""
+    """Refuse raster files of which QGIS would decode too much per pixel, on each drawing thread."""
     for layer in layers:
         if isinstance(layer, QgsRasterLayer) and layer.providerType() == FILE_PROVIDER:
             raster = layer.dataProvider()
@@ -286,10 +286,10 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
     settings.setDestinationCrs(crs)
     settings.setTransformContext(project.transformContext())
     settings.setEllipsoid(project.ellipsoid())
-    # As of a map on the screen: sizes in millimetres and the scales that layers are shown at follow from it.
+    # As on screen: sizes in millimetres and scale-dependent visibility follow from it.
     settings.setOutputDpi(96)
     settings.setBackgroundColor(QColor(Qt.GlobalColor.transparent))
-    # Pictures meet each other: fills and lines must go on from one to the next.
+    # Images adjoin: fills and lines must continue from one to the next.
     for flag in ("Antialiasing", "DrawLabeling", "UseAdvancedEffects", "RenderMapTile"):
         settings.setFlag(getattr(QgsMapSettings.Flag, flag), True)
     labels = project.labelingEngineSettings()
@@ -304,7 +304,7 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
 
 
 def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
-    """Pixels of a raster file in a projected CRS, in whatever style; None of what is drawn at the map's pixels."""
+    """Pixel grid of a raster file in a projected CRS, in any style; None for layers drawn on the map's grid."""
     if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
         return None
     box, width, height = layer.extent(), layer.width(), layer.height()
@@ -316,31 +316,31 @@ def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
         place = RasterGeoreference(Facts((), ((width, height),), wkt, corner, {}))
         own = place.own_plane()
     except InvalidInput:
-        # What has no place is refused as every such layer is.
+        # Layers outside the domain of a CRS are refused elsewhere.
         return None
     if own is None:
         return None
     plane, native = own
-    # Pictures in the raster's own pixels can be enlarged by up to 6 zooms.
+    # Images on the raster's grid can be enlarged by up to 6 zooms.
     highest = min(native + 6, HIGHEST_ZOOM)
     return PixelGrid(max_zoom=highest, native_zoom=native, extent=place.own_extent(native), plane=plane)
 
 
 def _native_zoom(layer: QgsMapLayer, address: TileAddress | None, project: QgsProject) -> int:
-    """Highest zoom with detail of the layer's own; the highest of all where it has detail at every scale."""
+    """Highest zoom with native detail; the highest of all if there is detail at every scale."""
     if not isinstance(layer, QgsRasterLayer):
         return _MAX_ZOOM
     if layer.providerType() != FILE_PROVIDER:
         stated = None if address is None else address.highest_zoom
         return _MAX_ZOOM if stated is None else min(stated, _MAX_ZOOM)
     share = _mercator_m_per_px(layer, project) / (2.0 * HALF_WORLD_M)
-    # Zoom 27 has a millimetre a pixel, as the finest rasters have.
-    # A file rounds its resolution: 0.1 % off a zoom's still counts as that zoom's.
+    # Zoom 27 has a millimetre per pixel, like the finest rasters.
+    # Files round their resolution: 0.1 % off a zoom's resolution still counts as that zoom.
     return min(max(fitting_zoom(share, 1.0, 1e-3), 0), 27)
 
 
 def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:
-    """Metres of EPSG:3857 per px of a raster about its middle; raises InvalidInput where it has no place there."""
+    """Metres of EPSG:3857 per px near the middle of a raster; raises InvalidInput outside its domain."""
     transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
     middle = layer.extent().center()
     try:
@@ -358,7 +358,7 @@ def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:
 
 
 def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float], ...] | None:
-    """Where the imagery of a raster file ends, as world fractions; None for other layers."""
+    """Extent of a raster file's imagery, as world fractions; None for other layers."""
     if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
         return None
     transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
@@ -374,7 +374,7 @@ def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float
 
 
 def _attribution(layers: list[QgsMapLayer]) -> str:
-    """Rights and attributions of layers, each once."""
+    """Rights and attributions of layers, without repetition."""
     words: dict[str, None] = {}
     for layer in layers:
         stated = [*layer.metadata().rights(), attribution(layer)]
@@ -383,7 +383,7 @@ def _attribution(layers: list[QgsMapLayer]) -> str:
 
 
 def _date(layer: QgsMapLayer) -> str:
-    """Date that a layer as a whole is of, as YYYY-MM-DD; empty where it says none."""
+    """Date of a layer as a whole, as YYYY-MM-DD; empty if it has none."""
     times = layer.temporalProperties()
     if not (isinstance(layer, QgsRasterLayer) and times is not None and times.isActive()):
         return ""

@@ -1,13 +1,12 @@
 """A layer of the project, or its whole map, as a source: drawn by QGIS off the main thread.
 
-A raster file in a projected CRS is drawn, in its style, at its own pixels; everything else at those of the map.
+A raster file in a projected CRS is drawn, in its style, on its pixel grid; everything else on the map's grid.
 
-Two kinds of layers are drawn in two ways. *Ground*, the rasters that only rasters lie below, does not depend on how
-much of it is drawn at once: it is drawn tile by tile on the global pixel grid, each tile once, at the very pixels of
-the grid (QGIS 3.22 doubles a row of a service's tiles here and there in larger pictures). *Drawings*, whatever lies
-above, do depend on it: QGIS places labels anew in each picture. They are drawn over a whole picture at once, so that
-no label or symbol is cut where tiles meet, and with what lies around the picture, so that those that reach over its
-edge go on in the next.
+There are two kinds of layers. *Ground*, the rasters with only rasters below, looks the same however much is drawn at
+once: it is drawn tile by tile on the global pixel grid, each tile once, at the exact pixels of the grid (in larger
+images QGIS 3.22 duplicates a row of a service's tiles now and then). *Drawings*, all layers above, do not: QGIS places
+labels anew in each image. They are drawn over a whole image at once, so that tile edges cut no label or symbol, and
+with a margin, so that those that cross its edge continue in the next image.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import ServerTiles
 
-#: How layers are laid over what is below them, where nothing else is chosen.
+#: Blend mode of layers by default.
 _COVERING = QPainter.CompositionMode.CompositionMode_SourceOver
 
 
 class LayerSource:
-    """What a `Snapshot` shows, as a `Source`.
+    """The layers of a `Snapshot`, as a `Source`.
 
     Parameters
     ----------
     snapshot : Snapshot
     jobs : Jobs or None
-        None for its own.
+        None creates new ones.
     """
 
     map_types: tuple[str, ...] = ()
@@ -59,19 +58,19 @@ class LayerSource:
         self._paper = np.array([paper.red(), paper.green(), paper.blue()], np.uint16)
 
     def parts(self, window: Window) -> list[Part]:
-        """Return tiles, or the window itself where something is drawn that must not be cut."""
+        """Return tiles, or the window itself if there are drawings, which must not be cut."""
         if not self._snapshot.drawing:
             return tile_parts(window, self.grid)
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
     def fetch(self, map_type: str, part: Window) -> Bytes:  # noqa: ARG002
-        """Pixels of a part, (height_px, width_px, 3) uint8, or 4 where something is missing.
+        """Pixels of a part, (height_px, width_px, 3) uint8, or 4 channels if some are missing.
 
         Raises
         ------
         PartError
-            QGIS reports an error, takes too long, or nothing of the drawings is there.
+            QGIS reports an error or takes too long, or there are no drawings here.
         Cancelled
             Within half a second of `close`.
         """
@@ -83,11 +82,11 @@ class LayerSource:
         shown = self._draw_above(none if ground is None else ground, part)
         missing = np.zeros(shown.shape[:2], bool)
         if ground is not None:
-            # A service that did not answer leaves holes, which a drawing above must not hide.
+            # An unavailable service leaves holes, which drawings above must not hide.
             served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
             missing = (ground if served else shown)[..., 3] == 0
         elif not shown[..., 3].any():
-            # Between the features of a drawing there is paper, but a picture without any shows nothing.
+            # Between features there is paper, but an image without any features shows nothing.
             raise PartError("{0} shows nothing here", self.title)
         if _any_blended(self._snapshot.drawing):
             below = self._on_paper(none if ground is None else ground, np.zeros_like(missing))
@@ -95,22 +94,22 @@ class LayerSource:
         return self._on_paper(shown, missing)
 
     def _draw_above(self, below: Bytes, part: Window) -> Bytes:
-        """Drawings over what is below them, premultiplied."""
+        """Drawings over the image below, premultiplied."""
         image, settings = to_image(below), self._settings(part)
-        # Features this near draw symbols and labels that reach into the picture.
+        # Features this near may have symbols and labels that reach into the image.
         settings.setExtentBuffer(128 * self.grid.pixel_size(part.zoom)[0])
         self._jobs.draw(image, settings, self._snapshot.drawing)
         return to_array(image)
 
     def close(self) -> None:
-        """End what is being drawn; it raises `Cancelled`."""
+        """Cancel all drawing, which raises `Cancelled`."""
         for layer in self._snapshot.ground:
             if isinstance(layer, ServerTiles):
                 layer.close()
         self._jobs.close()
 
     def _on_paper(self, shown: Bytes, missing: NDArray[np.bool_]) -> Bytes:
-        """Premultiplied pixels over the map's own colour, with a channel for those without imagery."""
+        """Premultiplied pixels over the background colour, with an alpha channel for missing imagery."""
         alpha = shown[..., 3]
         picture = shown[..., :3]
         if not (alpha == 255).all():
@@ -121,7 +120,7 @@ class LayerSource:
         return np.dstack([picture, np.where(missing, 0, 255).astype(np.uint8)])
 
     def _ground(self, window: Window) -> Bytes:
-        """Ground below a window, put together from its tiles."""
+        """Ground below a window, assembled from tiles."""
         ground = np.empty((window.height_px, window.width_px, 4), np.uint8)
         for part in tile_parts(window, self.grid):
             tile = self._tile(part.window)
@@ -132,7 +131,7 @@ class LayerSource:
         return ground
 
     def _tile(self, tile: Window) -> Bytes:
-        """Premultiplied pixels of a tile of ground; drawn once while it is wanted by several."""
+        """Premultiplied pixels of a ground tile, drawn once for all threads that need it."""
         with self._lock:
             known = self._tiles.get(tile)
             if known is None:
@@ -170,7 +169,7 @@ class LayerSource:
         return shown if blended is None else np.where(shown[..., 3:] > 0, to_array(blended), np.uint8(0))
 
     def _blended(self, below: QImage) -> QImage | None:
-        """Image of paper that layers are blended with; None where each of them simply covers what is below."""
+        """Paper image to blend layers with; None if every layer simply covers those below."""
         if not _any_blended(drawn.layer for drawn in self._snapshot.ground):
             return None
         paper = below.copy()
@@ -183,7 +182,7 @@ class LayerSource:
         settings: QgsMapSettings,
         tile: Window,
     ) -> Bytes | None:
-        """Pixels of one layer; None where it shows nothing."""
+        """Pixels of one layer; None if it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
         if not self.grid.plane.wraps and tile.zoom <= self.grid.native_zoom:
             factor = 1 << (self.grid.native_zoom - tile.zoom)
@@ -194,7 +193,7 @@ class LayerSource:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
         if layer.crs() == settings.destinationCrs() and not _is_timed(layer, settings):
-            # Otherwise QGIS asks for the neighbouring tiles, too. No pixel's centre comes near another pixel by it.
+            # Otherwise QGIS also requests the neighbouring tiles. The shift moves no pixel's centre to another pixel.
             extent.grow(-1e-3 * self.grid.pixel_size(tile.zoom)[0])
             return pipes.block(extent, size, self._jobs)
         image = blank(*size)
@@ -221,18 +220,18 @@ def _paint(image: QImage, pixels: Bytes, mode: QPainter.CompositionMode) -> None
 
 
 def _any_blended(layers: Iterable[QgsMapLayer]) -> bool:
-    """Whether what some layers look like depends on what is below them, down to the paper."""
+    """Whether the look of a layer depends on those below it, down to the paper."""
     return any(layer.blendMode() != _COVERING for layer in layers)
 
 
 def _is_timed(layer: QgsMapLayer, settings: QgsMapSettings) -> bool:
-    """Whether what a layer shows depends on the time that the map is of."""
+    """Whether a layer's contents depend on the time of the map."""
     times = layer.temporalProperties()
     return bool(settings.isTemporal() and times is not None and times.isActive())
 
 
 def _is_shown(layer: QgsMapLayer, settings: QgsMapSettings) -> bool:
-    """Whether a layer is to be seen at the map's scale and time."""
+    """Whether a layer is visible at the map's scale and time."""
     times = layer.temporalProperties()
     timely = not _is_timed(layer, settings) or times.isVisibleInTemporalRange(settings.temporalRange())
     return timely and layer.isInScaleRange(settings.scale())

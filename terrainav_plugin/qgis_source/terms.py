@@ -1,7 +1,7 @@
-"""Whose terms hold for a layer: of every provider that it asks, whatever kind of layer it is and however it is written.
+"""Terms of a layer's providers, whatever kind of layer it is and however its address is written.
 
-The address is looked for in the layer's own data source, in what its provider has read of the service, and in the files
-that describe data elsewhere: GDAL's of a WMS or of tiles, VRT of those, and what stands beside them.
+Addresses are looked for in the layer's data source, in what its provider has read of the service, and in files that
+describe data elsewhere: GDAL's WMS and tile descriptions, VRTs of those, and sidecar files.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from ...core.limits import MAX_VRT_BYTES
 if TYPE_CHECKING:
     from ...core.imagery.entry import CatalogueEntry
 
-#: Who a request says that it comes from, which is nobody that is asked.
+#: Addresses that a request names as its origin; they are not requested.
 _REFERRED = re.compile(r"(http-header:)?refer+er=('[^']*'|\"[^\"]*\"|[^&\s]*)", re.IGNORECASE)
-#: GDAL's addresses of tiles need no scheme.
+#: GDAL's tile addresses need no scheme.
 _BARE = re.compile(r"<(\w*url)\b[^<>]*>\s*(?!\w+:/)([^<>\s]+)", re.IGNORECASE)
 _MARKUP = re.compile(r"<!--.*?-->|<!\[CDATA\[|\]\]>", re.DOTALL)
-#: What names a file in a description: text of an element, and values of attributes and of JSON.
+#: File names in a description: text of an element, and values of attributes and of JSON.
 _VALUES = re.compile(r">([^<>]{1,1024})<|\"([^\"<>]{1,1024})\"|'([^'<>]{1,1024})'")
-#: Files that are looked at for one layer, and one within another.
+#: Most files searched for one layer, and most levels of nesting.
 _MOST_FILES, _MOST_DEPTH = 10_000, 8
 
 
 def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
-    """Terms that limit how much may be had of layers, with the layers' names; those that nothing overrides come first.
+    """Terms that limit the use of layers, with the layers' names; terms without exceptions come first.
 
-    Several layers of one provider share what it allows.
+    Layers of one provider share its limits.
     """
     found: dict[str, tuple[CatalogueEntry, list[str]]] = {}
     for layer in layers:
@@ -52,7 +52,7 @@ def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
 
 
 def known_providers(layer: QgsMapLayer) -> list[CatalogueEntry]:
-    """Known providers that a layer asks, each once; on the main thread."""
+    """Known providers of a layer, each once. Main thread only."""
     inner = getattr(layer, "childLayers", list)()
     found = {one.name: one for child in inner for one in known_providers(child)}
     found.update((one.name, one) for text in _texts(layer) for one in find_providers(text))
@@ -64,7 +64,7 @@ def known_providers(layer: QgsMapLayer) -> list[CatalogueEntry]:
 
 @lru_cache(maxsize=64)
 def _described(names: tuple[str, ...], _stamps: tuple[object, ...]) -> tuple[CatalogueEntry, ...]:
-    """Providers that descriptions lead to; kept while the files are what they were, as a VRT may name thousands."""
+    """Providers found in descriptions; cached while the files are unchanged, as a VRT may name thousands."""
     texts = _Descriptions().texts(names)
     return tuple({one.name: one for text in texts for one in find_providers(text)}.values())
 
@@ -76,19 +76,19 @@ def _share(policy: Policy, count: int) -> Policy:
 
 
 def _texts(layer: QgsMapLayer) -> Iterator[str]:
-    """Texts in which a layer's addresses may stand."""
+    """Texts that may contain a layer's addresses."""
     source = _REFERRED.sub("", layer.source())
     yield source
     if not isinstance(layer, QgsRasterLayer):
         return
     provider = layer.dataProvider()
     if layer.providerType() == "wms" and provider is not None:
-        # A service's capabilities name the addresses that are asked for pictures.
+        # A service's capabilities contain the addresses of its images.
         yield provider.htmlMetadata()
 
 
 def _names(layer: QgsMapLayer) -> tuple[str, ...]:
-    """What in a raster layer's data source may be a description, or the name of a file of one."""
+    """Parts of a raster layer's data source that may be a description, or the file name of one."""
     if not isinstance(layer, QgsRasterLayer):
         return ()
     source = layer.source()
@@ -98,19 +98,19 @@ def _names(layer: QgsMapLayer) -> tuple[str, ...]:
 
 
 def _regular(name: str) -> gdal.StatBuf | None:
-    """What is known of a file of this machine; None for any other name, and for pipes, which would be waited for."""
+    """Status of a regular local file; None for other names, and for pipes, which would block."""
     found = None if FETCHED.search(name) or "\0" in name else gdal.VSIStatL(name)
     return found if found is not None and stat.S_ISREG(found.mode) else None
 
 
 class _Descriptions:
-    """Files that describe data elsewhere, and those that they name; each is read once."""
+    """Files that describe data elsewhere, and the files they name; each is read once."""
 
     def __init__(self) -> None:
         self._seen: set[str] = set()
 
     def texts(self, names: Iterable[str], depth: int = 0) -> Iterator[str]:
-        """Texts of those of the names that are descriptions, or files of such."""
+        """Texts of the names that are descriptions, or files with one."""
         for name in names:
             if name.lstrip().startswith("<"):
                 text, folder = name, ""
@@ -126,12 +126,12 @@ class _Descriptions:
                 inside = (one for one in named if "://" not in one and not one.isdecimal())
                 yield from self.texts((path for one in inside for path in _paths(one, folder)), depth + 1)
         if depth == 0:
-            # Files that GDAL opens with a raster.
+            # Sidecar files that GDAL opens with a raster.
             beside = [name + ending for name in list(self._seen) for ending in (".aux.xml", ".ovr", ".msk")]
             yield from self.texts(beside, depth + 1)
 
     def _text(self, name: str) -> str:
-        """Text of a file of this machine; empty where it is none, or is a picture."""
+        """Text of a local file; empty if it is missing or an image."""
         if name in self._seen or len(self._seen) >= _MOST_FILES or _regular(name) is None:
             return ""
         self._seen.add(name)
@@ -142,7 +142,7 @@ class _Descriptions:
 
 
 def _paths(name: str, folder: str) -> list[str]:
-    """Where a name in a description of a folder may lead to."""
+    """Paths that a name in a description may refer to."""
     return [name, f"{folder}/{name}"] if folder else [name]
 
 

@@ -1,8 +1,8 @@
-"""Layers of tiles: their pixels as the server has them, in the layer's own colours.
+"""Tile layers, with pixels as the server sends them and the layer's colours.
 
-QGIS draws a tile a pixel larger than it is to each side (from 3.44 on), so that no gap shows between tiles: no pixel of
-such a picture is certain to be at its place. So tiles of a layer in Web Mercator are asked of their server here, over
-QGIS's network stack and under the terms of their provider, and only the layer's colours are QGIS's work.
+QGIS (from 3.44) draws a tile a pixel larger on each side, to close gaps between tiles, so no pixel of such an image is
+certain to be in place. Tiles of Web Mercator layers are therefore requested from their server here, over QGIS's network
+stack and under the provider's terms, and QGIS only applies the layer's colours.
 """
 
 from __future__ import annotations
@@ -44,23 +44,23 @@ if TYPE_CHECKING:
     Pixels = NDArray[np.uint8]
 
 _MERCATOR = "EPSG:3857"
-#: Pixels whose colours are times their alpha.
+#: Format of pixels with colours premultiplied by alpha.
 _PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
 
 
 class ServerTiles:
-    """A layer whose tiles are asked of their server.
+    """A layer whose tiles are requested from their server.
 
-    Made on the main thread, which its connections and the stages of its style belong to.
+    Create on the main thread, which owns its connections and the stages of its style.
 
     Parameters
     ----------
     layer : QgsRasterLayer
-        A copy, as the project's own may change.
+        A copy, as the project's layer may change.
     entry : callable
-        Gives the entry of the tiles; called once, on any thread, as a service may have to be asked for it.
+        Returns the entry of the tiles; called once, on any thread, as it may request a service.
     connection : Connection
-        How the server is to be asked.
+        Parameters of requests to the server.
     """
 
     def __init__(self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection) -> None:
@@ -82,7 +82,7 @@ class ServerTiles:
         self._opened: Source | None = None
 
     def pixels(self, window: Window) -> Pixels | None:
-        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None where the server has none.
+        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None if the server has none.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class ServerTiles:
         """
         source = self._source()
         grid = source.grid
-        # A zoom has twice the pixels where tiles have twice the width; beyond the finest, its pixels are repeated.
+        # With tiles of double width a zoom has double resolution; above the highest zoom, its pixels are repeated.
         finer = grid.scale.bit_length() - 1
         zoom = min(window.zoom - finer, grid.max_zoom)
         if zoom < grid.min_zoom:
@@ -109,8 +109,8 @@ class ServerTiles:
         return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))
 
     def close(self) -> None:
-        """End what is asked for; it raises `Cancelled`."""
-        # First, and without the lock: a service that is being asked for its capabilities holds that.
+        """Cancel the requests, which raises `Cancelled`."""
+        # First, and without the lock: a request for a service's capabilities holds that.
         self._transport.close()
         with self._lock:
             if self._opened is not None:
@@ -124,7 +124,7 @@ class ServerTiles:
                 entry = self._entry()
                 grid = entry.grid()
                 if grid.scale & (grid.scale - 1):
-                    # Their zooms are not those of the picture.
+                    # Their zooms differ from those of the image.
                     raise InvalidInput(
                         tr(
                             "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 "
@@ -160,16 +160,16 @@ class ServerTiles:
 
 
 class TileAddress(NamedTuple):
-    """Where a layer in Web Mercator has its tiles from, as its own address (URI) says.
+    """Origin of the tiles of a Web Mercator layer, from its data source URI.
 
     Parameters
     ----------
     connection : Connection
-        How the server is to be asked.
+        Parameters of requests to the server.
     entry : CatalogueEntry or None
-        Of the tiles; None where a service is to be asked for it.
+        Of the tiles; None if a service must be requested for it.
     service : str
-        Name of that service.
+        Name of this service.
     """
 
     connection: Connection
@@ -178,13 +178,13 @@ class TileAddress(NamedTuple):
 
     @property
     def highest_zoom(self) -> int | None:
-        """Zoom up to which there are tiles, in terms of 256 px; None where only the service knows."""
+        """Highest zoom with tiles, counted in tiles of 256 px; None if only the service knows."""
         if self.entry is None:
             return None
         return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
 
     def tiles(self, copy: QgsRasterLayer) -> ServerTiles:
-        """The tiles, of a copy of the layer that is theirs to keep."""
+        """Tiles of the address, for a copy of the layer that they keep."""
         if self.entry is not None:
             return ServerTiles(copy, lambda: self.entry, self.connection)
         tiles = ServerTiles(copy, lambda: _service_entry(self.service, tiles), self.connection)
@@ -192,7 +192,7 @@ class TileAddress(NamedTuple):
 
 
 def tile_address(layer: QgsRasterLayer) -> TileAddress | None:
-    """Where a layer's tiles come from; None where it has none in Web Mercator, or ones that QGIS alone can read."""
+    """Origin of a layer's tiles; None if they are not in Web Mercator, or only QGIS can read them."""
     if layer.providerType() != "wms" or layer.crs().authid() != _MERCATOR:
         return None
     uri = layer.source()
@@ -214,7 +214,7 @@ def tile_address(layer: QgsRasterLayer) -> TileAddress | None:
             named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
             return TileAddress(known, None, f"wmts:{address}#{named}")
     except InvalidInput:
-        # Of an address that only QGIS can make something of, QGIS draws the picture.
+        # QGIS draws addresses that only it can read.
         return None
     return None
 
@@ -223,13 +223,13 @@ def _service_entry(name: str, tiles: ServerTiles) -> CatalogueEntry:
     from ...core.imagery.opening import SourceOptions, named_source
 
     connection, transport = tiles._connection, tiles._transport  # noqa: SLF001
-    # The layers that come here are in Web Mercator, and so must their tiles be.
+    # These layers are in Web Mercator, and so must their tiles be.
     options = SourceOptions(key=connection.key or None, transport=transport, crs=_MERCATOR)
     return named_source(name, options).entry
 
 
 def _premultiplied(pixels: Pixels) -> Pixels:
-    """Red, green, blue (times alpha) and alpha, of pixels with or without alpha."""
+    """Premultiplied RGBA of pixels with or without alpha."""
     if pixels.shape[2] == 3:
         return np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)])
     alpha = pixels[..., 3:].astype(np.uint16)
@@ -237,7 +237,7 @@ def _premultiplied(pixels: Pixels) -> Pixels:
 
 
 class _Given(QgsRasterInterface):
-    """Pixels at the beginning of a pipe, as a provider would give them."""
+    """Given pixels at the start of a pipe, in place of a provider."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -263,7 +263,7 @@ class _Given(QgsRasterInterface):
 
 
 class _Stages:
-    """The stages of a layer's pipe that colour pixels one by one."""
+    """The stages of a layer's pipe that colour single pixels."""
 
     def __init__(self, layer: QgsRasterLayer) -> None:
         self._given = _Given()
@@ -276,16 +276,16 @@ class _Stages:
                 self._stages.append(stage)
 
     def applied(self, pixels: Pixels) -> Pixels:
-        """Pixels in the layer's colours, premultiplied as they came."""
+        """Premultiplied pixels in the layer's colours."""
         height, width = pixels.shape[:2]
         self._given.image = to_image(pixels)
-        # QGIS 3.44 ends where it is given no feedback. The pixels are those that were given, whatever the extent.
+        # QGIS 3.44 crashes without feedback. The extent does not matter: the pixels are given.
         feedback, extent = QgsRasterBlockFeedback(), QgsRectangle(0.0, 0.0, 1.0, 1.0)
         return to_array(self._stages[-1].block(1, extent, width, height, feedback).image())
 
 
 def _colour_stages(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
-    """Stages that colour a layer's pixels, one set for each thread; None where they leave pixels as they are."""
+    """Stages that colour a layer's pixels, one set for each thread; None if they change nothing."""
     if _is_plain(layer):
         return None
     stages: SimpleQueue[_Stages] = SimpleQueue()

@@ -1,7 +1,7 @@
 """Address of a dataset's folder as entered by the user, and the addresses of its files.
 
-S3's addresses are signed by GDAL, for a few minutes and one file each, with the credentials that AWS's own tools have;
-the requests themselves are QGIS's, as those to web servers are.
+S3 URLs are signed by GDAL, for a few minutes and one file each, with the credentials of AWS's tools; the requests go
+through QGIS, like those to web servers.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from ...core.errors import InvalidInput, OutputError
 from ...core.limits import MAX_HEADER_CHARACTERS
 from ..i18n import tr
 
-#: Files right inside a dataset whose addresses stand for it.
+#: Files of a dataset whose addresses stand for it.
 _INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "croissant.json", "plan.csv")
-#: Seconds that a signed address holds.
+#: Validity of a signed URL in seconds.
 _SIGNED_S = 600
 
 
@@ -33,19 +33,19 @@ class DatasetAddress(NamedTuple):
     Parameters
     ----------
     url : str
-        Without a slash at its end.
+        Without a trailing slash.
     """
 
     url: str
 
     @classmethod
     def parse(cls, text: str) -> DatasetAddress:
-        """Address of a dataset, given as such or as that of a file in it.
+        """Address of a dataset, from its folder's address or that of a file in it.
 
         Raises
         ------
         InvalidInput
-            The text is not an address, or holds credentials, which are not quoted.
+            The text is not an address, or contains credentials (which the message does not repeat).
         """
         text = text.strip()
         if not text:
@@ -80,12 +80,12 @@ class DatasetAddress(NamedTuple):
             path = folder.rpartition("/")[0]
         elif name in _INSIDE:
             path = folder
-        # Names of buckets are as they are; `hostname` would be in lower case.
+        # Bucket names are case-sensitive; `hostname` would be in lower case.
         return cls(f"{scheme}://{parts.netloc}{path}")
 
     @property
     def name(self) -> str:
-        """Name: the last part."""
+        """Last part of the address."""
         parts = urlsplit(self.url)
         return parts.path.rpartition("/")[2] or parts.netloc
 
@@ -97,19 +97,19 @@ class DatasetAddress(NamedTuple):
 
     @property
     def is_s3(self) -> bool:
-        """Whether it is one of an object store."""
+        """Whether it is in an object store."""
         return self.url.startswith("s3://")
 
     def file(self, name: str) -> str:
-        """Address of a file in it, as it is shown; ``name`` may lead into folders."""
+        """Address of a file in the folder, for display; ``name`` may contain folders."""
         return f"{self.url}/{name}"
 
     def inside(self, name: str) -> DatasetAddress:
-        """Address of a folder in it."""
+        """Address of a subfolder."""
         return DatasetAddress(self.file(name))
 
     def request_url(self, name: str) -> str:
-        """URL at which a file is asked for now; that of a store is signed, and never to be shown.
+        """URL to request a file now; that of a store is signed: never show it.
 
         Raises
         ------
@@ -126,13 +126,13 @@ class DatasetAddress(NamedTuple):
                 signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", [f"EXPIRATION_DELAY={_SIGNED_S}"])
             if signed:
                 return str(signed)
-        # Without credentials: what everybody may read.
+        # Without credentials: public files.
         return _plain_url(parts.netloc, key, options)
 
 
 def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
-    """GDAL options for the store that AWS's variables name; empty for Amazon's."""
-    # The first of the variables in which AWS's tools look for another store than Amazon's.
+    """GDAL options for the store named by AWS's variables; empty for Amazon's."""
+    # The first variable in which AWS's tools look for another store than Amazon's.
     names = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
     endpoint = next((environment[name] for name in names if environment.get(name)), "")
     if not endpoint or environment.get("AWS_S3_ENDPOINT"):
@@ -143,7 +143,7 @@ def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
     return {
         "AWS_S3_ENDPOINT": f"{parts.netloc}{parts.path}".rstrip("/"),
         "AWS_HTTPS": "YES" if parts.scheme == "https" else "NO",
-        # Other stores seldom have a host for each bucket.
+        # Other stores rarely have a host per bucket.
         "AWS_VIRTUAL_HOSTING": "FALSE",
     }
 
@@ -163,7 +163,7 @@ def _plain_url(bucket: str, key: str, options: Mapping[str, str]) -> str:
 
 @contextmanager
 def _gdal_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Options of GDAL, for a while and, where it can do so (3.5), for this thread alone; its errors go nowhere."""
+    """Set GDAL options temporarily and, if possible (GDAL 3.5), for this thread only; suppress GDAL's errors."""
     put = getattr(gdal, "SetThreadLocalConfigOption", gdal.SetConfigOption)
     get = getattr(gdal, "GetThreadLocalConfigOption", gdal.GetConfigOption)
     before = {name: get(name) for name in options}

@@ -1,7 +1,7 @@
-"""Local copies of what footprints need of a dataset at an address: its folder without images.
+"""Local copies of remote datasets: the files that footprints need, without images.
 
-QGIS reads a file of footprints again and again; at an address every look at the map would fetch all of them. With the
-copy a dataset at an address is one of this machine, except for its images, and a saved project opens without network.
+QGIS reads a file of footprints repeatedly; remotely, every redraw of the map would fetch it all. With a copy, a remote
+dataset is local except for its images, and a saved project opens without network.
 """
 
 from __future__ import annotations
@@ -29,39 +29,39 @@ from .address import DatasetAddress
 from .geoparquet import ITEMS_FILE, can_read, write_from_items
 from .store import Store
 
-#: In a copy: where it is from.
+#: File in a copy with the dataset's address.
 ADDRESS_FILE = "address.json"
-#: Beside the table of a map type whose images are in shards.
+#: File beside the table of a map type whose images are in shards.
 SHARDS_FILE = "shards.json"
-#: What names of folders may not hold somewhere.
+#: Characters that some systems forbid in folder names.
 _ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f]|[. ]+$')
-#: Share of the work that the footprints are; the rest are tables.
+#: Share of footprints in the progress; the rest are tables.
 _FOOTPRINTS_SHARE = 0.6
-#: Footprints of a dataset that has still to be copied: as a capture writes them, so that QGIS keeps their style.
+#: Footprints of a dataset not copied yet, in the form of a capture, so that QGIS keeps their style.
 _NONE_YET = (
     b'{"type": "FeatureCollection", "features": [\n{"type": "Feature", "properties": {"name": ""}, "geometry": '
     b'{"type": "Polygon", "coordinates": [[[0, 0], [0, 0], [0, 0], [0, 0]]]}}\n]}\n'
 )
-#: The same of the table of all images, where that is what is copied.
+#: The same share of the table of all images, if that is copied.
 _ITEMS_SHARE = 0.5
 Progress = Callable[[float], bool]
 
 
 def copy_folder(address: DatasetAddress) -> Path:
-    """Folder of the copy of a dataset, which may not exist yet."""
+    """Folder for the copy of a dataset, which may not exist yet."""
     digest = hashlib.sha256(address.url.encode()).hexdigest()[:12]
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
 
 
 def found_copy(source: str) -> str:
-    """Where the copy that a layer shows is on this machine, as its project may come from another one.
+    """Path on this machine of the copy that a layer shows, as its project may be from another machine.
 
-    Where there is none (any more), footprints get a file with one that cannot be seen until they have been copied
-    again: QGIS would ask the user for a file that is missing.
+    Without a copy, write an invisible footprint in its place until the dataset is copied again: for a
+    missing file QGIS would ask the user.
     """
     file, bar, options = source.replace("\\", "/").partition("|")
     path = _copies().joinpath(*PurePosixPath(file.rpartition(f"{COPIES}/")[2]).parts)
-    # Projects come from elsewhere: nothing is written outside.
+    # The project may be foreign: write nothing outside the folder of copies.
     if _copies() not in path.parents or ".." in path.parts:
         return source
     if path.name == FOOTPRINTS_FILE and not exists(path):
@@ -69,7 +69,7 @@ def found_copy(source: str) -> str:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)
         except (OutputError, ValueError):
-            # ValueError of a name that no file can have.
+            # ValueError for an impossible file name.
             return source
     return f"{path}{bar}{options}"
 
@@ -79,7 +79,7 @@ def _copies() -> Path:
 
 
 def copied_address(folder: Path) -> DatasetAddress | None:
-    """Address of which a folder is the copy; None for other folders, whatever a file in them states."""
+    """Address whose copy a folder is; None for other folders, whatever a file in them states."""
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
@@ -90,14 +90,14 @@ def copied_address(folder: Path) -> DatasetAddress | None:
 
 
 def has_images_elsewhere(folder: Path) -> bool:
-    """Whether images of a dataset are no files in its folder: it is at an address, or they are in shards."""
+    """Whether the images of a dataset are not files in its folder, but remote or in shards."""
     if copied_address(folder) is not None:
         return True
     return is_folder(folder) and any(folder.glob(f"*/{SHARDS_FILE}"))
 
 
 def why_unchangeable(folder: Path) -> str:
-    """Why a dataset's images cannot be added to, cleaned or split from here; empty where they can."""
+    """Reason why a dataset's images cannot be added, cleaned or split here; empty if they can."""
     address = copied_address(folder)
     if address is not None:
         return tr("{name} is at an address and can be looked at only: {address}").format(
@@ -109,7 +109,7 @@ def why_unchangeable(folder: Path) -> str:
 
 
 def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
-    """Copy what footprints need of a dataset, and of each of its imageries; an earlier copy is replaced.
+    """Copy the files that the footprints of a dataset, and of each of its imageries, need; replaces an earlier copy.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
     InvalidInput
         The address has no dataset.
     OutputError, PartError, SourceError, Cancelled
-        As `Store` does; a file that cannot be written.
+        As from `Store`; a file cannot be written.
     """
     folder = copy_folder(store.address)
     mission = _copy_mission(store, folder, "")
@@ -141,7 +141,7 @@ def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
 
 
 def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
-    """Copy the mission of a dataset, of one inside where ``place`` says so; raises NotThere for that."""
+    """Copy the mission of a dataset, or of one in the subfolder ``place``; raises NotThere for a missing subfolder."""
     path = folder / place / MISSION_FILE
     try:
         text = b"".join(store.pieces(place + MISSION_FILE, most_bytes=MAX_MISSION_BYTES))
@@ -161,7 +161,7 @@ def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
 
 
 def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on: Progress) -> None:
-    """Copy footprints and tables; a run that has not ended has no table yet."""
+    """Copy footprints and tables; an unfinished run has no tables yet."""
     if not place and can_read() and _take_items(store, folder, mission, go_on):
         return
     pieces = store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share))
@@ -190,9 +190,9 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
 
 
 def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
-    """Write footprints once they are checked: a project that shows the copy opens whatever is in its place."""
+    """Check and write footprints: a project that shows the copy opens whatever is in its place."""
     try:
-        # An ending by which GDAL still recognises GeoJSON.
+        # A name by which GDAL still recognises GeoJSON.
         with partial_file(path, ".new.geojson") as unchecked:
             write_whole(unchecked, checked_geojson(pieces, name))
             check_driver(unchecked)
@@ -201,7 +201,7 @@ def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
 
 
 def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:
-    """Take everything from the single table of images; False where it does not exist or cannot be read."""
+    """Extract all files from the table of images; False if it does not exist or cannot be read."""
     items = folder / ITEMS_FILE
     try:
         write_whole(items, store.pieces(ITEMS_FILE, lambda share: go_on(_ITEMS_SHARE * share)))

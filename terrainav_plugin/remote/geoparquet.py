@@ -1,6 +1,6 @@
-"""All images of a dataset in one table of GeoParquet, read as footprints and tables: a fraction of their bytes.
+"""Convert the GeoParquet table of a dataset's images to footprints and tables, which takes a fraction of the bytes.
 
-QGIS's own builds have the driver of GDAL that reads it; where it is missing, the dataset's other files are copied.
+QGIS's official builds have the GDAL driver; without it, the dataset's other files are copied.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from ..i18n import tr
 ITEMS_FILE = "items.parquet"
 _DRIVER = "Parquet"
 _NAMES, _MAP_TYPE = "img_names", "map_type"
-#: Columns that items have beside those of tables; of structures, GDAL makes a column each, with a dot.
+#: Columns that items have beside those of tables; for structures GDAL makes columns with dotted names.
 _OF_ITEMS = frozenset(
     "type stac_version stac_extensions id collection bbox links assets datetime start_datetime end_datetime gsd".split()
 )
-#: Properties of footprints by what tables call them.
+#: Properties of footprints, by the names in tables.
 _PROPERTIES = {
     "column": "columns",
     "row": "rows",
@@ -54,22 +54,22 @@ def can_read() -> bool:
 
 
 def write_from_items(items: Path, folder: Path, map_types: Sequence[str], go_on: Progress) -> None:
-    """Write footprints and tables of a dataset as a capture leaves them, but for images that failed.
+    """Write footprints and tables of a dataset like a capture, except for failed images.
 
     Parameters
     ----------
     items : Path
-        File of GeoParquet.
+        GeoParquet file.
     folder : Path
-        Of the copy.
+        Folder of the copy.
     map_types : sequence of str
     go_on : callable
-        Told the share that is done; returns whether to go on.
+        Called with the share done; returns whether to continue.
 
     Raises
     ------
     InvalidInput
-        A file that cannot be read, or is of other images.
+        The file cannot be read, or is for other images.
     OutputError, Cancelled
     """
     try:
@@ -94,7 +94,7 @@ def write_from_items(items: Path, folder: Path, map_types: Sequence[str], go_on:
             features = _checked_features(layer, lambda share, number=number: go_on((number + share) / passes))
             write_whole(folder / map_type / TABLE_FILE, _rows(features, headers))
     except RuntimeError as wrong:
-        # What GDAL raises where it is set to.
+        # GDAL raises this if exceptions are enabled.
         raise _unreadable(items, wrong) from wrong
 
 
@@ -102,14 +102,14 @@ def _checked_features(layer: ogr.Layer, go_on: Progress) -> Iterator[ogr.Feature
     count = max(layer.GetFeatureCount(), 1)
     layer.ResetReading()
     for number, feature in enumerate(layer):
-        # Ask every 500 items whether to go on.
+        # Check every 500 items whether to stop.
         if number % 500 == 0 and not go_on(number / count):
             raise Cancelled(tr("footprints: stopped"))
         yield feature
 
 
 def _footprints(items: Path, features: Iterator[ogr.Feature], names: set[str]) -> Iterator[bytes]:
-    """Lines of a file of footprints; of an image that there is in several map types, one."""
+    """Lines of a footprint file, one for an image with several map types."""
     known: set[str] = set()
     yield b'{"type": "FeatureCollection", "features": [\n'
     for feature in features:

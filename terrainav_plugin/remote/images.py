@@ -1,4 +1,4 @@
-"""The bytes of one image: a file at an address, or a part of a shard, at an address or on this machine."""
+"""Single images: a remote file, or a part of a remote or local shard."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .address import DatasetAddress
 from .copies import ADDRESS_FILE, copied_address
 from .store import Store
 
-#: Images that are kept, and bytes of all of them together.
+#: Most images cached, and most bytes of them together.
 _KEPT, _KEPT_BYTES = 16, 128 << 20
 _NOTES = ".aux.xml"
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
@@ -28,18 +28,18 @@ DEPTH = "depth"
 
 
 class Fetched(NamedTuple):
-    """An image as it was fetched.
+    """A fetched image.
 
     Parameters
     ----------
     data : bytes
-        Of its file.
+        Contents of its file.
     place : str
-        Where it is, as it is shown.
+        Address or file, for display.
     beside : mapping of str to bytes
-        Files that place it on the map, by what follows the image's name without ending.
+        Georeferencing files, by what replaces the image's extension.
     depth : bytes or None
-        Of the file of its depth.
+        Contents of its depth file.
     """
 
     data: bytes
@@ -48,7 +48,7 @@ class Fetched(NamedTuple):
     depth: bytes | None = None
 
     def save(self, path: Path) -> None:
-        """Write it, with what places it on the map; raises OutputError."""
+        """Write the image and its georeferencing files; raises OutputError."""
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as wrong:
@@ -59,7 +59,7 @@ class Fetched(NamedTuple):
 
 
 class _InShard(NamedTuple):
-    """Where an image is in a shard, as its row of the table says."""
+    """Position of an image in a shard, from its row in the table."""
 
     shard: str
     start: int
@@ -67,7 +67,7 @@ class _InShard(NamedTuple):
 
     @classmethod
     def from_row(cls, row: Mapping[str, str], file: str) -> _InShard | None:
-        """Shard and name of an image; None where its row names no shard."""
+        """Shard and name of an image; None if its row names no shard."""
         shard = row.get("shard", "")
         if not shard:
             return None
@@ -81,35 +81,35 @@ class _InShard(NamedTuple):
 
 
 class ImageFetcher:
-    """Fetches images and keeps the last few. For one thread; `interrupt` and `close` are called from any."""
+    """Fetch images and cache the last few. Use on one thread; `interrupt` and `close` work from any thread."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[object, ...], Fetched] = OrderedDict()
         self._stores: dict[DatasetAddress, Store] = {}
 
     def interrupt(self) -> None:
-        """End what is under way: it raises `Cancelled`."""
+        """Cancel the request under way, which raises `Cancelled`."""
         for store in list(self._stores.values()):
             store.close()
         self._stores.clear()
 
     def fetch(self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool) -> Fetched | None:
-        """Image of a dataset; None where it is neither at an address nor in a shard, but a file as usual.
+        """Image of a dataset; None if it is a file in its folder.
 
         Parameters
         ----------
         folder : Path
-            Of the dataset, or of the copy of one at an address.
+            Of the dataset, or of the copy of a remote one.
         map_type, file : str
         row : mapping of str to str
-            Row of the table; empty without one.
+            Row in the table; empty without one.
         with_depth : bool
-            Whether images of this dataset have one.
+            Whether images of this dataset have depth files.
 
         Raises
         ------
         InvalidInput, OutputError, PartError, SourceError, Cancelled
-            An image that is not there, a shard that is torn; as `Store` does.
+            The image does not exist, or its shard is damaged; as from `Store`.
         """
         address, part = copied_address(folder), _InShard.from_row(row, file)
         if address is None and part is None:
@@ -163,9 +163,9 @@ class ImageFetcher:
                 return tar.read(length)
 
         try:
-            # Description, georeferencing and products follow the image in its shard.
+            # Description, georeferencing and other files of an image follow it in its shard.
             text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + (16 << 10))
-            # Their headers, as far as they are whole there.
+            # Their headers, as far as they are complete in it.
             ours = members(lambda at, length: text[at : at + length], shard, 0, len(text))
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
@@ -209,7 +209,7 @@ class ImageFetcher:
 
 
 def add_georeference(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
-    """Image with its georeferencing files, which lie beside it at an address; on any thread."""
+    """Image with its remote georeferencing files; on any thread."""
     address, name = copied_address(folder), PurePosixPath(file)
     if address is None or image.beside or name.suffix not in _WORLD_FILES:
         return image

@@ -1,6 +1,6 @@
-"""The files at an address, whole or in part, over QGIS's own network stack: its proxies and certificates hold.
+"""Files at an address, whole or in part, over QGIS's network stack, with its proxies and certificates.
 
-Files are asked for in pieces, so that long ones show their progress, are cancelled soon and are never in memory whole.
+Files are requested in pieces: long ones show progress, can be cancelled, and never fill the memory.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from ..network.transport import QgisTransport
 from ..settings import Settings, credential_home
 from .address import DatasetAddress
 
-#: Bytes of one request: a moment's work for a slow line, and few requests for long files.
+#: Bytes per request: a moment on a slow line, and few requests for long files.
 _PIECE_BYTES = 4 << 20
-#: Python reads whole numbers of some thousand digits only; no file has a length of more than these.
+#: At most 18 digits, which no file's length exceeds; Python refuses to convert thousands of them.
 _RANGE = re.compile(r"bytes ([0-9]{1,18})-([0-9]{1,18})/([0-9]{1,18})")
 
 
 class _Piece(NamedTuple):
-    """Bytes of a file from a place on, the size of all of it, its version, and whether a part was sent."""
+    """Bytes of a file from an offset, its size and version, and whether the server sent a part."""
 
     data: bytes
     size: int
@@ -38,10 +38,10 @@ class _Piece(NamedTuple):
 
 
 class _Transport:
-    """QGIS's transport, except for two kinds of answers.
+    """QGIS's transport, except for two kinds of responses.
 
-    A part that begins at the end of a file is empty, not a failure. And what a store says of a refusal is kept back, as
-    it may quote keys.
+    A part that begins at the end of a file is empty, not an error. An object store's error texts are withheld: they may
+    quote keys.
     """
 
     def __init__(self, transport: QgisTransport, *, may_quote_keys: bool) -> None:
@@ -60,7 +60,7 @@ class _Transport:
 class Store:
     """The files at an address.
 
-    `close` ends what is under way from any thread; what is asked then raises `Cancelled`.
+    `close` cancels requests, from any thread; later ones raise `Cancelled`.
     """
 
     def __init__(self, address: DatasetAddress) -> None:
@@ -73,11 +73,11 @@ class Store:
             authcfg=Settings().authcfg(web),
             home=credential_home(web),
         )
-        # A user waits: few attempts, enough for a hitch.
+        # The user waits: few attempts, enough for a brief failure.
         self._client = Client(_Transport(transport, may_quote_keys=address.is_s3), address.server, tries=3)
 
     def close(self) -> None:
-        """End it."""
+        """Cancel all requests."""
         self._client.close()
 
     def pieces(
@@ -86,24 +86,24 @@ class Store:
         go_on: Callable[[float], bool] = lambda _: True,
         most_bytes: int = MAX_FETCHED_FILE_BYTES,
     ) -> Iterator[bytes]:
-        """All of a file, piece by piece.
+        """Contents of a file, in pieces.
 
         Parameters
         ----------
         name : str
-            In the folder.
+            Relative to the folder.
         go_on : callable
-            Told the share that has come, 0 to 1; returns whether to go on.
+            Called with the share received, 0 to 1; returns whether to continue.
         most_bytes : int
-            How long it may be.
+            Largest length accepted.
 
         Raises
         ------
         NotThere
         PartError, SourceError, Cancelled
-            As `Client.get` does.
+            As from `Client.get`.
         OutputError
-            A file that is too long, or becomes another one meanwhile.
+            The file is too long, or changes meanwhile.
         """
         start, version = 0, ""
         while True:
@@ -126,17 +126,17 @@ class Store:
                 return
 
     def part(self, name: str, start: int, length: int) -> bytes:
-        """Bytes of a file from a place on; fewer where it ends before.
+        """Bytes of a file from an offset; fewer at its end.
 
         Raises
         ------
         NotThere
         OutputError
-            A server that sends whole files only.
+            The server sends whole files only.
         PartError, SourceError, Cancelled
         """
         if self._sends_parts is None:
-            # Not asked of the file itself, which may be long: one that sends no parts would send all of it.
+            # Test with the mission file, which is short: a server without range requests sends whole files.
             self._piece(MISSION_FILE, 0, 1)
         if not self._sends_parts:
             raise OutputError(
@@ -146,7 +146,7 @@ class Store:
         return b"".join(self._piece(name, at, min(at + _PIECE_BYTES, start + length)).data for at in pieces)
 
     def _refuse_redirects(self, url: str) -> Callable[[str], None]:
-        """Refuse redirects of a store to another server, as requests carry the user's credentials."""
+        """Refuse redirects from an object store to other servers, as requests carry the user's credentials."""
 
         def allow(asked: str) -> None:
             if urlsplit(asked)[:2] != urlsplit(url)[:2]:
@@ -167,7 +167,7 @@ class Store:
         stated = _RANGE.fullmatch(response.headers.get("content-range", ""))
         if stated is None and not response.body:
             return _Piece(b"", start, version, is_part)
-        # A part without a byte would be asked for again and again.
+        # An empty part would be requested for ever.
         length = len(response.body)
         if stated is None or not length or int(stated[1]) != start or int(stated[2]) + 1 - start != length:
             raise PartError("{0}: the server sent another part than asked for", what)

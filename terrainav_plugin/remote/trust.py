@@ -1,9 +1,9 @@
 """Servers and files that the user has agreed to in this profile of QGIS.
 
-A project, a dataset and a mission file name where imagery, heights and datasets come from, and may be somebody else's:
-nothing of it is asked until the user has agreed, as QGIS itself asks before it runs what a project holds. What a user
-has chosen or entered in this profile is agreed to; so are the shipped catalogue, the user's own sources, and layers and
-connections of QGIS.
+Projects, datasets and mission files name the sources of imagery, heights and datasets, and may be foreign: nothing is
+requested from these until the user has agreed, just as QGIS asks before it runs a project's code. Agreed to are what
+the user has chosen or entered in this profile, the shipped catalogue, the user's sources, and layers and connections of
+QGIS.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from ..settings import Settings
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Scheme and server of an address, placeholders and all; programs take one slash or several. A drive has one letter.
+#: Scheme and server of an address, with placeholders; programs accept one or more slashes. A drive has one letter.
 _ADDRESS = re.compile(
     r"(?<![a-z0-9+.-])([a-z0-9+.-]{2,}):[/\\]{1,9}"
     r"((?:\{[^{}]*\}|\[[^\[\]]*\]|[^\s/\\?#&|'\"<>,{}\[\]]|[{}\[\]])+)",
     re.IGNORECASE,
 )
-#: What may follow, where it is the user's name that stands first; curl takes names with spaces beyond ASCII.
+#: What may follow a user name that comes first; curl accepts names with spaces beyond ASCII.
 _SERVER_AFTER_NAME = re.compile(r"[^/\\?#]*@([^\s/\\?#&|'\"<>,]+)")
-#: Path of a file that another machine has, as Windows writes it.
+#: Windows path of a file on another machine.
 _SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
-#: What GDAL reads more than the one file of.
+#: Names with which GDAL reads more than one file.
 _VIRTUAL = re.compile(r"[\\/]vsi|\.vrt$", re.IGNORECASE)
-#: Names that lead to their address alone: in others it may be part of a bucket's key, or of an option that is not used.
+#: Prefixes whose rest is one address: in other names, it may be part of a bucket's key or of an unused option.
 _BY_ADDRESS = re.compile(
     r"(?:/vsi(?:zip|gzip|tar)/+){0,8}(?:/vsicurl(?:_streaming)?/|[a-z]+:)?https?:"
     r"|/vsicurl\?url=https?(?::|%(?:25)?3A)[^&]*$",
@@ -57,17 +57,17 @@ def elevation_names(mission: Mission) -> tuple[str, ...]:
 
 
 def strangers(texts: Iterable[str]) -> tuple[str, ...]:
-    """Servers and files that sources lead to and that the user has not agreed to; nothing is asked for it.
+    """Servers and files of sources that the user has not agreed to; makes no request.
 
     Parameters
     ----------
     texts : iterable of str
-        Sources as missions name them, addresses of datasets, paths of folders.
+        Sources as in missions, addresses of datasets, paths of folders.
 
     Returns
     -------
     tuple of str
-        Each once: ``https://host`` of an address, the name itself of a file by which GDAL reads others.
+        Each once: ``https://host`` for an address, the name itself for a file through which GDAL reads others.
     """
     found = dict.fromkeys(one for text in texts for one in _places(text))
     known = {*_agreed()} if found else set()
@@ -77,7 +77,7 @@ def strangers(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def agree(texts: Iterable[str]) -> None:
-    """Note that the user has chosen sources, or has agreed to what `strangers` returned of them."""
+    """Record that the user has chosen sources, or has agreed to those from `strangers`."""
     new = [one for one in strangers(texts) if len(one) <= MAX_PLACE_CHARACTERS]
     if new:
         Settings().agreed = json.dumps([*_agreed(), *new][-MAX_AGREED_PLACES:])
@@ -108,7 +108,7 @@ def _is_shipped(place: str) -> bool:
 
 
 def _places(text: str) -> Iterator[str]:
-    """Servers that a text leads to, in whatever way it writes them; a file that leads on; nothing for all others."""
+    """Servers in a text, however written, and files that refer to others; nothing for other texts."""
     text = text.strip()
     if text.startswith("qgis:"):
         return
@@ -124,7 +124,7 @@ def _places(text: str) -> Iterator[str]:
     share = _SHARE.match(text)
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
-    # Of two servers with \@ between them, some programs take the first, and some the second.
+    # Of two servers separated by \@, some programs take the first and some the second.
     if (_VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text))) or (found and "\\@" in readings[-1]):
         found.append(text)
     yield from found

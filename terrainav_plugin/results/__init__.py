@@ -1,7 +1,7 @@
 """Viewing captured images one by one.
 
-shots       captured images under a click, and what is known of each
-viewer      the window that shows one image after the other
-compare     two images on the map, one after the other in the same place
-viewing     from a click on a captured footprint to its image
+shots       captured images under a click, and their data
+viewer      the window that shows one image at a time
+compare     two images on the map, shown alternately
+viewing     the image of a clicked footprint
 """

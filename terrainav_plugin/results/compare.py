@@ -1,4 +1,4 @@
-"""Two images on the map compared: the map flickers between them, and is then as it was before."""
+"""Compare two images on the map by switching between them; closing restores the map."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ _LEAST_S, _MOST_S, _USUAL_S = 0.2, 10.0, 1.0
 
 
 class Compare(QObject):
-    """The small window, and which of two layers the map shows while it is open."""
+    """The small window, and the layers shown while it is open."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         super().__init__()
         self._project, self._iface, self._canvas = project, iface, iface.mapCanvas()
         self.dialog: CompareDialog | None = None
-        #: Which of the two is shown: 0 or 1.
+        #: Index of the image shown: 0 or 1.
         self.shown = 0
         self._layers: dict[str, bool] = {}
         self._groups: list[tuple[QgsLayerTreeNode, bool]] = []
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.switch)
-        # Signals on layers arrive before they are in the layer tree, and after they have left it.
+        # Signals about layers precede their insertion into the layer tree, and follow their removal from it.
         self._soon = single_shot(self._offer, self)
 
     def open(self) -> None:
-        """Show the window; the first two images are compared."""
+        """Show the window, with the first two images."""
         if self.dialog is None:
             self._begin()
         self.dialog.show()
@@ -46,7 +46,7 @@ class Compare(QObject):
         self.dialog.activateWindow()
 
     def close(self) -> None:
-        """Show the map as it was before, and the window no more."""
+        """Restore the map, and hide the window."""
         if self.dialog is None:
             return
         dialog, self.dialog = self.dialog, None
@@ -63,12 +63,12 @@ class Compare(QObject):
         dialog.deleteLater()
 
     def switch(self) -> None:
-        """Show the other one."""
+        """Show the other image."""
         self.shown = 1 - self.shown
         self._show()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take the space bar where the map has the keyboard; QGIS would move the map with it."""
+        """Handle the space bar on the map, where QGIS would pan."""
         kinds = (QEvent.Type.KeyPress, QEvent.Type.KeyRelease, QEvent.Type.ShortcutOverride)
         if (
             isinstance(event, QKeyEvent)
@@ -82,7 +82,7 @@ class Compare(QObject):
             return True
         return super().eventFilter(watched, event)
 
-    # --- which layers
+    # --- layers
 
     def _begin(self) -> None:
         self.dialog = dialog = CompareDialog(self._iface.mainWindow())
@@ -109,7 +109,7 @@ class Compare(QObject):
         self.close()
 
     def _offer(self) -> None:
-        """Offer the images that are on the map now, and go on with those that are left."""
+        """Offer the images on the map, and keep those still selected."""
         if self.dialog is None:
             return
         there = mission_layers(self._project, RASTER)
@@ -120,7 +120,7 @@ class Compare(QObject):
         self._show()
 
     def _remember(self, layers: list[QgsMapLayer]) -> None:
-        """Keep what is seen of layers and of the groups around them, once."""
+        """Remember once the visibility of layers and their groups."""
         root = self._project.layerTreeRoot()
         groups = [group for group, _ in self._groups]
         for layer in layers:
@@ -134,16 +134,16 @@ class Compare(QObject):
                     self._groups.append((group, group.itemVisibilityChecked()))
                 group = group.parent()
 
-    # --- what the map shows
+    # --- display
 
     def _flicker(self, on: bool) -> None:
-        """Switch again and again, or no more."""
+        """Switch repeatedly, or stop."""
         self._timer.stop()
         if on and self.dialog is not None and self.dialog.pair() is not None:
             self._timer.start(round(1000.0 * self.dialog.pause.value()))
 
     def _show(self) -> None:
-        """Show one of the two, and no other image of a mission."""
+        """Show one of the two images, and no other of a mission."""
         if self.dialog is None:
             return
         pair = self.dialog.pair()
@@ -181,7 +181,7 @@ class Compare(QObject):
 
     @contextmanager
     def _unnoticed(self) -> Iterator[None]:
-        """Keep a saved project unmodified: showing layers for a while does not change it."""
+        """Keep a saved project unmodified: the visibility is restored."""
         dirty = self._project.isDirty()
         yield
         if not dirty:
@@ -189,7 +189,7 @@ class Compare(QObject):
 
 
 class CompareDialog(QDialog):
-    """Two images to be chosen, and how the map changes between them.
+    """Choose two images, and how to switch between them.
 
     Signals
     -------
@@ -223,7 +223,7 @@ class CompareDialog(QDialog):
         self.switch.setFocus()
 
     def offer(self, layers: list[tuple[str, str]]) -> None:
-        """Offer layers by id and title; those that are chosen stay so where they are still there."""
+        """Offer layers by id and title; keep the selected ones if still offered."""
         for number, box in enumerate(self.boxes):
             before = box.currentData()
             with QSignalBlocker(box):
@@ -239,12 +239,12 @@ class CompareDialog(QDialog):
         self._enable()
 
     def pair(self) -> tuple[str, str] | None:
-        """Ids of the two layers; None where there are no two."""
+        """Ids of the two layers; None if there are no two."""
         first, second = (box.currentData() for box in self.boxes)
         return (first, second) if first and second and first != second else None
 
     def show_which(self, shown: int | None) -> None:
-        """Say which image the map shows."""
+        """Show the name of the image on the map."""
         if shown is None:
             self.state.setText(
                 tr("Both are the same image.")
@@ -255,7 +255,7 @@ class CompareDialog(QDialog):
             self.state.setText(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Switch by the space bar, wherever it is not taken by a field."""
+        """Switch on the space bar, unless an entry takes it."""
         if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
             self.switch_wanted.emit()
         else:

@@ -1,4 +1,4 @@
-"""Captured images under a click, and what is known of each. On any thread; knows no widget."""
+"""Captured images under a click, and their data. On any thread; no widgets."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ..remote.images import DEPTH, Fetched, ImageFetcher
 
 
 class FootprintLayer(NamedTuple):
-    """The captured footprints of a mission.
+    """Captured footprints of a mission.
 
     Parameters
     ----------
     layer_id : str
-        Of the layer that shows them.
+        Id of the layer that shows them.
     folder : Path
-        Of the dataset.
+        Folder of the dataset.
     """
 
     layer_id: str
@@ -39,7 +39,7 @@ class FootprintLayer(NamedTuple):
 
     @classmethod
     def read(cls, layer: QgsVectorLayer) -> FootprintLayer:
-        """Footprints of a layer; on the main thread."""
+        """Footprints of a layer. Main thread only."""
         return cls(layer.id(), layer_dataset(layer))
 
 
@@ -49,12 +49,12 @@ class CapturedImage(NamedTuple):
     Parameters
     ----------
     footprints : FootprintLayer
-        That it is one of.
+        Footprints that contain it.
     number, count : int
-        Its place in the plan, from 0, and how many there are.
+        Index in the plan, from 0, and length of the plan.
     name : str
     pose : dict
-        Attributes of its footprint.
+        Attributes of the footprint.
     outline : QgsGeometry
         EPSG:4326.
     """
@@ -68,22 +68,22 @@ class CapturedImage(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """An image with all that is to be shown of it.
+    """An image with all that is shown of it.
 
     Parameters
     ----------
     shot : CapturedImage
     map_types : tuple of str
-        There are of it.
+        Available map types.
     map_type : str
-        That is shown.
+        Map type shown.
     picture : DisplayImage
     row : dict of str to str
-        Row of the dataset's table; empty while there is none.
+        Row in the dataset's table; empty until it is written.
     rejected : bool
-        Whether cleaning has moved it out of the way.
+        Whether cleaning has moved it.
     depth : Depth or None
-        Where the mission wrote it.
+        If the mission wrote it.
     fetched : Fetched or None
         File of an image from outside the dataset's folder.
     """
@@ -99,12 +99,12 @@ class Seen(NamedTuple):
 
 
 class Finder:
-    """Finds images; files of footprints that it has read once it knows until they change. On one thread.
+    """Find images; footprint files are read once until they change. On one thread.
 
     Parameters
     ----------
     cancelled : callable
-        Whether nobody waits any more; reading a long file ends then.
+        Whether nobody waits any longer, which ends reading a long file.
     """
 
     def __init__(self, cancelled: Callable[[], bool]) -> None:
@@ -112,13 +112,13 @@ class Finder:
         self._files: dict[Path, FootprintFile] = {}
 
     def find_shots(self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float) -> list[CapturedImage]:
-        """Images whose footprints hold a place, in the order of their missions' plans."""
+        """Images whose footprints contain a place, in order of their missions' plans."""
         point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
         found = []
         for these in footprints:
             for number in self._file(these).covering(lat_deg, lon_deg):
                 shot = self._shot(these, number)
-                # At the pole itself, a place is on the edge of what holds it.
+                # A pole lies on the edge of what contains it.
                 if shot.outline.intersects(point):
                     found.append(shot)
                     # A click offers at most 200 images.
@@ -127,14 +127,14 @@ class Finder:
         return found
 
     def first(self, footprints: Sequence[FootprintLayer]) -> list[CapturedImage]:
-        """The first image of the first mission that has one; none where none has."""
+        """First image of the first mission that has one; an empty list if none has."""
         for these in footprints:
             if len(self._file(these)):
                 return [self._shot(these, 0)]
         return []
 
     def neighbour(self, shot: CapturedImage, step: int) -> CapturedImage | None:
-        """Image that comes ``step`` after another in its plan; None at the end."""
+        """Image ``step`` places after another in its plan; None at the end."""
         number = shot.number + step
         return self._shot(shot.footprints, number) if 0 <= number < shot.count else None
 
@@ -162,7 +162,7 @@ class Finder:
 
 
 def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> Seen:
-    """Read what is to be shown of an image: picture and depth, no larger than shown, and its row of the table.
+    """Read image and depth, at most at the size shown, and the row in the table.
 
     Parameters
     ----------
@@ -170,14 +170,14 @@ def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetche
     map_type : str
     longest_px : int
     images : ImageFetcher
-        Fetch what is at an address or in a shard; why that cannot be had is the picture's problem.
+        Fetches remote images and those in shards; a failure becomes the picture's problem.
 
     Raises
     ------
     InvalidInput
-        Where the dataset's mission cannot be read.
+        The dataset's mission cannot be read.
     Cancelled
-        Where nobody waits for it any more.
+        Nobody waits for it any longer.
     """
     folder = shot.footprints.folder
     mission = Mission.load(folder / MISSION_FILE)
@@ -210,7 +210,7 @@ def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetche
 
 
 def _row(table: Path, name: str) -> dict[str, str]:
-    """Row of an image in a table; found as text, because tables are long and one row is wanted."""
+    """Row of an image in a table, found as text: tables are long, and one row is needed."""
     try:
         with open_foreign(table, MAX_TABLE_BYTES) as file:
             lines = text_lines(file, "utf-8-sig")
@@ -221,6 +221,6 @@ def _row(table: Path, name: str) -> dict[str, str]:
                 if line.startswith(f"{name},"):
                     return dict(zip(headers, next(csv.reader([line]))))
     except (OSError, UnicodeDecodeError, csv.Error, InvalidInput):
-        # Written by the run at its end; until then the footprint says what there is to say.
+        # A run writes the table at its end; until then the footprint has all there is.
         return {}
     return {}

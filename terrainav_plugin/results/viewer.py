@@ -1,4 +1,4 @@
-"""The window that shows one captured image after the other, and what is known of it."""
+"""The window that shows one captured image at a time, with its data."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ from .shots import CapturedImage, Seen
 
 _LEAST_PX = 160
 _USUAL_PX = (400, 300)
-#: Of the legend's colours, and of the circle about the pixel under the mouse.
+#: Of the legend's colours, and of the ring around the pixel under the mouse.
 _LEGEND_PX, _RING_PX = 10, 5.0
-#: Metadata that the rows above tell already, or that concern programs only.
+#: Metadata that other rows show already, or that only programs need.
 _TOLD = {
     "AREA_OR_POINT",
     "NAME",
@@ -54,18 +54,18 @@ _TOLD = {
 
 
 class Viewer(QgsDockWidget):
-    """Shows an image with its details, and asks for others.
+    """Show an image with its details, and emit requests for others.
 
     Signals
     -------
     chosen(int)
-        Index of one of the images under the click.
+        Index of an image under the click.
     step_wanted(int)
-        1 for the next image of the flight, -1 for the one before.
+        1 for the next image of the flight, -1 for the previous one.
     map_type_wanted(str)
     open_wanted(), zoom_wanted()
     on_map_wanted(bool)
-        The image is to be shown on the map, or no longer.
+        Whether to show the image on the map.
     """
 
     chosen = pyqtSignal(int)
@@ -93,7 +93,7 @@ class Viewer(QgsDockWidget):
         self.setWidget(self._contents())
 
     def show_hint(self, text: str) -> None:
-        """Show a text in place of an image."""
+        """Show a text instead of an image."""
         self.view.show_image(None, text)
         self.depth.show_depth(None)
         self.details.setText("")
@@ -105,7 +105,7 @@ class Viewer(QgsDockWidget):
         self.on_map.setChecked(False)
 
     def show_fetching(self, name: str) -> None:
-        """Say that an image is being fetched; the buttons go on to others meanwhile."""
+        """Show that an image is being fetched; the buttons still lead to others."""
         self.view.show_image(None, tr("Fetching {name}…").format(name=name))
         self.depth.show_depth(None)
         self.details.setText("")
@@ -123,7 +123,7 @@ class Viewer(QgsDockWidget):
         self.under_click.setVisible(count > 1)
 
     def leave_click(self) -> None:
-        """Forget the images under the click, of which the one shown is no longer part."""
+        """Clear the images under the click, which no longer contain the one shown."""
         self.under_click.setCurrentIndex(-1)
 
     def show_seen(self, seen: Seen) -> None:
@@ -180,7 +180,7 @@ class Viewer(QgsDockWidget):
         self.on_map.clicked.connect(self.on_map_wanted.emit)
 
     def _pictures(self) -> QWidget:
-        """The picture, the depth beside it, and the depth's legend below."""
+        """The image, the depth beside it, and the depth's legend below."""
         beside = QHBoxLayout()
         beside.setSpacing(4)
         beside.addWidget(self.view, 1)
@@ -198,7 +198,7 @@ class Viewer(QgsDockWidget):
         both.addWidget(scrolled(self.details))
         for index, share in enumerate((1, 1)):
             both.setStretchFactor(index, share)
-        # Of picture and details, at first and as the window grows.
+        # Sizes of picture and details, initially and as the window grows.
         both.setSizes([300, 220])
         both.setCollapsible(0, False)
         steps = QHBoxLayout()
@@ -222,12 +222,12 @@ class Viewer(QgsDockWidget):
 
 
 class PictureView(QWidget):
-    """Shows an image whole, its proportions kept, over a pattern that shines through where there is nothing.
+    """Show a whole image in its proportions, over a pattern that shows where it is transparent.
 
     Signals
     -------
     pointed(QPointF or None)
-        Place of the image under the mouse, in shares of its width and height; None beside it.
+        Position in the image under the mouse, as shares of its width and height; None outside.
     """
 
     pointed = pyqtSignal(object)
@@ -248,37 +248,37 @@ class PictureView(QWidget):
         self.update()
 
     def mark(self, at: QPointF | None) -> None:
-        """Draw a ring about a place of the image, or none."""
+        """Draw a ring around a position in the image, or none."""
         self._mark = at
         self.update()
 
     def place(self) -> QRect:
-        """Where the image is drawn."""
+        """Rectangle in which the image is drawn."""
         size = QSize() if self.image is None else self.image.size()
         size = size.scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
         return QRect(QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2), size)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Tell what is under the mouse."""
+        """Emit the position under the mouse."""
         place = self.place()
         if self.image is None or not place.contains(event.pos()):
             self.pointed.emit(None)
             return
-        # The middle of the screen's pixel.
+        # The middle of the screen pixel.
         x, y = event.pos().x() + 0.5 - place.left(), event.pos().y() + 0.5 - place.top()
         self.pointed.emit(QPointF(x / place.width(), y / place.height()))
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is under the mouse any more."""
+        """Emit that the mouse has left."""
         self.pointed.emit(None)
         super().leaveEvent(event)
 
     def sizeHint(self) -> QSize:
-        """Room for a picture of four by three."""
+        """Room for an image of four by three."""
         return QSize(*_USUAL_PX)
 
     def minimumSizeHint(self) -> QSize:
-        """Room to see something."""
+        """Room for a small image."""
         return QSize(_LEAST_PX, _LEAST_PX * 3 // 4)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
@@ -291,7 +291,7 @@ class PictureView(QWidget):
         place = self.place()
         painter.fillRect(place, QBrush(self.palette().mid().color(), Qt.BrushStyle.DiagCrossPattern))
         enlarged = place.width() > self.image.width()
-        # Pixels stay pixels when enlarged.
+        # Show enlarged pixels as squares.
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, not enlarged)
         painter.drawImage(place, self.image)
         if self._mark is None:
@@ -309,12 +309,12 @@ class DepthPane(QWidget):
     Parameters
     ----------
     picture : PictureView
-        Whose pixels the depth is of.
+        View of the image to which the depth belongs.
 
     Attributes
     ----------
     view : PictureView
-        The depth in colours; beside the picture.
+        The depth in colours, beside the image.
     here : QLabel
         Depth under the mouse.
     """
@@ -343,7 +343,7 @@ class DepthPane(QWidget):
         self.show_depth(None)
 
     def show_depth(self, depth: Depth | None) -> None:
-        """Show a depth, why it cannot be read, or none."""
+        """Show a depth, or why it cannot be read; None hides the pane."""
         self._depth: Depth | None = None if depth is None or depth.problem else depth
         self.view.show_image(*((None,) if depth is None else (depth.image, depth.problem)))
         self.view.setVisible(depth is not None)
@@ -383,7 +383,7 @@ class Legend(QWidget):
 
 
 def details_html(seen: Seen) -> str:
-    """Table of what is known of an image."""
+    """Details of an image as an HTML table."""
     rows = "".join(
         f"<tr><td style='padding-right: 8px'><b>{html.escape(name)}</b></td><td>{html.escape(value)}</td></tr>"
         for name, value in details(seen)
@@ -393,7 +393,7 @@ def details_html(seen: Seen) -> str:
 
 
 def details(seen: Seen) -> Iterator[tuple[str, str]]:
-    """Names and values, in the order in which they are asked for most."""
+    """Names and values, the most important first."""
     pose, row, metadata = seen.shot.pose, seen.row, seen.picture.metadata
     yield tr("Image"), seen.shot.name
     if row.get("status") == "failed":
@@ -447,7 +447,7 @@ def _number(values: dict[str, Any], name: str, decimals: int) -> str:
 
 
 def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
-    """Above the ground and, over relief, above the ellipsoid."""
+    """Height above the ground and, over relief, above the ellipsoid."""
     agl, height_m = _number(pose, "agl_m", 2), _float(row.get("height_m", ""))
     if math.isnan(height_m):
         return tr("{agl} m above ground").format(agl=agl)
@@ -457,7 +457,7 @@ def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
 
 
 def _time(pose: dict[str, Any]) -> str:
-    """When it is exposed, as far as the footprint says so."""
+    """Time of exposure, as precisely as the footprint has it."""
     value = pose.get("time")
     if value is None:
         return ""
@@ -466,13 +466,13 @@ def _time(pose: dict[str, Any]) -> str:
 
 
 def _gsd(seen: Seen) -> str:
-    """Ground of a pixel of the file; with a hint where the source's own pixels show less detail than that."""
+    """Ground sample distance of the file, with a hint if that of the source is coarser."""
     detail_m = _float(seen.picture.metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
     if math.isnan(detail_m):
         return ""
     own_m = _own_gsd_m(seen) or detail_m
     text = gsd_text(own_m, METRES)
-    # A source whose pixels are coarser than the image's by no more than this share is as fine as that.
+    # Ignore a difference within this share.
     if detail_m <= 1.02 * own_m:
         return text
     hint = tr("the source's GSD is {source}: images show no finer detail")
@@ -480,7 +480,7 @@ def _gsd(seen: Seen) -> str:
 
 
 def _own_gsd_m(seen: Seen) -> float | None:
-    """Metres of ground in a pixel of the file, straight down; None where its footprint and file do not say."""
+    """Ground sample distance straight down, in metres; None if neither footprint nor file gives it."""
     from ...core.geodesy.camera import Camera
     from ...core.geodesy.mercator import PixelGrid
 
@@ -502,10 +502,10 @@ def _own_gsd_m(seen: Seen) -> float | None:
 
 
 def _pixels(row: dict[str, str]) -> str:
-    """Describe the pixels of a source in its own CRS, whose zooms are not a map's."""
+    """Pixel size of a source in its CRS, which has no zooms of a web map."""
     width, height = _float(row.get("pixel_width", "")), _float(row.get("pixel_height", ""))
     crs = row["crs"]
-    # Of a CRS without a code there is its WKT, which begins with its name.
+    # A CRS without a code has its WKT, which begins with its name.
     name = crs.split('"')[1] if "[" in crs and '"' in crs else crs
     if math.isnan(width) or math.isnan(height):
         return name

@@ -1,4 +1,4 @@
-"""From a click on a captured footprint to its image."""
+"""Show the image of a clicked footprint."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _BAND_COLOUR = QColor(240, 140, 30)
 
 
 def _agreed_heights(mission: Mission) -> Heights | None:
-    """Heights of a dataset's mission, which may be somebody else's; raises InvalidInput where nobody has agreed."""
+    """Heights of a dataset's mission; raises InvalidInput for a foreign one that the user has not agreed to."""
     from ..sources import mission_heights
 
     places = strangers(elevation_names(mission))
@@ -57,7 +57,7 @@ def _agreed_heights(mission: Mission) -> Heights | None:
 
 
 class Viewing(QObject):
-    """The tool, the window, and the outline of the image that is shown."""
+    """The map tool, the window, and the outline of the image shown."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface, messages: Messages) -> None:
         super().__init__()
@@ -80,11 +80,11 @@ class Viewing(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an image is still to come."""
+        """Whether an image is due."""
         return self._worker.busy or self._layer_worker.busy
 
     def start(self) -> bool:
-        """Let the user click footprints; without any, say so and return False."""
+        """Let the user click footprints; returns False, with a message, without any."""
         if not self._layers():
             self._messages.info(
                 tr("There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.")
@@ -97,11 +97,11 @@ class Viewing(QObject):
         return True
 
     def stop(self) -> None:
-        """Put the tool away; the window stays until the user closes it, and the tool ends with the window."""
+        """Stop the tool; the window stays until the user closes it, which also ends the tool."""
         self.tool.stop()
 
     def close(self) -> None:
-        """End for good."""
+        """Stop for good."""
         self._project.layersRemoved.disconnect(self._layers_removed)
         if self._images is not None:
             self._images.interrupt()
@@ -115,10 +115,10 @@ class Viewing(QObject):
             self.viewer.deleteLater()
             self.viewer = None
 
-    # --- from a click to an image
+    # --- finding an image
 
     def _layers(self) -> list[QgsVectorLayer]:
-        """Captured footprints of all missions: those to be seen, or all where none is."""
+        """Captured footprints of all missions: the visible ones, or all if none is visible."""
         nodes = [
             node
             for node in self._project.layerTreeRoot().findLayers()
@@ -145,7 +145,7 @@ class Viewing(QObject):
             if self.seen is None:
                 viewer.show_hint(_what_to_click())
             else:
-                # The image seen last stays, with its neighbours: a click beside it is soon made.
+                # Keep the latest image and its neighbours: it is easy to miss a footprint.
                 self._outline(self.seen.shot)
             return
         self._messages.withdraw_refusal()
@@ -165,11 +165,11 @@ class Viewing(QObject):
         images = self._images = self._images or ImageFetcher()
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
-        # Longest side of a picture as it is read: sharp on any screen, and quickly read.
+        # Longest side at which images are read: sharp on any screen, and quick to read.
         self._ask(lambda _: see(shot, wanted, 1600, images), self._show)
 
     def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
-        """Have the worker do something; an image that is still being fetched is waited for no longer."""
+        """Run work in the background, and drop an image being fetched."""
         if self._images is not None and self._worker.busy:
             self._images.interrupt()
         self._worker.ask(work, answer)
@@ -180,13 +180,13 @@ class Viewing(QObject):
         viewer.show_seen(seen)
         viewer.on_map.setChecked(self._find_layer(seen) is not None)
 
-    # --- an image on the map
+    # --- the image on the map
 
     def _mission_group(self, seen: Seen) -> MissionGroup:
         return MissionGroup(self._project, seen.shot.footprints.folder)
 
     def _find_layer(self, seen: Seen) -> QgsMapLayer | None:
-        """Layer that shows a single image, if any."""
+        """Layer of a single image, if any."""
         return self._mission_group(seen).layer(_layer_role(seen))
 
     def _show_on_map(self, on: bool) -> None:
@@ -260,7 +260,7 @@ class Viewing(QObject):
             viewer.on_map_wanted.connect(self._show_on_map)
             viewer.visibilityChanged.connect(self._visibility_changed)
             viewer.closed.connect(self.tool.stop)
-            # Name of the panel that the window is put in front of.
+            # Name of the panel that the window is tabbed with.
             add_docked(viewer, self._iface, "terrainav_dock")
         self.viewer.setUserVisible(True)
         return self.viewer
@@ -290,7 +290,7 @@ class Viewing(QObject):
         show_extent(self._canvas, self._band.asGeometry().boundingBox(), 2.0)
 
     def _visibility_changed(self, visible: bool) -> None:
-        """The outline goes with the window."""
+        """Show or hide the outline with the window."""
         if self._band is not None:
             self._band.setVisible(visible)
 
@@ -302,7 +302,7 @@ class Viewing(QObject):
         try:
             self._band.setToGeometry(seen_edges(shot.outline), QgsCoordinateReferenceSystem("EPSG:4326"))
         except QgsCsException:
-            # Nothing to be seen of it in this projection; the image is shown all the same.
+            # The footprint is outside the domain of this projection; show the image nevertheless.
             self._band.reset(LINE)
 
     def _remove_band(self) -> None:
@@ -311,7 +311,7 @@ class Viewing(QObject):
             self._band = None
 
     def _layers_removed(self, layer_ids: list[str]) -> None:
-        """Hide an image whose footprints have left the map."""
+        """Hide an image whose footprints were removed from the map."""
         self._shots = [shot for shot in self._shots if shot.footprints.layer_id not in layer_ids]
         if self.seen is not None and self.seen.shot.footprints.layer_id in layer_ids:
             self.seen = None
@@ -319,12 +319,12 @@ class Viewing(QObject):
             if self.viewer is not None:
                 self.viewer.show_hint(_what_to_click())
         elif self.seen is not None and self.viewer is not None:
-            # The layer that shows it may be among them.
+            # The image's layer may be among them.
             self.viewer.on_map.setChecked(self._find_layer(self.seen) is not None)
 
 
 def _layer_role(seen: Seen) -> str:
-    """Role of the layer that shows a single image."""
+    """Role of the layer of a single image."""
     return f"image/{seen.map_type}/{seen.shot.name}"
 
 
