@@ -1,4 +1,4 @@
-"""Tracks of GNSS receivers: GPX 1.0 and 1.1, their track points, else their route points."""
+"""GPX 1.0 and 1.1: track points, or route points in files without a track."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from ..text.safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, iterate_e
 from .logs import missing_reader
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 
-#: Points of a track, and of a route.
 _TRACK, _ROUTE = ATTRIBUTES
 
 
@@ -26,28 +25,28 @@ def read_gpx(
     *,
     with_times: bool = True,
 ) -> Track:
-    """Read a track, its segments one after the other. Heights are the file's own; that of the ground is not known.
+    """Read a track, segment after segment. Heights stay in the file's reference; the ground height is unknown.
 
-    Where some points have a time, those without one are left out and counted.
+    Where some points have a time, points without one are left out and counted.
 
     Parameters
     ----------
     name : str
-        What messages call the file.
+        Name of the file in messages.
     read_xml : callable
-        What reads XML; by default lxml does.
+        XML reader; lxml by default.
     progress : callable
     with_times : bool
-        Whether times are read; without them no point is left out.
+        Whether to read times; without them no point is left out.
 
     Raises
     ------
     InvalidInput
-        No GPX; points without a place, or with times that go back or that no flight has.
+        Not GPX; points without a place; times that decrease or that no flight has.
     OutputError
         lxml is not installed.
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     """
     try:
         found = _points(body, read_xml, progress)
@@ -75,8 +74,8 @@ def read_gpx(
 
 
 def _points(body: bytes, read_xml: XMLReader, progress: Progress) -> dict[str, list[dict[str, str]]]:
-    """Texts of points, by their kind: attributes and children."""
-    # Each element has a beginning and, most of them, an end.
+    """Attributes and child texts of each point, by element name."""
+    # About one event per tag.
     most = max(body.count(b"<"), 1)
     found: dict[str, list[dict[str, str]]] = {_TRACK: [], _ROUTE: []}
     open_: list[str] = []
@@ -90,13 +89,13 @@ def _points(body: bytes, read_xml: XMLReader, progress: Progress) -> dict[str, l
         if name in found:
             found[name].append(dict(attributes))
         elif len(open_) > 1 and open_[-2] in found and text.strip():
-            # Of several the first one counts.
+            # The first of repeated children counts.
             found[open_[-2]][-1].setdefault(name, text.strip())
     return found
 
 
 def _row(point: Mapping[str, str], where: str) -> tuple[float, float, float, float]:
-    """Latitude, longitude, height and time of a point; NaN for what it may lack."""
+    """Latitude, longitude, height and time of a point; NaN for a missing height or time."""
     elevation, time = point.get("ele"), point.get("time")
     return (
         finite_number(point.get("lat", ""), where),

@@ -1,8 +1,8 @@
-"""A line flown at a speed: corners rounded into turns, and a pose each so many seconds or metres.
+"""A line flown at constant speed, with rounded corners and a pose every n seconds or metres.
 
-Corners are passed as fly-by waypoints are: on the arc of a circle that touches both legs. An aircraft of speed v that
-turns without slipping at the bank b has the radius r = v² / (g tan b), and turns by v / r. Where legs are too short for
-that radius, the arc is as wide as they allow, and flown at the speed that the bank has there.
+Corners are fly-by waypoints, passed on a circular arc that touches both legs. A coordinated turn at speed v and bank b
+has the radius r = v² / (g tan b) and the turn rate v / r. Where legs are too short for that radius, the arc is as wide
+as they allow and flown at the speed for which the bank is coordinated.
 """
 
 from __future__ import annotations
@@ -28,25 +28,23 @@ from ..text.safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-#: Metres that geodesics between places along a line may be off the line, and within which two corners are one.
+#: Largest distance of the flown geodesics from the line, and of corners that are merged into one.
 TOLERANCE_M = 0.1
-#: Greatest |sin a| (1 + cos² a) of any direction a.
-_MOST_BENDING = 4.0 / 3.0 * math.sqrt(2.0 / 3.0)
-#: Time over which the bank is the mean of what the turns ask for: it sets in and ends over this time.
+#: Time that the aircraft takes to roll into a turn and out of it.
 _ROLLING_S = 1.0
 
 
 class FlownLine(NamedTuple):
-    """A line as it is flown.
+    """Poses of a flown line, with its turns.
 
     Parameters
     ----------
     points : Points
-        Poses with yaw and time, and roll where the camera is fixed.
+        Poses with yaw and time, and with roll if the camera is fixed.
     missed_m : float
-        How far corners are missed at most; no place of the flight is further off the line.
+        Largest distance at which a corner is passed; no pose is farther from the line.
     tight : int
-        Turns that are tighter than `turn_radius_m`, as their legs are short.
+        Number of turns tighter than `turn_radius_m` because of short legs.
     slowest_m_per_s : float
         Speed in the tightest turn.
     """
@@ -58,43 +56,42 @@ class FlownLine(NamedTuple):
 
 
 def turn_radius_m(flight: LineFlight) -> float:
-    """Radius of the turns of a flight, where legs are long enough."""
+    """Radius of turns between legs that are long enough."""
     return flight.speed_m_per_s**2 / (GRAVITY_M_PER_S2 * math.tan(math.radians(flight.bank_deg)))
 
 
 def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> FlownLine:
-    """Fly lines, one after the other; on the way from one to the next there are no exposures.
+    """Fly lines one after the other, without exposures between them.
 
-    The first exposure is at the beginning of each line. The top of the image points along the way.
+    Each line begins with an exposure. The top of the image points along the way.
 
     Parameters
     ----------
     lines : sequence of arrays (n, 3)
         Latitude, longitude in degrees and height above ground in metres of each corner. Sides are straight in longitude
-        and latitude (RFC 7946), and take the shorter way around; heights rise evenly.
+        and latitude (RFC 7946) and take the shorter way around the Earth; heights are interpolated linearly.
     start_s : float
         Time of the first exposure, seconds after 1970 in UTC.
 
     Raises
     ------
     InvalidInput
-        No line, a place or height that there is not, a line that is a single place, a corner that is too sharp for
-        its legs, too many poses.
+        No line, an invalid place or height, a line of one place, a corner too sharp for its legs, or too many poses.
     """
-    ways = [_RoundedLine.of(line, flight, number) for number, line in enumerate(lines, 1)]
+    ways = [_RoundedLine.from_corners(line, flight, number) for number, line in enumerate(lines, 1)]
     if not ways:
-        raise InvalidInput("line: there is none")
+        raise InvalidInput("line: missing")
     count = sum(way.count(flight) for way in ways)
     if count > MAX_POSES:
         raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
     clock, columns = start_s, []
     for at, way in enumerate(ways):
         time_s, way_m = way.exposures(flight)
-        columns.append([*way.places(way_m), way.roll_deg(time_s), clock + time_s])
+        columns.append([*way.poses(way_m), way.roll_deg(time_s), clock + time_s])
         if at + 1 < len(ways):
-            clock += float(way.time_s[-1]) + way.distance_to(ways[at + 1]) / flight.speed_m_per_s
+            clock += float(way.time_s[-1]) + way.distance_m(ways[at + 1]) / flight.speed_m_per_s
     digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 4)
-    # Adding 0 takes the sign of a zero.
+    # Adding 0 turns -0 into 0.
     lat, lon, agl, yaw, roll, time = (
         (np.round(np.concatenate(column), places) + 0.0).tolist() for column, places in zip(zip(*columns), digits)
     )
@@ -113,10 +110,10 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
 
 @dataclass(frozen=True, eq=False)
 class _RoundedLine:
-    """One line: n corners, and 2 n - 3 pieces in turn, legs (even) and turns (odd), with where each begins.
+    """One line of n corners, divided into 2 n - 3 pieces: legs (even) and turns (odd).
 
-    ``radius_m`` and ``turn_deg`` (right is positive) are those of the corners, 0 at the ends, ``cut_m`` what their arcs
-    take of the legs on both sides; ``way_m`` and ``time_s`` are those of the pieces' n ends.
+    ``radius_m`` and ``turn_deg`` (positive to the right) belong to the corners and are 0 at both ends; ``cut_m`` is the
+    length that an arc takes from the legs on either side. ``way_m`` and ``time_s`` are the bounds of the pieces.
     """
 
     lat_deg: Floats
@@ -134,8 +131,8 @@ class _RoundedLine:
     bank_deg: Floats
 
     @classmethod
-    def of(cls, line: Floats, flight: LineFlight, number: int) -> _RoundedLine:
-        """Way of a line, the one of this number."""
+    def from_corners(cls, line: Floats, flight: LineFlight, number: int) -> _RoundedLine:
+        """Round the corners of a line; messages give its number."""
         lat, lon, agl = _distinct(line, number).T
         azimuth, arrival, leg = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])
         turn = np.zeros(len(lat))
@@ -143,15 +140,15 @@ class _RoundedLine:
         half = np.tan(np.radians(np.abs(turn)) / 2.0)
         widest = turn_radius_m(flight)
         wanted = widest * half
-        # A leg too short for both turns at its ends is shared, half of it for each that needs so much.
+        # A leg too short for both its turns is shared; a turn that needs less than half leaves the rest to the other.
         first, second = (
-            np.minimum(own, np.maximum(leg / 2.0, leg - other))
-            for own, other in ((wanted[:-1], wanted[1:]), (wanted[1:], wanted[:-1]))
+            np.minimum(one, np.maximum(leg / 2.0, leg - other))
+            for one, other in ((wanted[:-1], wanted[1:]), (wanted[1:], wanted[:-1]))
         )
         cut = np.minimum(np.append(first, 0.0), np.append(0.0, second))
         share = np.divide(cut, wanted, out=np.ones(len(cut)), where=wanted > 0.0)
         radius = widest * share
-        # Turns tighter than 1 m would be corners again.
+        # Refuse turns tighter than 1 m.
         sharp = np.flatnonzero(radius[1:-1] < min(widest, 1.0)) + 1
         if len(sharp):
             at = int(sharp[0])
@@ -176,17 +173,17 @@ class _RoundedLine:
 
     @property
     def missed_m(self) -> float:
-        """How far corners are missed at most."""
+        """Largest distance at which a corner is passed."""
         return float((np.hypot(self.radius_m, self.cut_m) - self.radius_m).max())
 
     def count(self, flight: LineFlight) -> int:
-        """Exposures that there are."""
+        """Number of exposures."""
         every, end = (flight.every_m, self.way_m[-1]) if flight.every_s is None else (flight.every_s, self.time_s[-1])
-        # Steps that are meant to end where the line does are not left out for a rounding.
+        # Rounding must not drop an exposure at the very end of the line.
         return int(end / float(every or 1.0) * (1.0 + 1e-12)) + 1
 
     def exposures(self, flight: LineFlight) -> tuple[Floats, Floats]:
-        """Seconds and metres of the way at each exposure."""
+        """Time in seconds and distance along the way in metres of each exposure."""
         steps = np.arange(self.count(flight))
         if flight.every_s is not None:
             time_s = steps * flight.every_s
@@ -194,16 +191,16 @@ class _RoundedLine:
         way_m = steps * float(flight.every_m or 0.0)
         return np.interp(way_m, self.way_m, self.time_s), way_m
 
-    def places(self, way_m: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Latitude, longitude, height above ground and course at places along the way.
+    def poses(self, way_m: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Latitude, longitude, height above ground and course at distances along the way.
 
-        Legs are geodesics. Turns are drawn on the plane of azimuths and distances about their corner, where legs are
-        straight, and circles wrong by (r / R)² / 6: 2e-8 of a radius of 2 km.
+        Legs are geodesics. Turns are computed in the azimuthal equidistant plane about their corner, where legs are
+        straight and circles are off by (r / R)² / 6: 2e-8 of a radius of 2 km.
         """
         last = len(self.speed_m_per_s) - 1
         piece = np.minimum(np.searchsorted(self.way_m, way_m, side="right") - 1, last)
         along = way_m - self.way_m[piece]
-        # A turn is drawn from its corner, a leg from that at its beginning.
+        # A turn counts from its corner, a leg from the corner at its start.
         in_turn, corner = piece % 2 == 1, (piece + 1) // 2
         radius, turn, cut = self.radius_m[corner], self.turn_deg[corner], self.cut_m[corner]
         swept = np.where(in_turn, along / radius, 0.0)
@@ -213,7 +210,7 @@ class _RoundedLine:
         heading = inward + np.copysign(np.degrees(swept), turn)
         away = inward + np.degrees(np.arctan2(right, ahead))
         lat, lon, bearing = geodesic_ends(self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right))
-        # Heights are those of the line at the share of the turn that is flown.
+        # The height in a turn is that of the line at the same share of the cut corner.
         share = np.degrees(swept) / np.where(in_turn, np.abs(turn), 1.0)
         corners_m = np.append(0.0, np.cumsum(self.leg_m))
         line_m = corners_m[corner] + np.where(in_turn, cut * (2.0 * share - 1.0), ahead)
@@ -222,7 +219,7 @@ class _RoundedLine:
         return lat, lon, agl, course
 
     def roll_deg(self, time_s: Floats) -> Floats:
-        """Roll of an aircraft at times: the mean bank of the time around them."""
+        """Roll of the aircraft at times: the mean bank over the rolling time around each."""
         turned = np.append(0.0, np.cumsum(self.bank_deg * np.diff(self.time_s)))
         after, before = (
             np.interp(time_s + half, self.time_s, turned) for half in (_ROLLING_S / 2.0, -_ROLLING_S / 2.0)
@@ -230,14 +227,14 @@ class _RoundedLine:
         roll: Floats = (after - before) / _ROLLING_S
         return roll
 
-    def distance_to(self, other: _RoundedLine) -> float:
-        """Metres from the end to the beginning of another."""
+    def distance_m(self, other: _RoundedLine) -> float:
+        """Geodesic distance from the end of this line to the start of another."""
         *_, distance = geodesics(self.lat_deg[-1], self.lon_deg[-1], other.lat_deg[0], other.lon_deg[0])
         return float(distance)
 
 
 def _distinct(line: Floats, number: int) -> Floats:
-    """Places (m, 3) along a line that geodesics join within the tolerance, none as near as that to the one before."""
+    """Places (m, 3) along a line: geodesics between them stay within the tolerance, and none repeats the one before."""
     for lat, lon, agl in line.tolist():
         check_lat_lon(lat, lon)
         check_agl(agl)
@@ -260,33 +257,34 @@ def _distinct(line: Floats, number: int) -> Floats:
 
 
 def _pieces(start: Floats, end: Floats) -> int:
-    """Geodesics that stay within the tolerance of a side that is straight in longitude and latitude.
+    """Number of geodesics that replace a side, straight in longitude and latitude, within the tolerance.
 
-    The side's geodesic curvature is sin a (1 + cos² a) tan(lat) / R where it runs in the direction a.
+    Where a side runs in the direction a, its geodesic curvature is sin a (1 + cos² a) tan(lat) / R.
     """
     (lat0, lon0, _), (lat1, lon1, _) = np.radians(start), np.radians(end)
     if lon0 == lon1:
         return 1
     low = 0.0 if lat0 * lat1 < 0.0 else min(abs(lat0), abs(lat1))
     length = WGS84.a_m * math.hypot(lat1 - lat0, (lon1 - lon0) * math.cos(low))
-    bending = _MOST_BENDING * math.tan(max(abs(lat0), abs(lat1))) / WGS84.b_m
-    # At most 10,000 geodesics replace a side.
+    # Over all directions, sin a (1 + cos² a) is at most 4/3 sqrt(2/3).
+    bending = 4.0 / 3.0 * math.sqrt(2.0 / 3.0) * math.tan(max(abs(lat0), abs(lat1))) / WGS84.b_m
+    # Bounds the work for sides that run close to a pole.
     return min(math.ceil(length * math.sqrt(bending / (8.0 * TOLERANCE_M))) or 1, 10_000)
 
 
 def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
-    """Lines of a GeoJSON file, as `fly` takes them: each LineString, and each part of a MultiLineString.
+    """Read the lines of a GeoJSON file for `fly`: each LineString, and each part of a MultiLineString.
 
     Parameters
     ----------
     agl_m : float or None
-        Height above ground of all corners; None for their third coordinates.
+        Height above ground of all corners; None to take their third coordinates.
 
     Raises
     ------
     InvalidInput
-        A file that cannot be read, is in a reference system that is not known, or holds no line; a corner that is none
-        or has no height.
+        A file that cannot be read, has an unknown reference system, or holds no line; an invalid corner, or one without
+        a height.
     """
     try:
         data = parse_json(read_limited(path, MAX_MISSION_BYTES, named_by_user=True))
@@ -296,7 +294,7 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     for coordinates, system in shapes(data, "LineString", Message("file {0}", path)):
         try:
             corners = [(corner[0], corner[1], *(corner[2:3] if agl_m is None else (agl_m,))) for corner in coordinates]
-            # Some corners may have a height where others have none.
+            # Only some corners may have a height.
             has_heights = all(len(corner) == 3 for corner in corners)
             line = np.array(corners, np.float64) if has_heights else None
         except (IndexError, KeyError, TypeError, ValueError) as wrong:

@@ -1,6 +1,7 @@
-"""Flight logs: PX4's ULog through pyulog, ArduPilot's DataFlash through pymavlink; their cameras look down.
+"""Flight logs: PX4's ULog, read with pyulog, and ArduPilot's DataFlash, read with pymavlink.
 
-The camera is fixed to the aircraft, the top of its image ahead. Heights are above the sea, as the autopilot has them.
+The camera is fixed to the aircraft and looks down, the top of its image ahead. Heights are the autopilot's, above the
+sea.
 """
 
 from __future__ import annotations
@@ -38,55 +39,53 @@ from .trajectories import BODIES, ROUNDING, WORLDS
 
 _Columns = Mapping[str, Floats]
 _log = logging.getLogger(__name__)
-#: Topics of PX4; of the receivers the first that has a time counts.
+#: Topics of PX4; the first receiver that has a time is used.
 _PLACE, _ATTITUDE, _HOME, _RECEIVERS = (
     "vehicle_global_position",
     "vehicle_attitude",
     "home_position",
     ("vehicle_gps_position", "sensor_gps"),
 )
-#: Columns without which a topic is as good as not logged.
+#: Required columns of each topic; a topic that lacks one is ignored.
 _NEEDED = {
     _PLACE: ("timestamp", "lat", "lon", "alt"),
     _ATTITUDE: ("timestamp", "q[0]", "q[1]", "q[2]", "q[3]"),
     _HOME: ("timestamp", "alt"),
     **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
 }
-#: Beginning of a message of a DataFlash log, before its kind; with the kind it takes so many bytes.
+#: Start of a DataFlash message, which its kind follows, and the length of both.
 _HEAD, _HEAD_BYTES = b"\xa3\x95", 3
-#: Kind and length of messages that define another kind, whose number and length follow their head.
+#: Kind and length of a message that defines another kind: number and length of the latter follow its head.
 _DEFINITION, _DEFINITION_BYTES = 0x80, 89
-#: Columns of ArduPilot's messages, and those that not all of its versions have.
+#: Required and optional columns of ArduPilot's messages.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
     "AHR2": (("TimeUS", "Lat", "Lng", "Alt"), ()),
     "GPS": (("TimeUS", "Lat", "Lng", "Alt", "Status", "GWk", "GMS"), ("I",)),
     "ATT": (("TimeUS", "Roll", "Pitch", "Yaw"), ()),
 }
-#: What logs of before 2015 (version 3.3) call them, and by how much these are multiplied.
+#: Names of these columns in logs before 2015 (version 3.3), with a factor for their unit.
 _OLD_COLUMNS = {
     ("GPS", "TimeUS"): ("T", 1e3),
     ("GPS", "GWk"): ("Week", 1.0),
     ("GPS", "GMS"): ("TimeMS", 1.0),
     **{(name, "TimeUS"): ("TimeMS", 1e3) for name in ("POS", "AHR2", "ATT")},
 }
-#: Those that have places, best first: of its filter, of the second filter, of the receiver.
+#: Messages with a position, best first: from the filter, the second filter, the receiver.
 _PLACES = ("POS", "AHR2", "GPS")
 _S_PER_US = 1e-6
-#: GPS time: its beginning, its weeks, and by how much it is ahead of UTC from a time on (IERS, Bulletin C).
+#: GPS time: its epoch and week, and its lead over UTC from a given time on (IERS, Bulletin C).
 _GPS_EPOCH_S, _WEEK_S = 315_964_800.0, 604_800.0
 _LEAPS = (
-    (0.0, 15.0),  # Before July 2012, when no DataFlash log had GPS weeks.
+    (0.0, 15.0),  # No DataFlash log before July 2012 has GPS weeks.
     (1_341_100_800.0, 16.0),
     (1_435_708_800.0, 17.0),
     (1_483_228_800.0, 18.0),
 )
-#: File descriptor of standard error.
-_STANDARD_ERROR = 2
 
 
 def missing_reader(package: str) -> OutputError:
-    """Error that says how to get a package that reads a format."""
+    """Error for a missing package, with how to install it."""
     return OutputError(
         "{0}, which reads such files, is not installed",
         package,
@@ -103,7 +102,7 @@ def _reader_module(name: str, package: str) -> Any:
 
 @contextlib.contextmanager
 def _quiet(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Put what a reader prints, a line for each byte that it cannot make out, into one line."""
+    """Log one line in place of all that a reader prints, which is a line for each byte it cannot parse."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
         aside = contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed)
         with aside[0], aside[1], _standard_error(printed.fileno()):
@@ -116,27 +115,28 @@ def _quiet(path: str | os.PathLike[str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _standard_error(target: int) -> Iterator[None]:
-    """Lead what modules written in C print to another file for a while."""
+    """Redirect the file descriptor of standard error, to which C extensions print."""
+    standard_error = 2
     try:
-        kept = os.dup(_STANDARD_ERROR)
+        kept = os.dup(standard_error)
     except OSError:
-        # A program with windows has none.
+        # A program without a console has none.
         yield
         return
-    os.dup2(target, _STANDARD_ERROR)
+    os.dup2(target, standard_error)
     try:
         yield
     finally:
-        os.dup2(kept, _STANDARD_ERROR)
+        os.dup2(kept, standard_error)
         os.close(kept)
 
 
 class _BeyondLimits(Exception):
-    """What ends the reading of a log: newer versions of pyulog take each ValueError for damage, and read on."""
+    """A log exceeds a limit. Not a ValueError, which newer versions of pyulog take for damage and skip."""
 
 
 class _Watched:
-    """A file that tells how much of it is read, to what reads it in one go."""
+    """A file that reports progress while a reader reads it in one go."""
 
     def __init__(self, file: IO[bytes], progress: Progress) -> None:
         self._file, self._progress, self._reads, self._steps_back = file, progress, 0, 0
@@ -149,7 +149,7 @@ class _Watched:
         return self._file.read(count)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        # By a byte at a time, where what is there is no message.
+        # The reader steps back to go on byte by byte where no message begins.
         self._steps_back += whence == os.SEEK_CUR
         _check_damage(self._steps_back)
         return self._file.seek(offset, whence)
@@ -165,40 +165,40 @@ def read_ulog(
     flight: int | None = None,
     with_times: bool = True,
 ) -> Track:
-    """Read a PX4 log: ``vehicle_global_position``, with ``vehicle_attitude`` in between.
+    """Read a PX4 log: positions from ``vehicle_global_position``, attitudes interpolated in ``vehicle_attitude``.
 
-    The ground is at the home position, else at the first position. Times are UTC where a receiver's are logged, else
-    seconds after the autopilot's start. Positions are put in the order of their times; those without a place are left
-    out and counted.
+    The ground is at the home position, else at the first position. Times are UTC if a receiver's are logged, else
+    seconds after the autopilot's start. Positions are sorted by time; positions without a place are left out and
+    counted.
 
     Parameters
     ----------
     progress : callable
     flight : int or None
-        Which flight of a log whose clock starts again, from 1.
+        Number of the flight, from 1, in a log whose clock restarts.
     with_times : bool
         Whether the track has times.
 
     Raises
     ------
     InvalidInput
-        No such log, or one without positions; several flights, of which none is chosen; times that no flight has.
+        No such log, or no positions in it; several flights and none chosen; times that no flight has.
     OutputError
-        pyulog is not installed.
+        The reader, pyulog, is not installed.
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     """
     pyulog = _reader_module("pyulog", "pyulog")
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
-        # Given a name, pyulog leaves the file open where it cannot read it.
+        # Given a name, pyulog leaves a file open that it cannot read.
         with _quiet(path), open_foreign(path, MAX_MISSION_BYTES) as file:
             log = _ulog_reader(pyulog)(_Watched(file, progress), wanted)
     except Cancelled:
         raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as ULog ({1})", path, wrong) from wrong
-    # Instances of a topic, the first one first.
+    # Instances of each topic, in the order of the log.
     topics: dict[str, list[_Columns]] = {name: [] for name in wanted}
     for one in log.data_list:
         if one.data.keys() >= set(_NEEDED[one.name]):
@@ -222,7 +222,7 @@ def read_ulog(
 
 
 def _ulog_reader(pyulog: Any) -> Any:
-    """Reader of pyulog's which takes no topics beyond the limits: it would list their fields one by one."""
+    """Class of pyulog that refuses topics beyond the limits, whose fields it would list one by one."""
 
     class Topic(pyulog.ULog._MessageAddLogged):  # type: ignore[misc]  # noqa: SLF001 (where it lists them)
         def __init__(self, data: bytes, header: Any, formats: Mapping[str, Any]) -> None:
@@ -239,7 +239,7 @@ def _ulog_reader(pyulog: Any) -> Any:
 
 
 def _count_fields(name: str, formats: Mapping[str, Any], depth: int = 0) -> int:
-    """Number of fields of a type, those of types within it counted one by one."""
+    """Number of fields of a type, with all fields of nested types."""
     if name not in formats:
         return 1
     if depth == MAX_LOG_DEPTH:
@@ -251,7 +251,7 @@ def _count_fields(name: str, formats: Mapping[str, Any], depth: int = 0) -> int:
         total += max(times, 1) * _count_fields(inner, formats, depth + 1)
         if total > MAX_LOG_FIELDS:
             raise _BeyondLimits(f"{name} has {total:,} fields")
-    # One without any is gone through, too.
+    # A type without fields takes time as well.
     return max(total, 1)
 
 
@@ -263,30 +263,15 @@ def read_dataflash(
     flight: int | None = None,
     with_times: bool = True,
 ) -> Track:
-    """Read an ArduPilot log: ``POS``, else ``AHR2`` or ``GPS``, with ``ATT`` in between.
+    """Read an ArduPilot log: positions from ``POS``, else ``AHR2`` or ``GPS``; attitudes interpolated in ``ATT``.
 
-    The ground is below the first position by its height over home, where that is logged, else at the first position.
-    Times are UTC where a receiver's are logged, else seconds after the autopilot's start. Positions are put in the
-    order of their times; those without a place are left out and counted.
+    The ground is below the first position by its logged height over home, else at the first position. Times, order,
+    the other parameters and the errors are those of `read_ulog`; the reader is pymavlink.
 
     Parameters
     ----------
-    progress : callable
     text : bool
-        Whether the log is of text (``.log``), and not binary (``.bin``).
-    flight : int or None
-        Which flight of a log whose clock starts again, from 1.
-    with_times : bool
-        Whether the track has times.
-
-    Raises
-    ------
-    InvalidInput
-        No such log, or one without positions; several flights, of which none is chosen; times that no flight has.
-    OutputError
-        pymavlink is not installed.
-    Cancelled
-        When ``progress`` said so.
+        Whether the log is text (``.log``) rather than binary (``.bin``).
     """
     reader = _reader_module("pymavlink.DFReader", "pymavlink")
     if Path(path).is_file() and not Path(path).stat().st_size:
@@ -296,7 +281,7 @@ def read_dataflash(
         with _quiet(path):
             if text:
                 _check_lines(Path(path))
-                opened = _opened(reader.DFReader_text, Path(path))
+                opened = _open(reader.DFReader_text, Path(path))
             else:
                 opened = _dataflash_reader(reader, Path(path), progress)
             with contextlib.closing(opened) as log:
@@ -314,7 +299,7 @@ def read_dataflash(
     attitude: dict[str, Floats] = {}
     if turned is not None:
         with np.errstate(invalid="ignore"):
-            # Of infinite angles NaN, which are left out as states of a filter that are none.
+            # Infinite angles give NaN, which is left out like invalid states of the filter.
             quaternions = quaternions_from_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
         attitude = {"clock_s": turned["TimeUS"] * _S_PER_US, **dict(zip(_QUATERNION, quaternions.T))}
     fixes = read.get("GPS")
@@ -327,7 +312,7 @@ def read_dataflash(
 
 
 def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
-    """Open a binary log with pymavlink, which goes on without end at messages without a length."""
+    """Open a binary log with pymavlink, and stop at messages without a length, which it would read forever."""
     _check_messages(path, progress)
 
     class Reader(reader.DFReader_binary):  # type: ignore[misc]
@@ -338,11 +323,11 @@ def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
                 raise _BeyondLimits(f"its messages {message.get_type()} have no length")
             return message
 
-    return _opened(Reader, path)
+    return _open(Reader, path)
 
 
-def _opened(reader: Any, path: Path) -> Any:
-    """Open a log with a reader of pymavlink's, which leaves files open that it cannot read."""
+def _open(reader: Any, path: Path) -> Any:
+    """Open a log with a reader of pymavlink, and close the file if that fails."""
     log = reader.__new__(reader)
     try:
         log.__init__(os.fspath(path))
@@ -355,7 +340,7 @@ def _opened(reader: Any, path: Path) -> Any:
 
 
 def _check_messages(path: Path, progress: Progress) -> None:
-    """Go through a binary log from message to message, as pymavlink does; refuse one that is mostly something else."""
+    """Scan the messages of a binary log as pymavlink does, and refuse a log that is mostly something else."""
     defined = {_DEFINITION: _DEFINITION_BYTES}
     lengths: dict[int, int] = {}
     at = damaged = messages = 0
@@ -364,7 +349,7 @@ def _check_messages(path: Path, progress: Progress) -> None:
             kind, messages = data[begin + len(_HEAD)], messages + 1
             damaged += begin - at
             if kind in defined:
-                # Whatever is defined later, that of the first message of a kind counts.
+                # The length at the first message of a kind counts, even if it is defined again.
                 at = begin + lengths.setdefault(kind, defined[kind])
             else:
                 at = begin + len(_HEAD)
@@ -384,7 +369,7 @@ def _check_messages(path: Path, progress: Progress) -> None:
 
 
 def _check_lines(path: Path) -> None:
-    """Refuse a log of text that is mostly something else: pymavlink goes through the rest of it for each new word."""
+    """Refuse a text log that is mostly something else: for each new first word pymavlink scans the rest of the file."""
     kinds, damaged = set(), 0
     with open_foreign(path) as file:
         while line := file.readline(MAX_JOURNAL_LINE_BYTES):
@@ -400,21 +385,21 @@ def _check_damage(damaged: int) -> None:
         raise _BeyondLimits(f"more than {MAX_LOG_DAMAGE_BYTES >> 20} MB of it belong to no message")
 
 
-#: Columns that `_Log` has, of whatever format.
+#: Columns of `_Log`, whatever the format.
 _POSITION, _QUATERNION = ("lat", "lon", "alt", "above_home"), ("w", "x", "y", "z")
 
 
 class _Log(NamedTuple):
-    """What is read of a log; each of its topics has a column ``clock_s``, of the autopilot's clock.
+    """Topics of a log, each with a column ``clock_s``, the autopilot's clock.
 
     Attributes
     ----------
     place : columns of `_POSITION`
-        The last one may be missing.
+        ``above_home`` may be missing.
     attitude : columns of `_QUATERNION`, or None
-    receivers : columns ``utc_s``, of each receiver
+    receivers : column ``utc_s`` of each receiver
     ground_m : float or None
-        None for that below the first position by its height above home.
+        None to take it below the first position by its height above home.
     """
 
     place: _Columns
@@ -429,7 +414,7 @@ class _Log(NamedTuple):
         if not there.any():
             raise InvalidInput("log {0}: none of its {1:,} positions has a place and a height", path, len(there))
         flights = _flights(self.place["clock_s"][there])
-        which = _chosen(flights, path, flight)
+        which = _flight_index(flights, path, flight)
         place = _rows(_rows(self.place, there), flights[which])
         count, clock_s = len(flights), place["clock_s"]
         attitude = None
@@ -459,7 +444,7 @@ class _Log(NamedTuple):
         return Track(place["lat"], place["lon"], place["alt"], ground_m, time_s, attitude, lost)
 
     def _utc_less_clock_s(self, flight: int, count: int) -> float:
-        """Seconds from the log's clock to UTC by the first receiver that knows it, 0 where none does."""
+        """Seconds from the log's clock to UTC by the first receiver that has UTC, else 0."""
         for receiver in self.receivers:
             timed = _select_flight(receiver, flight, count)
             if timed is not None and (known := is_dated(timed["utc_s"])).any():
@@ -468,12 +453,12 @@ class _Log(NamedTuple):
 
 
 def _flights(clock_s: Floats) -> list[NDArray[np.intp]]:
-    """Rows of each flight in the order of its clock; more than a few late ones in a row begin another flight."""
+    """Rows of each flight in the order of its clock; several late rows in succession begin another flight."""
     starts, late, highest = [0], 0, -np.inf
     clocks = clock_s.tolist() if (np.diff(clock_s) < 0.0).any() else []
     for at, clock in enumerate(clocks):
         late = late + 1 if clock < highest else 0
-        # Up to three lines may be late where several tasks write a log; more mean that its clock has restarted.
+        # Up to three rows may be late where several tasks write a log; more mean that the clock has restarted.
         if late > 3:
             starts.append(at + 1 - late)
             late, highest = 0, max(clocks[starts[-1] : at + 1])
@@ -482,8 +467,8 @@ def _flights(clock_s: Floats) -> list[NDArray[np.intp]]:
     return [start + np.argsort(clock_s[start:end], kind="stable") for start, end in zip(starts, ends)]
 
 
-def _chosen(flights: list[NDArray[np.intp]], path: str | os.PathLike[str], flight: int | None) -> int:
-    """Index of the flight that is asked for."""
+def _flight_index(flights: list[NDArray[np.intp]], path: str | os.PathLike[str], flight: int | None) -> int:
+    """Index of the chosen flight."""
     if flight is None and len(flights) > 1:
         raise InvalidInput(
             "log {0}: its clock starts again at position {1:,}: it holds {2} flights",
@@ -498,7 +483,7 @@ def _chosen(flights: list[NDArray[np.intp]], path: str | os.PathLike[str], fligh
 
 
 def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | None:
-    """Rows of one of so many flights; None where the topic does not tell them apart."""
+    """Rows of one of ``count`` flights; None if the topic does not separate into as many."""
     columns = _rows(columns, np.isfinite(columns["clock_s"]))
     clock_s = columns["clock_s"]
     flights = _flights(clock_s) if count > 1 else [np.argsort(clock_s, kind="stable")]
@@ -506,7 +491,7 @@ def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | Non
 
 
 def _utc_s(fixes: _Columns) -> Floats:
-    """UTC of the fixes of a DataFlash log; of 1980 where a receiver did not know it."""
+    """UTC of the fixes of a DataFlash log; in 1980 where a receiver did not know the time."""
     gps_s = _GPS_EPOCH_S + fixes["GWk"] * _WEEK_S + fixes["GMS"] * 1e-3
     since, leaps = np.array(_LEAPS).T
     utc_s: Floats = gps_s - leaps[np.clip(np.searchsorted(since + leaps, gps_s, side="right") - 1, 0, None)]
@@ -514,10 +499,10 @@ def _utc_s(fixes: _Columns) -> Floats:
 
 
 def _renamed(columns: _Columns, names: tuple[str, ...]) -> dict[str, Floats]:
-    """Columns of a topic, called as `_Log` has them."""
+    """Columns of a topic, by their names in `_Log`."""
     clock = columns["timestamp" if "timestamp" in columns else "TimeUS"]
-    ours = _QUATERNION if "q[0]" in names else _POSITION
-    return {"clock_s": clock * _S_PER_US, **{our: columns[name] for our, name in zip(ours, names)}}
+    renamed = _QUATERNION if "q[0]" in names else _POSITION
+    return {"clock_s": clock * _S_PER_US, **{new: columns[name] for new, name in zip(renamed, names)}}
 
 
 def _columns(data: Mapping[str, Any]) -> dict[str, Floats]:
@@ -525,7 +510,7 @@ def _columns(data: Mapping[str, Any]) -> dict[str, Floats]:
 
 
 def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
-    """Columns of those messages of a DataFlash log that are read, by name."""
+    """Columns of the needed messages of a DataFlash log, by message."""
     columns: dict[str, dict[str, tuple[str, float]]] = {}
     rows: dict[str, list[list[float]]] = {}
     read = 0
@@ -543,7 +528,7 @@ def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
 
 
 def _existing_columns(name: str, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
-    """Columns of a message as they are called in the log, and their units; none where one is missing."""
+    """Names in the log and factors of a message's columns; empty if a required column is missing."""
     needed, others = _COLUMNS[name]
     found = {one: (one, 1.0) for one in (*needed, *others) if one in fields}
     for one in needed:
@@ -554,12 +539,12 @@ def _existing_columns(name: str, fields: Sequence[str]) -> dict[str, tuple[str, 
 
 
 def _fixed_rows(place: _Columns) -> dict[str, Floats]:
-    """Rows of a DataFlash log that have a place: before the first fix places are zeros."""
+    """Rows of a DataFlash log with a place; before the first fix places are 0."""
     there = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
     if "Status" in place:
         there &= place["Status"] >= 3
     if "I" in place and there.any():
-        # Of several receivers the first that has a fix.
+        # The first of several receivers that has a fix.
         there &= place["I"] == place["I"][there].min()
     return _rows(place, there)
 
@@ -569,22 +554,22 @@ def _rows(columns: _Columns, which: NDArray[np.bool_] | NDArray[np.intp]) -> dic
 
 
 def _valid(columns: _Columns, flag: str) -> NDArray[np.bool_]:
-    """Rows whose flag is set; all of them in logs that are older than the flag."""
+    """Rows whose flag is set; all rows in logs older than the flag."""
     return columns[flag] != 0.0 if flag in columns else np.ones(len(columns["timestamp"]), np.bool_)
 
 
 def _interpolate_attitude(
     clock_s: Floats, times_s: Floats, quaternions: Floats
 ) -> tuple[Floats, Floats, Floats] | None:
-    """Yaw, tilt and roll (n,) at moments, of quaternions (m, 4) of the body to north, east, down at other ones.
+    """Yaw, tilt and roll (n,) at ``clock_s`` from quaternions (m, 4), w first, body to north-east-down, at ``times_s``.
 
-    In between it is the weighted mean of both neighbours, w first; before the first and after the last it is theirs.
+    Between two it is their weighted mean; before the first and after the last it is constant. None if none is valid.
     """
     right = np.abs(np.linalg.norm(quaternions, axis=1) - 1.0) < ROUNDING
     times_s, quaternions = times_s[right], quaternions[right]
     if not len(times_s):
         return None
-    # A quaternion and its negative are one rotation: each of the sign of the one before it.
+    # A quaternion and its negative are the same rotation: give each the sign of the one before.
     turns = np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))
     signs = np.cumprod(np.concatenate([[1.0], np.where(turns < 0.0, -1.0, 1.0)]))
     quaternions = quaternions * signs[:, np.newaxis]

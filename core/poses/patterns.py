@@ -1,8 +1,8 @@
-"""Patterns of captures: corridors along lines, orbits around places, scans of walls and of structures.
+"""Flight patterns: corridors along lines, orbits around places, scans of walls and structures.
 
-Corridors and scans follow a line at distances to its side. Around the outside of a corner they go on a circle about it;
-on the inside they are cut where they would come nearer to another part of the line. Geometry is that of a plane about
-the line's middle (EPSG method 9809), which enlarges by 2.5e-4 at `_REACH_M`.
+Corridors and scans run beside a line at constant distance: on a circle around the outside of a corner, and cut on its
+inside where they would come nearer to another part of the line. They are computed in a plane about the line's middle
+(EPSG method 9809), whose scale error is 2.5e-4 at `_REACH_M`.
 """
 
 from __future__ import annotations
@@ -23,18 +23,14 @@ from ..mission.areas.area import Points, Polygon, check_agl, check_lat_lon, chec
 from .settings import Corridor, Orbit, Scan
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-#: How far from the middle of its lines a pattern may reach, metres.
+#: Farthest that a pattern may reach from the middle of its line.
 _REACH_M = 200_000.0
-#: Nodes of a path for each step from image to image, and degrees of a turn from node to node at most.
-_NODES, _TURN_DEG = 16, 2.0
-#: Nodes and sides of a line that are looked at together, to bound memory: 32 MB.
-_CHUNK = 1_000_000
 
 
 class _Path(NamedTuple):
-    """Nodes of a way beside a line, arrays (m,): metres of the plane, and its direction clockwise from the second axis.
+    """Nodes of a path beside a line, (m,) each: metres in the plane, and headings clockwise from its second axis.
 
-    Directions are continuous, in degrees. A way that turns on the spot has several nodes there.
+    Headings are continuous, not wrapped. Where a path turns on the spot it has several nodes there.
     """
 
     x_m: Floats
@@ -42,9 +38,9 @@ class _Path(NamedTuple):
     heading_deg: Floats
 
     def sampled(self, step_m: float, turning_m: float, *, closed: bool = False) -> _Path:
-        """Places along it at even distances of ``step_m`` or less, from its beginning to its end.
+        """The path at even steps of at most ``step_m``, from start to end.
 
-        A turn by a radian counts as ``turning_m`` metres. A closed way ends a step before its beginning.
+        A turn by one radian counts as ``turning_m`` metres. A closed path ends one step before its start.
         """
         moved = np.hypot(np.diff(self.x_m), np.diff(self.y_m))
         gone = np.append(0.0, np.cumsum(moved + turning_m * np.abs(np.radians(np.diff(self.heading_deg)))))
@@ -53,7 +49,7 @@ class _Path(NamedTuple):
         return _Path(*(np.interp(at, gone, values) for values in self))
 
     def reversed(self) -> _Path:
-        """The way back."""
+        """The path flown backwards."""
         return _Path(self.x_m[::-1], self.y_m[::-1], self.heading_deg[::-1] + 180.0)
 
 
@@ -64,24 +60,23 @@ def corridor(
     overlaps: tuple[float, float],
     wanted: Corridor,
 ) -> Points:
-    """Rows along lines that show all ground of a strip, flown to and fro; the top of each image points along its row.
+    """Rows along lines that cover a strip, flown to and fro; the top of each image points along its row.
 
-    Around the outside of corners images turn from one to the next by so little that the strip, whose corners are round,
-    has no gap in it.
+    Around the outside of a corner, where the strip is round, images turn little enough to leave no gap.
 
     Parameters
     ----------
     lines : sequence of arrays (n, 2) or (n, 3)
-        Latitude and longitude in degrees of each corner; sides take the shorter way around.
+        Latitude and longitude in degrees of each corner; sides take the shorter way around the Earth.
     agl_m : float
         Height above ground, metres.
     overlaps : (along, across)
-        Shares of an image, in [0, 1), that the next one of the row and the next row show again.
+        Shares of an image, in [0, 1), that the next image of the row and the next row show again.
 
     Raises
     ------
     InvalidInput
-        No line, a place that there is not, a line that is a single place or too long, too many images.
+        No line, an invalid place, a line of one place, a line that is too long, or too many images.
     """
     check_agl(agl_m)
     along, across = map(_checked_overlap, overlaps)
@@ -96,11 +91,11 @@ def corridor(
         plane, x, y = _on_plane(line[:, :2])
         for number in range(rows):
             right_m = wanted.offset_m + (number - (rows - 1) / 2.0) * spacing_m
-            path = _beside(x, y, right_m, abs(right_m) - spacing_m, step_m)
+            path = _offset_path(x, y, right_m, abs(right_m) - spacing_m, step_m)
             if path is None:
                 continue
             reach_m = abs(right_m) + width_m / 2.0
-            # So little that the corners of an image, turned by half of it, stay beyond the part that is its row's.
+            # Turned by half this angle, the corners of an image still reach beyond the strip of its row.
             turn = 2.0 * math.acos(1.0 - min((width_m - min(spacing_m, widest_m)) / 2.0 / reach_m, 1.0))
             row = path.sampled(step_m, max(width_m / 2.0, step_m / turn))
             images += len(row.x_m)
@@ -112,9 +107,9 @@ def corridor(
 
 
 def orbit(lat_deg: float, lon_deg: float, wanted: Orbit) -> Points:
-    """Circles around a place, clockwise from its north, lowest first; the camera looks at the target above the place.
+    """Circles around a place, clockwise from north, lowest first; the camera looks at the target above the place.
 
-    Heights are above the ground below each capture: over relief, have the mission's count from the take-off.
+    Heights are above the ground below each capture; over relief, let the mission count heights from the take-off.
     """
     check_lat_lon(lat_deg, lon_deg)
     _refuse_too_many(wanted.circles * wanted.images)
@@ -136,19 +131,19 @@ def facade(
     *,
     left: bool = False,
 ) -> Points:
-    """Flights along walls, lowest first, to and fro; the camera stands to their right, or left, and looks at them.
+    """Flights along walls, lowest first, to and fro, on their right or left side; the camera looks at the wall.
 
     Parameters
     ----------
     lines : sequence of arrays (n, 2) or (n, 3)
-        Latitude and longitude of the corners of each wall's foot.
+        Latitude and longitude of the corners of each wall on the ground.
     overlaps : (along, across)
-        Shares of an image that the next one of a flight and the next flight show again of the wall.
+        Shares of an image of the wall that the next image of a flight and the next flight show again.
 
     Raises
     ------
     InvalidInput
-        As `corridor` does, and where the inside of corners leaves no place at that distance.
+        As for `corridor`; also if no place beside the wall is that far from all of it.
     """
     columns: list[tuple[Floats, ...]] = []
     for line in lines:
@@ -158,19 +153,19 @@ def facade(
 
 
 def structure(outlines: Sequence[Polygon], camera: Camera, overlaps: tuple[float, float], wanted: Scan) -> Points:
-    """Flights around structures, lowest first; the camera looks at their walls. Holes are inside, and not flown.
+    """Flights around structures, lowest first; the camera looks at their walls. Courtyards are not flown.
 
     Raises
     ------
     InvalidInput
-        As `facade` does.
+        As for `facade`.
     """
     check_polygons(outlines, Message("outlines"), "area")
     columns: list[tuple[Floats, ...]] = []
     for outline in outlines:
         lon, lat = outline.arrays()[0]
         plane, x, y = _on_plane(np.stack([lat, lon], axis=1), closed=True)
-        # Anticlockwise, what is outside lies to the right.
+        # Flown anticlockwise, the outside lies to the right.
         twice = float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
         x, y = (x, y) if twice > 0.0 else (x[::-1], y[::-1])
         columns += _scanned(plane, x, y, camera, overlaps, wanted, 1.0, closed=True)
@@ -191,7 +186,7 @@ def _scanned(
     along, across = map(_checked_overlap, overlaps)
     width_m, height_m = camera.ground_size_m(wanted.distance_m)
     step_m = width_m * (1.0 - along)
-    path = _beside(x, y, side * wanted.distance_m, wanted.distance_m, step_m, closed=closed)
+    path = _offset_path(x, y, side * wanted.distance_m, wanted.distance_m, step_m, closed=closed)
     if path is None:
         raise InvalidInput(
             "distance {0:g} m: no place is so far from every wall",
@@ -209,7 +204,7 @@ def _scanned(
 
 
 def _levels(lowest_m: float, highest_m: float | None, count: int) -> list[float]:
-    """Heights from the lowest to the highest."""
+    """Evenly spaced heights, lowest first."""
     levels: list[float] = np.linspace(lowest_m, lowest_m if highest_m is None else highest_m, count).tolist()
     return levels
 
@@ -228,7 +223,7 @@ def _refuse_too_many(images: float) -> None:
 
 
 def _on_plane(corners: Floats, *, closed: bool = False) -> tuple[LocalPlane, Floats, Floats]:
-    """Plane about corners of latitude and longitude (n, 2), and their places on it, none of them twice in a row."""
+    """Plane about corners of latitude and longitude (n, 2), and their coordinates in it without repeated corners."""
     for lat, lon in corners.tolist():
         check_lat_lon(lat, lon)
     lat = corners[:, 0]
@@ -244,7 +239,7 @@ def _on_plane(corners: Floats, *, closed: bool = False) -> tuple[LocalPlane, Flo
             remedy="take shorter lines",
         )
     before = np.roll(x, 1), np.roll(y, 1)
-    # Corners nearer to each other than this are one, metres.
+    # Corners within 1 mm of each other count as one.
     other = np.hypot(x - before[0], y - before[1]) > 1e-3
     if not closed:
         other[0] = True
@@ -254,17 +249,17 @@ def _on_plane(corners: Floats, *, closed: bool = False) -> tuple[LocalPlane, Flo
     return plane, x, y
 
 
-def _beside(
+def _offset_path(
     x: Floats, y: Floats, right_m: float, least_m: float, step_m: float, *, closed: bool = False
 ) -> _Path | None:
-    """Way to the right of a line, or left where that is negative, cut where it is nearer than ``least_m`` to the line.
+    """Path at ``right_m`` to the right of a line (negative: left), cut where it is nearer than ``least_m`` to the line.
 
-    None where nothing is left of it.
+    None if nothing of it is left.
     """
     if closed:
         x, y = np.append(x, x[:2]), np.append(y, y[:2])
     dx, dy = np.diff(x), np.diff(y)
-    # Before memory is taken: around corners there are more, and inside them fewer.
+    # A rough count, checked before memory is allocated: corners add nodes outside and remove them inside.
     _refuse_too_many(float(np.hypot(dx, dy).sum()) / step_m - 2.0 * math.pi * abs(right_m) / step_m)
     headings = np.degrees(np.arctan2(dx, dy))
     turns = wrap_lon_deg(np.diff(headings))
@@ -273,7 +268,8 @@ def _beside(
     sides = len(headings) - closed
     for number in range(sides):
         heading, length = headings[number], math.hypot(dx[number], dy[number])
-        share = np.linspace(0.0, 1.0, math.ceil(length / step_m * _NODES) + 1)
+        # 16 nodes from image to image.
+        share = np.linspace(0.0, 1.0, math.ceil(length / step_m * 16) + 1)
         nodes.append(
             (
                 x[number] + share * dx[number],
@@ -283,8 +279,8 @@ def _beside(
         )
         turn = turns[number] if number < len(turns) else 0.0
         if turn * right_m <= 0.0 and turn:
-            # About the corner, on its outside; on the spot where the way is the line itself.
-            angles = heading + turn * np.linspace(0.0, 1.0, math.ceil(abs(turn) / _TURN_DEG) + 1)
+            # Around the outside of the corner, with a node every 2 degrees; on the spot if the path is the line itself.
+            angles = heading + turn * np.linspace(0.0, 1.0, math.ceil(abs(turn) / 2.0) + 1)
             corner = np.ones(len(angles))
             nodes.append((x[number + 1] * corner, y[number + 1] * corner, angles))
     at_x, at_y, heading_deg = (np.concatenate(values) for values in zip(*nodes))
@@ -292,17 +288,18 @@ def _beside(
     path = _Path(at_x + right_m * np.cos(angle), at_y - right_m * np.sin(angle), heading_deg)
     if least_m <= 0.0:
         return path
-    # A micrometre of rounding.
+    # Allow a micrometre of rounding.
     kept = _distances(path, x[: sides + 1], y[: sides + 1]) >= least_m - 1e-6
     return _Path(*(values[kept] for values in path)) if kept.any() else None
 
 
 def _distances(path: _Path, x: Floats, y: Floats) -> Floats:
-    """Distance of a path's nodes (m,) from the sides of a line."""
+    """Distance (m,) of each node of a path from the nearest side of a line."""
     start_x, start_y, dx, dy = x[:-1], y[:-1], np.diff(x), np.diff(y)
     squares = dx * dx + dy * dy
     nearest = np.empty(len(path.x_m))
-    step = max(_CHUNK // len(dx), 1)
+    # A million pairs of node and side at a time take 32 MB.
+    step = max(1_000_000 // len(dx), 1)
     for first in range(0, len(nearest), step):
         some = slice(first, first + step)
         to_x = path.x_m[some, np.newaxis] - start_x
@@ -313,7 +310,7 @@ def _distances(path: _Path, x: Floats, y: Floats) -> Floats:
 
 
 def _poses(plane: LocalPlane, path: _Path, yaw_deg: Floats, agl_m: float, tilt_deg: float) -> tuple[Floats, ...]:
-    """Latitude, longitude, height, true yaw and tilt of places of a plane, (n,) each."""
+    """Latitude, longitude, height, true yaw and tilt of the nodes of a path, (n,) each."""
     lat, lon = plane.inverse(path.x_m, path.y_m)
     true = yaw_deg - plane.north_deg(lat, lon)
     return lat, lon, np.full(len(lat), agl_m), true, np.full(len(lat), tilt_deg)
@@ -321,7 +318,7 @@ def _poses(plane: LocalPlane, path: _Path, yaw_deg: Floats, agl_m: float, tilt_d
 
 def _points(columns: Sequence[tuple[Floats, ...]], what: str) -> Points:
     if not columns:
-        raise InvalidInput("{0}: there is none", what)
+        raise InvalidInput("{0}: missing", what)
     lat, lon, agl, yaw, tilt = (np.concatenate(values) for values in zip(*columns))
     digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 3)
     # Adding 0 takes the sign of a zero.

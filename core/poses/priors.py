@@ -1,8 +1,8 @@
-"""Priors: what a GNSS receiver, a barometer and a compass would have measured of the poses of a dataset.
+"""Priors: simulated readings of a GNSS receiver, a barometer and a compass for the poses of a dataset.
 
-Each error is normal, of a stated standard deviation: half of its variance is white, and half drifts as a Gauss-Markov
-process of first order with a stated time constant. Outages of the receiver begin and end as a Markov process of two
-states: their lengths, and those of the times between them, are exponentially distributed.
+Each error is normal with a given standard deviation: half of its variance is white, and half drifts as a first-order
+Gauss-Markov process with a given time constant. Outages of the receiver follow a two-state Markov process: the lengths
+of outages, and of the times between them, are exponentially distributed.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from .settings import Sensors
 
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
 COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_yaw_deg")
-#: Decimals of a degree of place, 1 mm, and of metres and degrees of heading.
+#: Decimals of latitudes and longitudes, 1 mm, and of heights and headings.
 _PLACE_DIGITS, _DIGITS = 8, 3
-#: Errors of a pose: east, north, up and heading.
+#: Number of errors per pose: east, north, up and heading.
 _ERRORS = 4
 
 
 def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) -> dict[str, int]:
-    """Write ``priors.csv`` beside each table of a dataset, and ``priors.json`` with the figures that it is made from.
+    """Write ``priors.csv`` beside each table of a dataset, and ``priors.json`` with the sensors and the seed.
 
-    Rows are those of the table. The same row of two tables, as of two map types, has the same errors. Cells of
-    the place are empty in an outage, all cells where an image has no pose.
+    Rows match those of the table. The same row of two tables, as of two map types, has the same errors. The place is
+    empty in an outage, the whole row where an image has no pose.
 
     Parameters
     ----------
@@ -55,9 +55,9 @@ def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) ->
     Raises
     ------
     InvalidInput
-        A folder that is no capture with poses.
+        The folder holds no capture with poses.
     OutputError
-        It cannot be written.
+        The files cannot be written.
     """
     if seed < 0:
         raise InvalidInput("seed {0}: must be 0 or more", seed)
@@ -73,7 +73,7 @@ def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) ->
 
 
 def draw_errors(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """Errors (n, 4) of east, north, up and heading at rising times (n,), and whether the receiver has a fix (n,)."""
+    """Errors (n, 4) of east, north, up and heading at ascending times (n,), and whether the receiver has a fix (n,)."""
     first, second = (np.random.PCG64(one) for one in np.random.SeedSequence(seed).spawn(2))
     count = len(times_s)
     deviates = normal(first, count, 2 * _ERRORS)
@@ -82,17 +82,17 @@ def draw_errors(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, N
     gaps_s = np.diff(times_s)
     if sensors.drift_s:
         with np.errstate(over="ignore"):
-            # Of a time constant of next to nothing infinite gaps, which leave nothing.
+            # A tiny time constant makes gaps infinite, and the states independent.
             drift = _drift(gaps_s / sensors.drift_s, drift)
     errors = (white + drift) * math.sqrt(0.5) * deviation
     return errors, _fixed(gaps_s, sensors, uniform(second, count))
 
 
 def _drift(gaps: Floats, deviates: Floats) -> Floats:
-    """Gauss-Markov process (n, m) of deviation 1, with gaps (n - 1,) in time constants, from its stationary state on.
+    """Stationary Gauss-Markov process (n, m) of standard deviation 1, with gaps (n - 1,) in time constants.
 
-    Each state is a share of the one before it and fresh noise. Steps are joined two by two, then four by four and so on
-    (Hillis and Steele's scan): products of shares only fall, so that nothing overflows.
+    Each state is a share of the one before plus new noise. The recurrence is solved by doubling (the scan of Hillis and
+    Steele), in which products of shares only decrease and nothing overflows.
     """
     share = np.concatenate([[0.0], np.exp(-gaps)])[:, np.newaxis]
     states = deviates.copy()
@@ -106,11 +106,11 @@ def _drift(gaps: Floats, deviates: Floats) -> Floats:
 
 
 def _fixed(gaps_s: Floats, sensors: Sensors, chance: Floats) -> NDArray[np.bool_]:
-    """Whether there is a fix: a Markov process of two states, seen after each gap, from its stationary state on."""
+    """Whether there is a fix: a stationary two-state Markov process, sampled after each gap."""
     share = sensors.outage_share
-    # Its rates out of an outage and into one add up to this rate of forgetting.
+    # Probability that the state was not drawn anew: the rates into and out of an outage add up.
     kept = np.concatenate([[0.0], np.exp(-gaps_s / (sensors.outage_s * (1.0 - share)))])
-    # Chances of being in an outage after a fix, and after an outage: a draw between both keeps the state before.
+    # Probabilities of an outage after a fix and after an outage; a draw between them keeps the state.
     after_fix, after_outage = share * (1.0 - kept), share + (1.0 - share) * kept
     settled = (chance < after_fix) | (chance >= after_outage)
     settled[0] = True
@@ -120,7 +120,7 @@ def _fixed(gaps_s: Floats, sensors: Sensors, chance: Floats) -> NDArray[np.bool_
 
 
 def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[object, ...]], int]:
-    """Rows of the table of priors, and how many of them have no place."""
+    """Rows of the table of priors, and the number without a place."""
     table = images.table
     errors, fixed = draw_errors(_times_s(images), sensors, seed)
     lat, lon = table.pose_lat_deg, table.pose_lon_deg
@@ -138,14 +138,14 @@ def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[obj
 
 
 def _times_s(images: ImageSet) -> Floats:
-    """Seconds of each row, which do not fall: the table's, or those of the way from row to row at the airspeed."""
+    """Ascending times in seconds, one a row: the table's, or those of a flight from row to row at the airspeed."""
     table = images.table
     if all(table.time_utc):
         return np.maximum.accumulate(unix_seconds(table.time_utc))
     path = images.folder.parent / MISSION_FILE
     airspeed = Mission.load(path).flight.airspeed_m_per_s if path.is_file() else Flight.airspeed_m_per_s
     known = np.isfinite(table.pose_lat_deg)
-    # Rows without a pose are where the first one is.
+    # Rows without a pose take the place of the first pose.
     lat, lon, agl = (
         np.where(known, column, column[np.argmax(known)])
         for column in (table.pose_lat_deg, table.pose_lon_deg, table.agl_m)

@@ -1,7 +1,7 @@
-"""Random poses inside an area: places evenly by its ground, heights and angles from stated distributions.
+"""Random poses inside an area: places uniform over its ground, heights and angles from given distributions.
 
-The numbers are those of numpy's PCG64 as raw words, which numpy keeps the same for ever (NEP 19), and results are
-rounded: the same seed gives the same poses everywhere.
+Random numbers are raw words of numpy's PCG64, whose stream numpy guarantees (NEP 19), and results are rounded: the same
+seed gives the same poses everywhere.
 """
 
 from __future__ import annotations
@@ -24,24 +24,25 @@ from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
-#: Where fewer than one in a thousand is accepted of at least this many that are drawn, drawing ends.
+#: Give up once this many are drawn and fewer than this share of them accepted.
 _TRIES, _LEAST_SHARE = 100_000, 1e-3
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """One number, numbers evenly between two, or a normal distribution.
+    """A fixed number, or a uniform or normal distribution.
 
     Parameters
     ----------
     kind : {"fixed", "uniform", "normal"}
     first, second : float
-        The number; the lower and the upper end; or mean and standard deviation.
+        The number; or the lower and the upper end; or the mean and the standard deviation.
 
     Raises
     ------
     InvalidInput
-        Another kind, numbers that are not finite, an upper end below the lower one, a negative standard deviation.
+        An unknown kind, numbers that are not finite, an upper end below the lower one, or a negative standard
+        deviation.
     """
 
     kind: str
@@ -63,7 +64,7 @@ class Distribution:
 
     @classmethod
     def parse(cls, words: Sequence[str]) -> Distribution:
-        """Distribution from words: ``120``, ``uniform 80 150`` or ``normal 0 5``; raises InvalidInput."""
+        """Parse ``120``, ``uniform 80 150`` or ``normal 0 5``, split into words; raises InvalidInput."""
         kind, *texts = words if len(words) == 3 else (FIXED, *words)
         try:
             numbers = [real_number(text) for text in texts]
@@ -77,7 +78,7 @@ class Distribution:
         return cls(kind, *numbers)
 
     def draw(self, bits: np.random.PCG64, count: int) -> Floats:
-        """Numbers (count,)."""
+        """Draw numbers (count,)."""
         if self.kind == FIXED:
             return np.full(count, self.first)
         if self.kind == UNIFORM:
@@ -87,7 +88,7 @@ class Distribution:
 
 @dataclass(frozen=True)
 class PoseDistributions:
-    """What heights above ground, in metres, and angles, in degrees, are drawn from."""
+    """Distributions of heights above ground, in metres, and of angles, in degrees."""
 
     agl: Distribution
     yaw: Distribution = field(default_factory=lambda: Distribution(UNIFORM, -180.0, 180.0))
@@ -102,10 +103,10 @@ def random_poses(
     seed: int,
     keep: Callable[[Poses], Flags] | None = None,
 ) -> Points:
-    """Random poses inside an area.
+    """Draw random poses inside an area.
 
-    Heights that are not above 0, and tilts and rolls beyond 180 degrees, are drawn again; yaws are wrapped. The poses
-    of a smaller count are the first ones of a larger count.
+    Heights that are not above 0, and tilts and rolls beyond 180 degrees, are drawn again; yaws are wrapped. A larger
+    count begins with the poses of a smaller one.
 
     Parameters
     ----------
@@ -114,24 +115,24 @@ def random_poses(
     seed : int
         At least 0.
     keep : callable or None
-        Which of some poses (n,) are taken; others are drawn in place of the rest. See `mission.inside`.
+        Returns which poses (n,) to keep; the others are drawn again. See `mission.inside`.
 
     Raises
     ------
     InvalidInput
-        A count or seed out of range; a distribution of which less than one number in a thousand can be used; a polygon
-        that takes less than a thousandth of the box around it; poses of which hardly any is taken.
+        A count or seed out of range; fewer than one in a thousand numbers of a distribution, places of the box around a
+        polygon, or poses are usable.
     """
     if keep is not None:
-        return _kept(area, count, distributions, seed, keep)
+        return _draw_kept(area, count, distributions, seed, keep)
     if not 1 <= count <= MAX_POSES:
         raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
     if seed < 0:
         raise InvalidInput("seed {0}: must be 0 or more", seed)
-    # A stream for each, so that another distribution of one leaves the others as they are.
+    # One stream each, so that changing one distribution leaves the others as they are.
     streams = [np.random.PCG64(sequence) for sequence in np.random.SeedSequence(seed).spawn(5)]
     lat, lon = _places(area, streams[0], count)
-    # After needles, which are refused in words of their own.
+    # After drawing, which refuses needles with a clearer message.
     check_area(area)
     agl = _numbers("agl", distributions.agl, streams[1], count)
     check_agl(float(agl.max()))
@@ -142,14 +143,14 @@ def random_poses(
     return Points(tuple(zip(lat.tolist(), lon.tolist(), agl.tolist())), **angles)
 
 
-def _kept(
+def _draw_kept(
     area: Box | Polygon | Polygons,
     count: int,
     distributions: PoseDistributions,
     seed: int,
     keep: Callable[[Poses], Flags],
 ) -> Points:
-    """First ``count`` poses that are kept, of ever more that are drawn: the same ones for any number of them."""
+    """First ``count`` poses to keep, the same however many are drawn at a time."""
     drawn = count
     while True:
         points = random_poses(area, drawn, distributions, seed)
@@ -178,10 +179,10 @@ def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count
 
     def draw(batch: int) -> tuple[Floats, Flags]:
         with np.errstate(over="ignore", invalid="ignore"):
-            # Numbers beyond measure become infinite, and are refused as such.
+            # Numbers that overflow become infinite and are refused.
             numbers = np.round(distribution.draw(bits, batch), ANGLE_DIGITS)
             if name == "yaw":
-                # A direction, which has no ends.
+                # A direction has no limits.
                 return np.round(wrap_lon_deg(numbers), ANGLE_DIGITS), np.isfinite(numbers)
         return numbers, numbers > 0.0 if name == "agl" else np.abs(numbers) <= 180.0
 
@@ -192,11 +193,11 @@ def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count
 
 
 def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -> tuple[Floats, Floats]:
-    """Latitudes and longitudes (count,), evenly by the ellipsoid's area."""
+    """Latitudes and longitudes (count,), uniform over the ellipsoid's area."""
     box = area.bounds
     south, north = (math.sin(math.radians(angle)) for angle in (box.south_deg, box.north_deg))
-    # Even in the sine of latitude is even by the area of a sphere; the ellipsoid has 1.3 % more for it at the poles
-    # than at the equator: the more, the nearer to a pole.
+    # Uniform in the sine of latitude is uniform over a sphere. The ellipsoid's area per sine grows toward the poles, by
+    # 1.3 % in all, for which candidates are rejected.
     poleward = np.array(max(box.south_deg, box.north_deg, key=abs))
     most = WGS84.meridional_radius_m(poleward) * WGS84.normal_radius_m(poleward)
 
@@ -219,12 +220,12 @@ def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -
 
 
 def _first_accepted(draw: Callable[[int], tuple[Floats, Flags]], count: int, refusal: InvalidInput) -> Floats:
-    """First rows (count, ...) that are accepted, however many are drawn at a time; raises where hardly any is."""
+    """First accepted rows (count, ...), the same however many are drawn at a time; raises if hardly any are."""
     kept: list[Floats] = []
     tried = found = 0
     while found < count:
         share = max(found / tried, _LEAST_SHARE) if tried else 1.0
-        # Bounds memory.
+        # A million at a time bound memory to 32 MB.
         drawn, accepted = draw(min(math.ceil((count - found) / share), 1_000_000))
         kept.append(drawn[accepted])
         tried += len(drawn)

@@ -1,4 +1,4 @@
-"""Poses of trajectories and flight logs, whatever their format: what `--coords` and the panel fly."""
+"""Poses of trajectories and flight logs of any format, as `--coords` and the panel fly them."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ from .trajectories import read_trajectory
 
 
 class ReadPoses(NamedTuple):
-    """Points that a file's poses are, and how many positions it has.
+    """Mission points of a file, and its number of positions.
 
     Attributes
     ----------
     left_out, without_place, without_time : int
-        Positions that are left out: not above the ground, without a place, without a time where others have one.
+        Positions left out: not above the ground, without a place, or without a time where others have one.
     """
 
     points: Points
@@ -50,7 +50,7 @@ class ReadPoses(NamedTuple):
 
     @property
     def why_left_out(self) -> dict[Message, int]:
-        """How many positions are left out, by the reason."""
+        """Number of positions left out, by reason."""
         found = {
             Message("without a place"): self.without_place,
             Message("without a time"): self.without_time,
@@ -60,18 +60,18 @@ class ReadPoses(NamedTuple):
 
 
 def log_format(path: str | os.PathLike[str]) -> str | None:
-    """Format that a file's ending tells; None where it tells none."""
+    """Format by a file's ending; None if the ending does not decide."""
     return "litchi" if Path(path).name.lower().endswith(LITCHI_ENDING) else ENDINGS.get(Path(path).suffix.lower())
 
 
 def likely_format(path: str | os.PathLike[str]) -> str | None:
-    """Format that a file's ending tells, else the numbers of its first line; None where neither does."""
+    """Format by a file's ending, else by the number of columns of its first line; None if neither decides."""
     found = log_format(path)
     if found is not None:
         return found
     try:
         with open_foreign(path) as file:
-            # An endless line of blanks, or of comments, is no line of numbers.
+            # A line of numbers is much shorter; a file without line ends is not read whole.
             lines = file.read(1 << 16).decode("utf-8", "replace").splitlines()
             line = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     except OSError:
@@ -90,22 +90,22 @@ def read_poses_file(
     read_xml: XMLReader = iterate_elements,
     progress: Progress = unwatched,
 ) -> ReadPoses:
-    """Read the poses of a trajectory or a flight log.
+    """Read the poses of a trajectory or flight log.
 
     Parameters
     ----------
     read_xml : callable
-        What reads GPX; by default lxml does.
+        XML reader for GPX; lxml by default.
     progress : callable
 
     Raises
     ------
     InvalidInput
-        A file that is none, or that says too little of its poses; as `Track.points` does.
+        The file cannot be read, or lacks what its poses need; as for `Track.points`.
     OutputError
-        What reads the format is not installed.
+        The reader of the format is not installed.
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     """
     track = _track(Path(path), how, read_xml, progress)
     if how.start_s is not None:
@@ -167,7 +167,7 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
 
 
 def _litchi(text: str, name: str, agl_m: float | None) -> Track:
-    """Images of a mission of Litchi's, with heights above the ground."""
+    """Poses of a Litchi mission, with heights above the ground."""
     points = read_poses(text.splitlines() or [""], name, agl_m=agl_m)
     lat, lon, agl = np.array(points.poses).T
     yaw, tilt, roll = (np.array(points.stated_deg(angle) or np.zeros(len(lat))) for angle in ANGLES)

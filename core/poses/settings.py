@@ -1,6 +1,6 @@
-"""How files of poses are read, how lines and patterns are flown, and how wrong sensors are.
+"""Options for reading files of poses, for flying lines and patterns, and for sensor errors.
 
-What forms and the command show, without numpy.
+Forms and the command show them; numpy is not imported.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from ..mission.parts import HIGHEST_AGL_M, HIGHEST_GROUND_M, LOWEST_GROUND_M
 
 #: Formats of trajectories in metres of a local frame.
 LOCAL_FORMATS = ("tum", "kitti", "euroc")
-#: Those of them whose times are in a unit that the file does not state.
+#: Formats that do not state the unit of their times.
 COUNTED_FORMATS = ("tum", "euroc")
-#: Leaves the times of a file out.
+#: Choice for ``times`` that leaves times out.
 WITHOUT_TIMES = "none"
-#: Flight logs, which have more positions than anybody takes images.
+#: Formats of flight logs, which have far more positions than images are wanted.
 LOG_FORMATS = ("ulog", "dataflash")
-#: Formats that the endings of files tell.
+#: Formats by the endings of files.
 ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
-#: Ending of missions of Litchi's as plans are written.
+#: Ending of exported Litchi missions.
 LITCHI_ENDING = ".litchi.csv"
 
 
 @dataclass(frozen=True)
 class PoseFile(CheckedFields):
-    """How the poses of a trajectory or a flight log are read.
+    """Options for reading the poses of a trajectory or flight log.
 
     Parameters
     ----------
     start_s : float or None
-        Time of the first position in seconds after 1970, instead of the file's.
+        Time of the first position, in seconds after 1970, instead of the file's times.
     """
 
     format: str | None = declared(
@@ -144,12 +144,12 @@ class PoseFile(CheckedFields):
 
 @dataclass(frozen=True)
 class LineFlight(CheckedFields):
-    """How a line is flown: exactly one of the two intervals is needed.
+    """Options for flying a line; exactly one of the two intervals is required.
 
     Raises
     ------
     InvalidInput
-        Values outside their domain, no interval or two.
+        A value out of range, no interval, or both.
     """
 
     speed_m_per_s: float = declared(
@@ -194,7 +194,7 @@ class LineFlight(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field, and that there is one interval."""
+        """Check every field, and that exactly one interval is given."""
         super().__post_init__()
         if (self.every_s is None) == (self.every_m is None):
             raise InvalidInput("interval: must be either in seconds or in metres")
@@ -202,7 +202,7 @@ class LineFlight(CheckedFields):
 
 @dataclass(frozen=True)
 class Corridor(CheckedFields):
-    """Rows along a line, as far to both sides as the strip is wide; the top of the images points along the way."""
+    """A strip along a line, covered by parallel rows; the top of the images points along the way."""
 
     width_m: float = declared(
         title="width",
@@ -233,7 +233,7 @@ class Orbit(CheckedFields):
     Raises
     ------
     InvalidInput
-        Values outside their domain, or a highest circle below the lowest.
+        A value out of range, or a highest circle below the lowest.
     """
 
     radius_m: float = declared(
@@ -310,7 +310,7 @@ class Scan(CheckedFields):
     Raises
     ------
     InvalidInput
-        Values outside their domain, or a highest flight below the lowest.
+        A value out of range, or a highest flight below the lowest.
     """
 
     distance_m: float = declared(
@@ -367,28 +367,24 @@ def _check_heights(lowest_m: float, highest_m: float | None) -> None:
         )
 
 
-#: Beyond these a sensor says nothing of a pose.
-_MOST = {"gnss_m": 10_000.0, "barometer_m": 10_000.0, "compass_deg": 180.0, "drift_s": 1e6}
-
-
 @dataclass(frozen=True)
 class Sensors:
-    """How wrong sensors are.
+    """Errors of sensors.
 
     Parameters
     ----------
     gnss_m, barometer_m, compass_deg : float
-        Standard deviations: of the place along east and along north, of the height, up to 10 km, and of the heading, up
-        to 180.
+        Standard deviations of the place, along east and along north, and of the height, up to 10 km each; of the
+        heading, up to 180 degrees.
     drift_s : float
-        Time constant of the half of the variance that drifts, up to 1e6; 0 has all of it white.
+        Time constant of the drifting half of the variance, up to 1e6; 0 makes all of it white.
     outage_share, outage_s : float
-        Share of the time without a fix, from 0 to below 1, and mean length of an outage.
+        Share of the time without a fix, in [0, 1), and mean length of an outage.
 
     Raises
     ------
     InvalidInput
-        A number outside of its range.
+        A value out of range.
     """
 
     gnss_m: float = 1.5
@@ -399,7 +395,9 @@ class Sensors:
     outage_s: float = 10.0
 
     def __post_init__(self) -> None:
-        for name, most in _MOST.items():
+        # A reading with larger errors carries no information about the pose.
+        limits = {"gnss_m": 10_000.0, "barometer_m": 10_000.0, "compass_deg": 180.0, "drift_s": 1e6}
+        for name, most in limits.items():
             value = getattr(self, name)
             if not 0.0 <= value <= most:
                 raise InvalidInput("{0} {1}: must be from 0 to {2:,g}", name, value, most)

@@ -1,4 +1,4 @@
-"""A track: what trajectories and logs hold, whatever their format, and the points of a mission made of it."""
+"""Tracks read from trajectories and logs of any format, and the mission points made of them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from ..mission.areas.area import Points, check_agl
 from ..mission.flight.legs import legs
 from ..mission.parts import Flight
 
-#: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.
+#: Decimals of latitudes and longitudes, 0.1 mm; of heights and angles; of seconds.
 PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
-#: Told how much of a file is read, 0 to 1; an answer of False ends the reading.
+#: Called with the share of a file that is read, 0 to 1; returns False to stop.
 Progress = Callable[[float], bool]
-#: Lines, or parts of a document, between two reports of how much is read.
+#: Lines, or elements of a document, between two calls of `Progress`.
 REPORT_EACH = 4096
 
 
 def unwatched(_share: float) -> bool:
-    """Progress that nobody looks at."""
+    """Progress callable that does nothing."""
     return True
 
 
 def report(progress: Progress, share: float) -> None:
-    """Tell how much is read; raises Cancelled where that is enough."""
+    """Report the share that is read; raises Cancelled if ``progress`` returns False."""
     if not progress(share):
         raise Cancelled("reading: stopped")
 
@@ -42,15 +42,15 @@ class Track:
     Parameters
     ----------
     lat_deg, lon_deg, height_m : array
-        Places; heights in the file's own reference, NaN where it has none.
+        Places; heights in the file's reference, NaN where missing.
     ground_m : float or None
-        Height of the ground in that reference, where the file or its origin says so; None where it has to be given.
+        Height of the ground in that reference, from the file or its origin; None if it has to be given.
     time_s : array or None
-        Seconds after 1970 in UTC, or after the beginning where the file knows no more; never before the one before.
+        Seconds after 1970 in UTC, or after the start of the file; never decreasing.
     attitude_deg : tuple of three arrays, or None
-        Yaw, tilt and roll of the camera; None where the file has none.
+        Yaw, tilt and roll of the camera; None if the file has no attitude.
     without_place, without_time : int
-        How many more positions the file has, which are left out: they have no place, or no time where others have one.
+        Numbers of positions left out because they have no place, or no time where others have one.
     """
 
     lat_deg: Floats
@@ -79,7 +79,7 @@ class Track:
         )
 
     def starting(self, start_s: float) -> Track:
-        """The same track, its first position at a time in seconds after 1970; raises InvalidInput without times."""
+        """The track with its first position at ``start_s``, seconds after 1970; raises InvalidInput without times."""
         if self.time_s is None:
             raise InvalidInput(
                 "start: the trajectory has no times",
@@ -88,19 +88,19 @@ class Track:
         return replace(self, time_s=self.time_s - self.time_s[0] + start_s)
 
     def nadir(self) -> Track:
-        """The same track with a camera that a gimbal keeps straight down: of the attitude only the yaw counts."""
+        """The track with the camera kept straight down by a gimbal, which keeps only the yaw."""
         if self.attitude_deg is None:
             return self
         yaw, tilt, _ = self.attitude_deg
         return replace(self, attitude_deg=(yaw, np.zeros_like(tilt), np.zeros_like(tilt)))
 
     def thinned(self, every_s: float | None = None, every_m: float | None = None) -> Track:
-        """Positions that are at least so many seconds, or metres along the way, after the last one that is kept.
+        """Drop positions less than ``every_s`` seconds, or ``every_m`` metres along the way, after the last one kept.
 
         Raises
         ------
         InvalidInput
-            An interval that is not above 0, or one of time where there is none.
+            An interval that is not above 0, or an interval of time for a track without times.
         """
         for unit, value in (("s", every_s), ("m", every_m)):
             if value is not None and not (math.isfinite(value) and value > 0.0):
@@ -129,24 +129,24 @@ class Track:
         every_s: float | None = None,
         every_m: float | None = None,
     ) -> tuple[Points, int]:
-        """Points of a mission, and how many positions are left out because they are not above the ground.
+        """Points of a mission, and the number of positions left out because they are not above the ground.
 
-        Where there is no attitude, the top of the image points along the way.
+        Without an attitude, the top of the image points along the way.
 
         Parameters
         ----------
         ground_m : float or None
-            Height of the ground in the file's own reference; None for the track's.
+            Height of the ground in the file's reference; None for the track's.
         agl_m : float or None
-            One height above ground for all, instead of the file's.
+            One height above ground for all positions, instead of the file's heights.
         every_s, every_m : float or None
-            How those above the ground are thinned.
+            Intervals for `thinned`, which is applied to positions above the ground.
 
         Raises
         ------
         InvalidInput
-            The height of the ground, or of a position, is not known or none; nothing is above the ground; as `thinned`
-            does. Numbers beyond measure, which are infinite when they are rounded.
+            A missing or invalid height of the ground or of a position; no position above the ground; numbers that
+            overflow when rounded; as for `thinned`.
         """
         agl = np.round(self._agl_m(ground_m, agl_m), ANGLE_DIGITS)
         flown = np.flatnonzero(agl > 0.0)
@@ -195,9 +195,9 @@ class Track:
 
 
 def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Directions of the way (n,); where it stands still, the last one, at the beginning the first."""
+    """Headings of the way (n,); the last one where it stands still, the first one at its start."""
     way = legs(lat_deg, lon_deg)
-    # A step below 1 cm has no direction: the vehicle stands, or a position is logged twice.
+    # A step below 1 cm has no heading: the vehicle stands still, or a position is logged twice.
     moving = np.append(way.distance_m >= 0.01, False)
     if not moving.any():
         return np.zeros(len(lat_deg))
@@ -211,12 +211,12 @@ def _listed(values: Floats | None, digits: int) -> tuple[float, ...]:
 
 
 def _spaced(along: Floats, interval: float) -> NDArray[np.intp]:
-    """Indices of the first of rising numbers (n,), and of each that is an interval or more after the last one taken."""
+    """Indices of the first of ascending numbers (n,) and of each at least an interval after the last one taken."""
     taken = [0]
-    # Steps that are meant to be the interval may be a rounding less.
+    # Rounding may shorten steps that equal the interval.
     interval *= 1.0 - 1e-9
     while True:
-        # An interval may be too short to make another number.
+        # A tiny interval may not change the number.
         after = max(int(np.searchsorted(along, along[taken[-1]] + interval)), taken[-1] + 1)
         if after >= len(along):
             return np.array(taken, np.intp)

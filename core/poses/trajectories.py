@@ -1,7 +1,7 @@
-"""Trajectories in metres of a local frame, as odometry and its evaluation have them: TUM, KITTI and EuRoC.
+"""Trajectories in metres of a local frame, as used for visual odometry: TUM, KITTI and EuRoC.
 
-Each pose is the rotation and the place that take points of a body to the world. What the axes of body and world are,
-the files do not say: the usual conventions of each format are the defaults.
+Each pose is the rotation and translation from a body to the world. The files do not define the axes of either: the
+usual conventions of each format are the defaults.
 """
 
 from __future__ import annotations
@@ -21,27 +21,25 @@ from ..numbers import real_number
 from .settings import WITHOUT_TIMES
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 
-#: Right, top and view of the camera in the body's axes, as rows.
+#: Right, top and view direction of the camera in the body's axes, as rows.
 BODIES: Mapping[str, Floats] = {
-    # A camera's own axes: right, down, forward.
+    # Camera: right, down, forward.
     "camera": np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),
-    # An aircraft's: forward, right, down, or forward, left, up; its camera looks down, the image's top ahead.
+    # Aircraft: forward, right, down, or forward, left, up; its camera looks down, the top of the image ahead.
     "frd": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     "flu": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
-    # The inertial unit of EuRoC's vehicle: up, right, forward; its cameras look forward.
+    # Inertial unit of EuRoC's vehicle: up, right, forward; its cameras look forward.
     "urf": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
 }
 #: East, north and up in the world's axes, as rows.
 WORLDS: Mapping[str, Floats] = {
     "enu": np.eye(3),
     "ned": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
-    # Those of a camera that looks north: right, down, forward.
+    # Axes of a camera that looks north: right, down, forward.
     "rdf": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
 }
-#: How far rotations and quaternions, which are written with some digits, may be from right ones.
+#: Largest error of rotations and quaternions, which files round to a few digits.
 ROUNDING = 1e-3
-#: Nobody flies farther from where a local frame begins; PROJ's answers beyond differ by its version.
-_FARTHEST_M = HIGHEST_AGL_M
 
 
 def read_trajectory(
@@ -60,29 +58,29 @@ def read_trajectory(
     Parameters
     ----------
     text : str
-        What the file holds.
+        Content of the file.
     file_format : {"tum", "kitti", "euroc"}
-        Lines of ``timestamp tx ty tz qx qy qz qw``; of the twelve numbers of a 3 x 4 matrix, without times; or EuRoC's
-        table of nanoseconds, place and quaternion with w first.
+        Lines of ``timestamp tx ty tz qx qy qz qw``; lines of the twelve numbers of a 3 x 4 matrix, without times; or
+        EuRoC's table of nanoseconds, place, and quaternion with w first.
     origin : latitude, longitude in degrees, and height in metres
-        Where the world's origin lies; its height is that of the ground, unless another is given.
+        Place of the world's origin; its height is also that of the ground.
     body : str or None
-        One of `BODIES`; None for a camera. EuRoC's poses are those of an inertial unit, whose axes have to be given.
+        One of `BODIES`; None for a camera. Required for EuRoC, whose poses are those of an inertial unit.
     world : str or None
         One of `WORLDS`; None for ``enu``, and with KITTI, whose world is its first camera, ``rdf``.
     times : str or None
-        Unit of the times, one of `CLOCKS`, or "none" to leave them out; None for the format's own: seconds, and EuRoC's
-        nanoseconds. With a unit that is given, poses with dates may all be within a second.
+        Unit of the times, one of `CLOCKS`, or "none" to leave them out; None for seconds, and nanoseconds in EuRoC.
+        If the unit is given, dated poses may all lie within a second.
     name : str
-        What messages call the file.
+        Name of the file in messages.
     progress : callable
 
     Raises
     ------
     InvalidInput
-        Names the line that cannot be read, or the pose that is none. Times that go back, or that no flight has.
+        An invalid line or pose, which the message names; times that decrease or that no flight has.
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     """
     if file_format == "euroc" and body is None:
         raise InvalidInput(
@@ -93,15 +91,18 @@ def read_trajectory(
     lat, lon, height = origin
     counted, places, rotations = _FORMATS[file_format](text, name, progress)
     time_s = None if counted is None else _times(counted, file_format, times, name)
-    away = np.flatnonzero((np.abs(places) > _FARTHEST_M).any(axis=1))
+    # Far from the origin, versions of PROJ differ.
+    away = np.flatnonzero((np.abs(places) > HIGHEST_AGL_M).any(axis=1))
     if len(away):
-        raise InvalidInput("{0}: pose {1:,} must be within {2:,g} m of the origin", name, int(away[0]) + 1, _FARTHEST_M)
+        raise InvalidInput(
+            "{0}: pose {1:,} must be within {2:,g} m of the origin", name, int(away[0]) + 1, HIGHEST_AGL_M
+        )
     world_axes = WORLDS[world or ("rdf" if file_format == "kitti" else "enu")]
     frame = LocalFrame(lat, lon, height)
     lat_deg, lon_deg, height_m = frame.geodetic(places @ world_axes.T)
-    # Columns of a rotation are the body's axes in the world's. Attitudes count from north and up where the camera is.
-    own_axes = frame.rotations(lat_deg, lon_deg) @ world_axes @ rotations
-    vectors = own_axes @ BODIES[body or "camera"].T
+    # The columns of a rotation are the body's axes in the world. Attitudes count from north and up at the camera.
+    local_axes = frame.rotations(lat_deg, lon_deg) @ world_axes @ rotations
+    vectors = local_axes @ BODIES[body or "camera"].T
     attitude = attitude_from_axes(vectors[..., 0], vectors[..., 1], vectors[..., 2])
     return Track(lat_deg, lon_deg, height_m, height, time_s, attitude)
 
@@ -123,7 +124,7 @@ def _kitti(text: str, name: str, progress: Progress) -> tuple[Floats | None, Flo
 
 
 def _euroc(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
-    # The ground truth has speed and biases in nine more columns.
+    # EuRoC's ground truth has speeds and biases in nine more columns.
     rows = _numbers(text, name, progress, (8, 17))
     return rows[:, 0], rows[:, 1:4], _rotations(rows[:, 4:8], name)
 
@@ -137,7 +138,7 @@ FORMATS = tuple(_FORMATS)
 
 
 def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) -> Floats:
-    """Numbers (n, count) of lines; empty lines, and those that begin with #, are left out."""
+    """Numbers (n, count) of lines; empty lines and comments (#) are skipped."""
     rows: list[list[float]] = []
     lines = text.splitlines()
     for number, line in enumerate(lines, 1):
@@ -158,7 +159,7 @@ def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) 
 
 
 def _times(counted: Floats, file_format: str, times: str | None, name: str) -> Floats | None:
-    """Seconds of the times of a file."""
+    """Times of a file in seconds."""
     if times == WITHOUT_TIMES:
         return None
     clock = CLOCKS[times or ("ns" if file_format == "euroc" else "s")]
@@ -184,7 +185,7 @@ def _times(counted: Floats, file_format: str, times: str | None, name: str) -> F
 
 
 def _rotations(quaternions: Floats, name: str) -> Floats:
-    """Rotations (n, 3, 3) of quaternions (n, 4) as they are written, w first."""
+    """Rotations (n, 3, 3) of quaternions (n, 4), w first, checked and normalised."""
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(quaternions, axis=1)
     wrong = np.flatnonzero(np.abs(lengths - 1.0) > ROUNDING)

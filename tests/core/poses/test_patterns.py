@@ -176,7 +176,7 @@ def test_what_is_wrong_is_refused_in_one_line():
         corridor([line], CAMERA, AGL_M, (1.0, 0.0), Corridor(0.0))
     with pytest.raises(InvalidInput, match="poses: must be from 1 to"):
         corridor([line], CAMERA, 1e-3, (0.999, 0.0), Corridor(0.0))
-    with pytest.raises(InvalidInput, match="line: there is none"):
+    with pytest.raises(InvalidInput, match="line: missing"):
         corridor([], CAMERA, AGL_M, (0.0, 0.0), Corridor(0.0))
 
 
