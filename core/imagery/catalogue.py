@@ -45,7 +45,7 @@ class CatalogueName(EntrySource):
         if not (self.is_local and self.options.crs):
             return super()._wanted
         self.entry.grid(self.options.tile_px)
-        grid: PixelGrid = self._pixels.grid_in(self.options.crs)
+        grid: PixelGrid = self._pixels.chart_grid(self.options.crs)
         return self.entry.date(self.options.date), grid
 
     def _find(self) -> CatalogueEntry:

@@ -1,18 +1,18 @@
 """The embedded world: a seeded procedural landscape that serves as imagery without a network.
 
-lattice    hashed lattices and spline noise, the deterministic ground that all stands on
-samples    where the world is evaluated, and what neighbouring tiles have in common
-region     land, sea, climate, relief and the courses of rivers at the scale of kilometres
-climate    what grows where: ground colours, forest, settlement
+lattice    hashed lattices and spline noise
+samples    positions at which the world is evaluated, and results that neighbouring tiles share
+region     land, sea, climate, relief, rivers and motorways at the scale of kilometres
+climate    ground colours, forest and settlement, by climate
 division   fields, towns and the roads between them
-parcels    the pieces of land under samples, and how far their edges are
+parcels    the pieces of land under samples, and distances to their edges
 paint      blending of colours
-scene      what lies at some samples, shared by all styles
+scene      coverage by water, woods, motorways and parcels, shared by all styles
 objects    buildings and trees
-heights    how high the ground is, and what stands on it
+heights    heights of the ground, and of the surface with buildings and trees
 styles     the pictures: satellite, roadmap, terrain
-ice        where ice stays about the poles, and the rock, crevasses and drifts on it
-caps       the pictures about the poles, ice over the landscape
+ice        polar ice, with rock, crevasses and drifts
+caps       the pictures about the poles: ice over the landscape
 source     the world as a function of position, and as a source of tiles
 """
 

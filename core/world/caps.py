@@ -1,6 +1,6 @@
-"""The caps about the poles in the three styles: ice over the landscape of a polar chart.
+"""The polar caps in the three styles: ice over the landscape of a polar chart.
 
-Where it is warm enough that landscape is painted as that of the map is.
+Where it is too warm for ice, the landscape is painted as on the map.
 """
 
 from __future__ import annotations
@@ -13,15 +13,9 @@ from .ice import Ice, blue, icy
 from .paint import Canvas, ramp
 from .scene import Scene
 
-_SNOW, _BLUE_ICE, _ROCK = (208, 216, 225), (158, 189, 210), (112, 102, 94)
-_CREVASSE, _BRIDGE = (74, 112, 146), (206, 217, 228)
-_PACKED = (220, 227, 234)
-ICE, PACK_ICE, BARE_ROCK, CREVASSE_INK = (246, 249, 252), (220, 234, 243), (226, 220, 210), (170, 198, 220)
-_TINT_ICE, _TINT_ROCK = (222, 230, 237), (200, 184, 164)
-
 
 def satellite(scene: Scene) -> Canvas:
-    """Paint ice as seen from the air, over the land and sea that it covers."""
+    """Paint ice as seen from the air, over land and sea."""
     return _covered(scene, styles.satellite, _photographed)
 
 
@@ -36,7 +30,7 @@ def terrain(scene: Scene) -> Canvas:
 
 
 def _covered(scene: Scene, bare: styles.Painter, iced: styles.Painter) -> Canvas:
-    """Paint ice where it is, and the landscape elsewhere."""
+    """Paint ice where it is cold enough, and the landscape elsewhere."""
     low, high = scene.region.derived_span(icy, scene.samples)
     soft = 0.006 + 1.0e-6 * scene.pixel_m
     if high < -soft:
@@ -50,25 +44,25 @@ def _covered(scene: Scene, bare: styles.Painter, iced: styles.Painter) -> Canvas
 
 def _photographed(scene: Scene) -> Canvas:
     ice, region, samples = Ice(scene), scene.region, scene.samples
-    canvas = Canvas(_SNOW, samples.shape)
+    canvas = Canvas((208, 216, 225), samples.shape)  # snow
     rough, drifts = ice.speckle * np.float32(0.032), ice.drifts()
     if drifts is not None:
         rough += drifts * np.float32(0.06)
     if ice.on_land:
-        canvas.blend(region.smooth(blue, samples), _BLUE_ICE)
+        canvas.blend(region.smooth(blue, samples), (158, 189, 210))
         cracks = ice.crevasses()
         if cracks is not None:
-            canvas.blend(np.sqrt(cracks) * np.float32(0.5), _BRIDGE)
-            canvas.blend(cracks, _CREVASSE)
+            canvas.blend(np.sqrt(cracks) * np.float32(0.5), (206, 217, 228))  # snow bridges
+            canvas.blend(cracks, (74, 112, 146))
         canvas.lighten(np.float32(1) + scene.shade() * np.float32(0.15) + rough)
         rock = ice.rock()
         if rock is not None:
             ground = np.float32(1) + scene.shade() * np.float32(0.42) + ice.speckle * np.float32(0.22)
-            canvas.blend(rock, np.stack([ground * np.float32(c) for c in _ROCK]))
+            canvas.blend(rock, np.stack([ground * np.float32(c) for c in (112, 102, 94)]))
     if ice.sea is not None:
         pack, colour = ice.pack(), region.smooth(open_water, samples)
-        for channel in range(3):
-            light = (np.float32(1) + rough) * np.float32(_PACKED[channel])
+        for channel, packed in enumerate((220, 227, 234)):
+            light = (np.float32(1) + rough) * np.float32(packed)
             colour[channel] += pack * (light - colour[channel])
         canvas.blend(ice.sea, colour)
     return canvas
@@ -76,18 +70,18 @@ def _photographed(scene: Scene) -> Canvas:
 
 def _mapped(scene: Scene) -> Canvas:
     ice, samples = Ice(scene), scene.samples
-    canvas = Canvas(ICE, samples.shape)
+    canvas = Canvas((246, 249, 252), samples.shape)
     if ice.on_land:
-        canvas.blend(ice.crevasses(), CREVASSE_INK)
-        canvas.blend(ice.rock(), BARE_ROCK)
+        canvas.blend(ice.crevasses(), (170, 198, 220))
+        canvas.blend(ice.rock(), (226, 220, 210))
     _lay_sea(canvas, ice)
     return canvas
 
 
 def _shaded(scene: Scene) -> Canvas:
     ice, samples = Ice(scene), scene.samples
-    canvas = Canvas(_TINT_ICE, samples.shape)
-    canvas.blend(ice.rock() if ice.on_land else None, _TINT_ROCK)
+    canvas = Canvas((222, 230, 237), samples.shape)
+    canvas.blend(ice.rock() if ice.on_land else None, (200, 184, 164))
     canvas.lighten(np.float32(1) + scene.shade() * np.float32(0.16))
     _lay_sea(canvas, ice)
     return canvas
@@ -96,4 +90,4 @@ def _shaded(scene: Scene) -> Canvas:
 def _lay_sea(canvas: Canvas, ice: Ice) -> None:
     if ice.sea is not None:
         canvas.blend(ice.sea, styles.WATER)
-        canvas.blend(ice.sea * ice.pack(), PACK_ICE)
+        canvas.blend(ice.sea * ice.pack(), (220, 234, 243))

@@ -1,4 +1,4 @@
-"""What grows where: natural ground colours, forest share and settlement from warmth, moisture and height."""
+"""Natural ground colours, woods and settlement, as functions of warmth, moisture and height."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import numpy as np
 from .lattice import Array
 from .region import smoothstep
 
-_HEAT_STOPS = (0.05, 0.2, 0.36, 0.55, 0.78, 1.0)
-_WET_STOPS = (-0.55, 0.0, 0.5)
-_BIOMES = (  # rows by warmth from ice to equator; columns dry, middling, wet; red, green, blue
+#: Ground colours: rows by warmth, from ice to equator; columns dry, medium, wet.
+_BIOMES = (
     ((236, 240, 245), (238, 242, 247), (240, 244, 248)),
     ((136, 128, 110), (122, 121, 98), (104, 111, 88)),
     ((126, 119, 88), (88, 101, 66), (60, 82, 54)),
@@ -17,12 +16,9 @@ _BIOMES = (  # rows by warmth from ice to equator; columns dry, middling, wet; r
     ((208, 181, 132), (152, 144, 88), (88, 112, 56)),
     ((216, 188, 138), (140, 142, 78), (58, 94, 46)),
 )
+#: Fields reach farther than towns.
 RURAL_PER_SETTLED = 1.6
-"""Fields reach further than towns."""
-
-_ROCK = (122, 112, 102)
 _SNOW = (240, 244, 250)
-_SEA_DEEP, _SEA_MID, _SEA_SHORE = (9, 26, 52), (20, 56, 86), (66, 118, 128)
 
 
 def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
@@ -36,15 +32,16 @@ def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
 
 
 def height(f: dict[str, Array]) -> Array:
-    """Height above the sea in units in which high mountains reach 1."""
+    """Height above the sea, in units of high mountains."""
     return np.clip(f["land"], 0.0, None) * 0.16 + np.clip(f["relief"], -0.02, None) * 1.9
 
 
 def natural_colour(f: dict[str, Array]) -> Array:
-    """Colour of the land where nobody farms it, shape (3, ...), in grey levels."""
+    """Colour of land that is not farmed, shape (3, ...), in grey levels."""
     up = height(f)
     heat = f["heat"] - np.clip(up, 0.0, 2.0) * 0.35
-    heats, wets = _stops(heat, _HEAT_STOPS), _stops(f["wet"] * 0.9, _WET_STOPS)
+    heats = _stops(heat, (0.05, 0.2, 0.36, 0.55, 0.78, 1.0))
+    wets = _stops(f["wet"] * 0.9, (-0.55, 0.0, 0.5))
     out = np.zeros((3, *up.shape), dtype=np.float32)
     for row, a in zip(_BIOMES, heats):
         for biome, b in zip(row, wets):
@@ -53,14 +50,14 @@ def natural_colour(f: dict[str, Array]) -> Array:
                 out[channel] += np.float32(biome[channel]) * weight
     rock = smoothstep(0.35, 0.85, up) * np.float32(0.75)
     snow = smoothstep(0.30, 0.16, heat)
-    for channel in range(3):
-        out[channel] += rock * (np.float32(_ROCK[channel]) - out[channel])
-        out[channel] += snow * (np.float32(_SNOW[channel]) - out[channel])
+    for channel, bare, white in zip(range(3), (122, 112, 102), _SNOW):
+        out[channel] += rock * (np.float32(bare) - out[channel])
+        out[channel] += snow * (np.float32(white) - out[channel])
     return out
 
 
 def settled(f: dict[str, Array]) -> Array:
-    """Share of the land that is farmed and built on, 0..1."""
+    """Share of the land that is farmed or built on, 0..1."""
     share: Array = (
         smoothstep(0.28, 0.44, f["heat"]) * smoothstep(-0.5, -0.1, f["wet"]) * smoothstep(0.01, 0.06, f["land"])
     )
@@ -76,12 +73,12 @@ def rural_share(f: dict[str, Array]) -> Array:
 
 
 def dryness(f: dict[str, Array]) -> Array:
-    """How dry the farmland is, 0..1."""
+    """Dryness of farmland, 0..1."""
     return smoothstep(0.15, -0.4, f["wet"])
 
 
 def wateriness(f: dict[str, Array]) -> Array:
-    """Factor on the width of rivers and lakes: none on ice and in deserts, less in mountains."""
+    """Factor on the width of rivers and lakes: 0 on ice and in deserts, less in mountains."""
     return (
         smoothstep(-0.6, 0.1, f["wet"]) * smoothstep(0.12, 0.24, f["heat"])
         * (np.float32(1) - np.float32(0.6) * smoothstep(0.2, 0.6, f["rough"]))
@@ -93,9 +90,10 @@ def open_water(f: dict[str, Array]) -> Array:
     depth = np.clip(-f["land"], 0.0, None)
     shelf, deep = np.exp(depth * np.float32(-14.0)), smoothstep(0.05, 0.7, depth)
     out = np.empty((3, *depth.shape), dtype=np.float32)
+    deepest, middle, shore = (9, 26, 52), (20, 56, 86), (66, 118, 128)
     for channel in range(3):
-        c = _SEA_MID[channel] + deep * np.float32(_SEA_DEEP[channel] - _SEA_MID[channel])
-        out[channel] = c + shelf * (np.float32(_SEA_SHORE[channel]) - c)
+        c = middle[channel] + deep * np.float32(deepest[channel] - middle[channel])
+        out[channel] = c + shelf * (np.float32(shore[channel]) - c)
     return out
 
 
@@ -109,7 +107,7 @@ def sea_colour(f: dict[str, Array]) -> Array:
 
 
 def wood_threshold(f: dict[str, Array]) -> Array:
-    """Value of the wood field above which there is wood: high in deserts and on fields, low in wet wilds."""
+    """Value of the wood field above which woods grow: high in deserts and farmland, low in wet wilderness."""
     wild = np.float32(1) - settled(f)
     wetness = smoothstep(-0.5, 0.5, f["wet"])
     cold = smoothstep(0.30, 0.2, f["heat"]) + smoothstep(0.4, 0.6, f["rough"]) * np.float32(0.6)

@@ -1,4 +1,4 @@
-"""Ice that stays: where it lies about the poles, and the rock, crevasses and drifts on it."""
+"""Permanent ice about the poles, with rock, crevasses and snow drifts."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from .samples import shared
 from .scene import Scene
 from .styles import speckle
 
+#: Entries of periodic tables, and the distance between them.
 _TABLE, _TABLE_STEP_M = 1 << 16, 0.025
 _PERIOD_M = _TABLE * _TABLE_STEP_M
+#: Spacing in metres and strength of bands of snow drifts: sastrugi, and ridges of the ice below them.
 _DRIFTS = (
     (256.0, 1.0),
     (128.0, 0.9),
@@ -27,34 +29,26 @@ _DRIFTS = (
     (0.8, 0.45),
     (0.35, 0.4),
 )
-"""Spacing in metres and strength of the bands of snow drifts: sastrugi, and ridges of the ice below them."""
-_DRIFT_ANGLE, _CREVASSE_ANGLE = 0.52, 2.05
-_CREVASSE_SPACING_M, _CREVASSE_HALF_M = 51.2, (1.0, 7.0)
-_LENS_LEVEL, _CREVASSE_MEAN = 18, 0.07
-"""Level of the finest noise that ends crevasses, and the share of a crevassed place that they cover."""
-
-_CREST = 100.0
-"""Relief below the scale of a region that makes ridges, in its own unit, inverted."""
 
 
 def icy(f: dict[str, Array]) -> Array:
-    """Above 0 where it is cold enough for ice that stays."""
+    """Above 0 where it is cold enough for permanent ice."""
     cold: Array = np.float32(0.17) - _warmth(f) + np.float32(0.35) * np.clip(height(f), 0.0, 2.0)
     return cold
 
 
 def _warmth(f: dict[str, Array]) -> Array:
-    """Warmth with bays and tongues in it, so that ice does not end at a parallel."""
+    """Warmth varied by moisture, so that ice does not end along a parallel."""
     return np.asarray(f["heat"] + np.float32(0.11) * f["wet"])
 
 
 def packed(f: dict[str, Array]) -> Array:
-    """Share of the sea that pack ice covers where ice stays, 0..1."""
+    """Share of the sea covered by pack ice, 0..1."""
     return smoothstep(0.16, 0.05, _warmth(f)) * np.float32(0.97)
 
 
 def blue(f: dict[str, Array]) -> Array:
-    """How bare of snow the ice is, 0..1: in fields of some kilometres, and more where it is rough."""
+    """Share of bare, blue ice, 0..1: in fields of a few kilometres, and more where it is rough."""
     bare: Array = smoothstep(0.42, 0.95, f["lake"]) * (
         np.float32(0.45) + np.float32(0.4) * smoothstep(0.0, 0.5, f["rough"])
     )
@@ -62,19 +56,19 @@ def blue(f: dict[str, Array]) -> Array:
 
 
 def rugged(f: dict[str, Array]) -> Array:
-    """Above 0 where mountains stand out of the ice, the more the higher, at most 1."""
+    """Above 0 where mountains rise out of the ice, more for higher ones, at most 1."""
     out: Array = smoothstep(0.12, 0.7, f["rough"])
     return out
 
 
 def broken(f: dict[str, Array]) -> Array:
-    """Above 0 in fields of crevasses, by how wide they gape, at most 1."""
+    """Above 0 in fields of crevasses, more for wider ones, at most 1."""
     gape: Array = np.minimum((f["brook"] - np.float32(0.34)) * np.float32(2.2), np.float32(1))
     return gape
 
 
 class Ice:
-    """What lies at samples on and in the ice; coverages are float32, 0..1, of their shape, or None for none."""
+    """Ice at samples; coverages are float32, 0..1, of the samples' shape, or None where all are 0."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.region, self.samples = scene, scene.region, scene.samples
@@ -82,7 +76,7 @@ class Ice:
 
     @cached_property
     def sea(self) -> Array | None:
-        """Coverage by the sea, under pack ice or not."""
+        """Coverage by the sea, with or without pack ice."""
         return self.scene.sea
 
     @cached_property
@@ -92,37 +86,39 @@ class Ice:
 
     @cached_property
     def speckle(self) -> Array:
-        """Texture of all scales, 0 where the zoom shows none."""
+        """Texture of all scales, 0 at zooms that show none."""
         texture = speckle(self.seed, self.samples, min(self.zoom + 6, 28))
         return np.zeros(self.samples.shape, np.float32) if texture is None else texture
 
     def rock(self) -> Array | None:
-        """Coverage by peaks and ridges that stand out of the ice."""
+        """Coverage by peaks and ridges that rise out of the ice."""
         if self.region.derived_span(rugged, self.samples)[1] <= 0:
             return None
         window = self.samples.cells(min(COARSE, self.region.level)).support()
         above = self.region.value("relief", self.samples)
         above -= self.samples.spline(coarse_fields(self.seed, window)["relief"], window)
-        above *= np.float32(_CREST)
+        crest = 100.0  # scales the relief of ridges, below the scale of a region
+        above *= np.float32(crest)
         above += self.speckle * np.float32(0.3)
         above -= np.float32(2.6) - np.float32(2.2) * self.region.smooth(rugged, self.samples)
-        return ramp(above, 0.5 + _CREST * self.region.blur("relief"))
+        return ramp(above, 0.5 + crest * self.region.blur("relief"))
 
     def crevasses(self) -> Array | None:
-        """Coverage by crevasses: lenses side by side across a bent plane, deeper inside a field of them."""
+        """Coverage by crevasses: parallel lenses in a bent plane, wider inside a field of them."""
         if self.region.derived_span(broken, self.samples)[1] <= 0:
             return None
         gape = self.region.smooth(broken, self.samples)
         shown = np.float32(smoothstep(26.0, 9.0, np.array(self.pixel_m)))
-        mean = clip01(gape * np.float32(2.0)) * np.float32(_CREVASSE_MEAN)
+        # Wide pixels show the mean: crevasses cover 7 % of a field.
+        mean = clip01(gape * np.float32(2.0)) * np.float32(0.07)
         if shown == 0:
             return mean
-        across = self._across(_CREVASSE_ANGLE)
+        across = self._across(2.05)
         across += self.region.value("wood", self.samples) * np.float32(110.0)
         across += self.speckle * np.float32(1.1)
-        depth = _taken(_crevasse_table(self.seed), across)
-        # Noise along them ends cracks, so that each is a lens, and the sooner the nearer the edge of their field.
-        ends = speckle(self.seed, self.samples, min(self.zoom + 6, _LENS_LEVEL))
+        depth = _look_up(_crevasse_table(self.seed), across)
+        # Noise limits the length of cracks, which become lenses, shorter near the edge of their field.
+        ends = speckle(self.seed, self.samples, min(self.zoom + 6, 18))
         if ends is not None:
             depth += ends * np.float32(15.0)
         depth -= np.float32(3.0) + np.float32(9.0) * np.maximum(np.float32(0.5) - gape, np.float32(0))
@@ -133,17 +129,17 @@ class Ice:
         return np.asarray(np.maximum(cover, np.float32(0)))
 
     def drifts(self) -> Array | None:
-        """Lightness of snow drifts, about 0; None where pixels are too wide for them."""
+        """Lightness of snow drifts, centred on 0; None if pixels are too wide for them."""
         if self.pixel_m > _DRIFTS[0][0] / 2.0:
             return None
-        across = self._across(_DRIFT_ANGLE)
+        across = self._across(0.52)
         across += self.speckle * np.float32(14.0)
-        out = _taken(_drift_table(self.seed, self.pixel_m), across)
+        out = _look_up(_drift_table(self.seed, self.pixel_m), across)
         out *= np.float32(0.15) + np.float32(2.0) * np.abs(self.speckle)
         return out
 
     def _across(self, angle: float) -> Array:
-        """Metres along a direction, from a corner of a tile that is a whole number of periods away."""
+        """Metres along a direction, up to a whole number of periods."""
         cosine, sine = float(np.cos(angle)), float(np.sin(angle))
         east, south = self.samples.local_m()
         x, y = self.samples.origin_m
@@ -155,8 +151,8 @@ class Ice:
         return np.asarray(self.region.smooth(packed, self.samples))
 
 
-def _taken(table: Array, along_m: Array) -> Array:
-    """Give positions in metres the entries of a periodic table."""
+def _look_up(table: Array, along_m: Array) -> Array:
+    """Return the entries of a periodic table at positions in metres."""
     index = (along_m * np.float32(1.0 / _TABLE_STEP_M)).astype(np.int32)
     index &= _TABLE - 1
     return np.asarray(table.take(index.astype(np.intp), mode="clip"))
@@ -164,7 +160,7 @@ def _taken(table: Array, along_m: Array) -> Array:
 
 @shared(32)
 def _drift_table(seed: int, pixel_m: float) -> Array:
-    """One period of snow drifts; bands that a pixel cannot show are left out."""
+    """One period of snow drifts, without the bands that a pixel cannot show."""
     at = np.arange(_TABLE)
     out = np.zeros(_TABLE, dtype=np.float32)
     for band, (spacing_m, strength) in enumerate(_DRIFTS):
@@ -184,12 +180,12 @@ def _drift_table(seed: int, pixel_m: float) -> Array:
 
 @shared(4)
 def _crevasse_table(seed: int) -> Array:
-    """One period of crevasses: how far inside the nearest one a place is, in metres."""
-    count = round(_PERIOD_M / _CREVASSE_SPACING_M)
+    """One period of crevasses, 51.2 m apart and 2 to 14 m wide: the depth inside the nearest one, in metres."""
+    count = round(_PERIOD_M / 51.2)
     h = mix(np.arange(count, dtype=np.uint32) + np.uint32(salt(seed, 25)))
     side = _TABLE // count
     middle = (np.arange(count) + 0.2 + 0.6 * bits(h, 0, 10)) * side
-    half_m = _CREVASSE_HALF_M[0] + (_CREVASSE_HALF_M[1] - _CREVASSE_HALF_M[0]) * bits(h, 10, 8) ** 2
+    half_m = 1.0 + 6.0 * bits(h, 10, 8) ** 2
     at = np.arange(_TABLE)
     depth = np.full(_TABLE, -np.inf)
     for nth in (-1, 0, 1):

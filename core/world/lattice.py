@@ -1,10 +1,10 @@
-"""Hashed lattices and spline noise: the deterministic ground the embedded world stands on.
+"""Hashed lattices and spline noise, from which the embedded world is computed.
 
 Level *k* divides the world square, be it the Web-Mercator map or the chart about a pole, into ``2**k`` by ``2**k``
 cells. A cell's hash depends on its column modulo ``2**k``, so everything built on it is periodic across the
-antimeridian. Noise is a uniform cubic B-spline whose coefficients sit on such lattices: spline spaces of successive
-levels are nested, so the sum of many octaves is *one* spline on the finest level, evaluated once per pixel however many
-octaves it has, and its coefficients bound its values.
+antimeridian. Noise is a uniform cubic B-spline whose coefficients lie on such lattices. Spline spaces of successive
+levels are nested: the sum of many octaves is one spline on the finest level, evaluated once per pixel, and its
+coefficients bound its values.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
+#: Side of the Web-Mercator square in Mercator metres (EPSG:3857, 2 pi a).
 WORLD_M = 40075016.685578488
-"""Side of the Web-Mercator square in Mercator metres (EPSG:3857, 2 pi a)."""
 
 TILE_PX = 256
 
 _MASK = 0xFFFFFFFF
+#: Bits of a seed; those above it hold the pole of a chart.
 _SEED_BITS = 64
 
 
@@ -37,16 +38,16 @@ def mix(h: Array) -> NDArray[np.uint32]:
     return h
 
 
-def on_chart(seed: int, pole: int) -> int:
-    """Seed of the landscape that a user's seed, below ``2**64``, has about a pole: 1 the north's, -1 the south's.
+def chart_seed(seed: int, pole: int) -> int:
+    """Combine a user's seed, below ``2**64``, with the pole of a chart: 1 north, -1 south, 0 for the Web-Mercator map.
 
-    0 is the Web-Mercator map. A landscape is handed on as this one number.
+    This one number identifies a landscape.
     """
     return seed + ((pole % 3) << _SEED_BITS)
 
 
-def pole_of(seed: int) -> int:
-    """Pole whose chart a landscape's seed belongs to, see `on_chart`."""
+def chart_pole(seed: int) -> int:
+    """Pole of a landscape's chart; inverse of `chart_seed`."""
     return (0, 1, -1)[seed >> _SEED_BITS]
 
 
@@ -70,7 +71,7 @@ def cell_hash(salts: int | Array, level: int, i: Array, j: Array) -> NDArray[np.
     Parameters
     ----------
     salts : int or uint32 array
-        What tells one use of the lattice from another; broadcast with `i` and `j`.
+        Different for each use of the lattice; broadcast with `i` and `j`.
     level : int
         The lattice has ``2**level`` columns; `i` wraps around.
     i, j : int64 arrays
@@ -122,7 +123,7 @@ class LatticeWindow:
 
 
 def refine(coefficients: Array, coarse: LatticeWindow, fine: LatticeWindow) -> Array:
-    """Give the coefficients of the same cubic spline one level finer (two-scale relation, masks 1 6 1 and 4 4 over 8).
+    """Coefficients of the same cubic spline one level finer (two-scale relation, masks 1 6 1 and 4 4 over 8).
 
     `coefficients` has shape (..., coarse.rows, coarse.columns); the result (..., fine.rows, fine.columns).
     """

@@ -1,4 +1,4 @@
-"""What stands on the ground: buildings with their shadows and roofs, and the crowns of trees."""
+"""Buildings with their shadows and roofs, and the crowns of trees."""
 
 from __future__ import annotations
 
@@ -15,39 +15,18 @@ from .region import Region, neighbourhood
 from .samples import Few, LatticeCells, TilePositions, shared
 from .scene import Scene
 
-_EXACT_PIXEL_M = 2.5
-"""Up to this pixel size buildings are many pixels wide, and the nearest edge alone decides coverage."""
-
-_REACH_M = 8.0
-"""Nothing of a building, its shadow or the trees it keeps off is farther away."""
+#: Level of the lattice of trees: cells of 9.6 m hold a crown each.
 LEVEL = 22
-"""Cells of 9.6 m hold a crown each."""
-
-FIRST_ZOOM = 15
-"""From here on crowns are drawn one by one, before as an even canopy."""
-
 CELL_M = WORLD_M / (1 << LEVEL)
-CANOPY = (50, 68, 40)
-_MEAN_LIGHT = 0.86
-"""Mean lightness of a crown, by which its colour is divided so that woods are as dark from afar as near."""
-
-_SHADOW_M, _SHADOW = 2.6, (18, 24, 22)
+#: Zoom from which crowns are drawn one by one; before, woods are an even canopy.
+FIRST_ZOOM = 15
+#: Length of shadows southward and eastward.
+SHADOW_M = 2.6
+#: Height of walls, and of the middle of crowns, in Mercator metres: casts shadows of `SHADOW_M` each way when the sun
+#: is at 50 degrees.
 EAVES_M = 4.4
-"""Height of walls, and of crowns' middles, whose shadows fall as far south-east as they are painted, `_SHADOW_M` each
-way, where the sun stands at 50 degrees. In Mercator metres, as lengths on the ground are."""
-_SHADED, _LIT = 0.5, 0.8
-"""Light on walls, of that on level ground: what shadows leave, which is all in the south and east, and beside it the
-share of the sun's that meets walls 45 degrees off its way: (1 - 0.5) cos 45° / tan 50°."""
-_CORNER_M = 0.5
-"""Nearer to a corner than this it counts which way a wall faces; elsewhere heights of pixels say that less well."""
-_GABLE = 0.7
-"""Rise of a gable's roof for a metre inside, 35 degrees."""
-_HUES = (30.0, 16.0, 4.0)
+#: Probability of a tree above which a cell counts as wood, whose crowns are wide and touch.
 _WOODED = 0.9
-"""A greater chance than this means a wood: crowns are wide and touch."""
-
-_DENSE = 0.25
-"""Below this share of cells with a tree it is quicker to gather those."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +36,9 @@ class BuildingOutlines:
     Attributes
     ----------
     index : intp array
-        Each sample's piece, as in `Parcels.index`.
+        Piece of each sample, as in `Parcels.index`.
     west, east, north, south : float32 arrays
-        How far inside the sides of its piece's building each sample is, in metres.
+        Distance of each sample inside each side of its piece's building, in metres.
     """
 
     parcels: Parcels
@@ -69,10 +48,10 @@ class BuildingOutlines:
     north: Array
     south: Array
 
-    def near(self, moved_m: float) -> tuple[Array, BuildingOutlines]:
-        """Return the flat indices of samples at or near buildings, and the buildings at only these.
+    def nearby(self, moved_m: float) -> tuple[Array, BuildingOutlines]:
+        """Return the flat indices of samples at or near buildings, and the buildings at these only.
 
-        No others are covered, nor are they by the buildings moved `moved_m` south-east.
+        No other sample is covered by the buildings, in place or moved `moved_m` south and east.
         """
         margin = -0.6 * self.parcels.pixel_m
         on = np.minimum(self.west, self.north) > np.float32(margin)
@@ -82,10 +61,11 @@ class BuildingOutlines:
         return at, BuildingOutlines(self.parcels, *(value.take(at, mode="clip") for value in values))
 
     def cover(self, moved_m: float = 0.0, grow_m: float = 0.0) -> Array:
-        """Coverage by the buildings, moved some metres south-east and grown at each side by some."""
+        """Coverage by the buildings, moved south and east, and grown on each side, by some metres."""
         more, less = np.float32(grow_m - moved_m), np.float32(grow_m + moved_m)
         half, p = np.float32(0.5), np.float32(1.0 / self.parcels.pixel_m)
-        if p > 1 / _EXACT_PIXEL_M:
+        # Buildings are many pixels of up to 2.5 m wide: the nearest edge alone decides coverage.
+        if p > 1 / 2.5:
             out = np.minimum(self.west, self.north)
             out += more - less
             np.minimum(out, self.east, out=out)
@@ -102,53 +82,60 @@ class BuildingOutlines:
         return np.asarray(np.maximum(cx, np.float32(0), out=cx))
 
     def rises_m(self) -> Array:
-        """Heights of roofs above the eaves at the samples: gables, and none on flat ones."""
+        """Heights of roofs above the eaves at the samples; 0 on flat roofs."""
         buildings = self.parcels.division.looks.buildings
 
-        def own(table: Array) -> Array:
+        def entries(table: Array) -> Array:
             return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
 
-        inside = np.where(own(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east))
-        return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(_GABLE) * (own(buildings.pitch) > 0))
+        inside = np.where(
+            entries(buildings.ridge_x), np.minimum(self.north, self.south), np.minimum(self.west, self.east)
+        )
+        # Gables rise by 0.7 per metre, 35 degrees.
+        return np.asarray(np.maximum(inside, np.float32(0)) * np.float32(0.7) * (entries(buildings.pitch) > 0))
 
     def roofs(self) -> list[Array]:
-        """Roof colours at the samples, red, green and blue: a gable's sides are lit differently."""
+        """Roof colours at the samples, red, green and blue; the sides of a gable differ in light."""
         buildings = self.parcels.division.looks.buildings
 
-        def own(table: Array) -> Array:
+        def entries(table: Array) -> Array:
             return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
 
-        across = np.where(own(buildings.ridge_x), self.north - self.south, self.west - self.east)
+        across = np.where(entries(buildings.ridge_x), self.north - self.south, self.west - self.east)
         across *= np.float32(0.5) * np.float32(1.0 / self.parcels.pixel_m)
         np.maximum(across, np.float32(-1), out=across)
         np.minimum(across, np.float32(1), out=across)
-        across *= own(buildings.pitch)
+        across *= entries(buildings.pitch)
         light = np.float32(1) - across
-        return [own(channel) * light for channel in buildings.roof]
+        return [entries(channel) * light for channel in buildings.roof]
 
     def walls(self, east: Array, south: Array) -> list[Array]:
-        """Colours of the walls next to the samples, red, green and blue; NaN beside buildings.
+        """Colours of the walls next to the samples, red, green and blue; NaN outside buildings.
 
         Parameters
         ----------
         east, south : arrays
-            Which way the wall that is meant faces, as a unit vector: says which of two it is where they meet.
+            Direction that the wall faces, as a unit vector; selects one of two walls near their corner.
         """
         parcels, leaves = self.parcels, self.parcels.division.leaves
         roof = np.stack([parcels.leaf(channel) for channel in parcels.division.looks.buildings.roof])
-        east, south = east * _CORNER_M, south * _CORNER_M
+        # The direction counts within 0.5 m of a corner; elsewhere the nearest wall is more reliable.
+        east, south = east * 0.5, south * 0.5
         lit = np.minimum(self.west + east, self.north + south)
-        light = np.where(lit < np.minimum(self.east - east, self.south - south), _LIT, _SHADED)
+        # Light relative to level ground: 0.5 in shadow, south and east; lit walls, 45 degrees off the sun's direction,
+        # get (1 - 0.5) cos 45° / tan 50° more.
+        light = np.where(lit < np.minimum(self.east - east, self.south - south), 0.8, 0.5)
         inside = np.minimum(np.minimum(self.west, self.east), np.minimum(self.north, self.south)) > 0
         light = np.where(inside, light, np.nan).astype(np.float32)
         return [parcels.spread(channel) * light for channel in wall_colours(parcels.leaf(leaves.hash), roof)]
 
 
 def footprints(parcels: Parcels) -> BuildingOutlines | None:
-    """Return the buildings at samples; None where there are none in reach."""
+    """Return the buildings at samples; None if none is in reach."""
     buildings = parcels.division.looks.buildings
     x0, x1, y0, y1 = (parcels.leaf(edge) for edge in (buildings.x0, buildings.x1, buildings.y0, buildings.y1))
-    there = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, _REACH_M + parcels.pixel_m)
+    # Shadows of buildings, and their distance to trees, reach less than 8 m.
+    there = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, 8.0 + parcels.pixel_m)
     if not there.any():
         return None
     return BuildingOutlines(
@@ -177,7 +164,7 @@ class Crowns:
     tone: Array
     hue: Array
 
-    def within(self, block: int, window: LatticeWindow) -> Crowns:
+    def crop(self, block: int, window: LatticeWindow) -> Crowns:
         """Return the trees of a window of one of the blocks."""
         i, j = window.i0 - int(self.i0[block]), window.j0 - int(self.j0[block])
         at = (block, slice(j, j + window.rows), slice(i, i + window.columns))
@@ -186,7 +173,7 @@ class Crowns:
 
 
 def _chance(scene: Scene) -> Array:
-    """How likely each cell of a scene of cells holds a tree."""
+    """Probability of a tree in each cell of a scene of cells."""
     shape = scene.samples.shape
     chance = np.full(shape, 0.006, dtype=np.float32)
     parcels = scene.parcels
@@ -213,7 +200,7 @@ def _chance(scene: Scene) -> Array:
 
 
 def plant(scene: Scene) -> list[tuple[LatticeCells, Crowns]]:
-    """Plant trees in the cells under a scene's samples, and in woods between them too."""
+    """Plant trees in the cells under a scene's samples, and in woods also between the cells."""
     samples = scene.samples
     zoom, x, y = neighbourhood(samples)
     up = samples.zoom - zoom
@@ -221,13 +208,13 @@ def plant(scene: Scene) -> list[tuple[LatticeCells, Crowns]]:
     planted = []
     for crowns, shifted in zip(_stand(scene.seed, samples.zoom, zoom, x, y), (False, True)):
         cells = samples.cells(LEVEL, shifted)
-        planted.append((cells, crowns.within(tile, cells.window())))
+        planted.append((cells, crowns.crop(tile, cells.window())))
     return planted
 
 
 @shared(32)
 def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, Crowns]:
-    """Plant the tiles of `zoom`, by rows, that are in a tile of `around`: in cells, and between four cells."""
+    """Plant all tiles of `zoom`, by rows, in a tile of zoom `around`: in cells, and between each four cells."""
     up = zoom - around
     step = np.arange(1 << up, dtype=np.int64)
     rows, columns = (a.ravel() for a in np.meshgrid((y << up) + step, (x << up) + step, indexing="ij"))
@@ -243,10 +230,10 @@ def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, C
 
 
 def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, TilePositions]:
-    """How likely each cell in and right around some tiles holds a tree; and the cells."""
+    """Probability of a tree in each cell of tiles and of a margin of one cell; and the cells."""
     tiles = TilePositions(zoom, x, y, LEVEL)
     chance = np.empty(tiles.shape, dtype=np.float32)
-    # The land is divided for the root squares that a tile touches, not for those of its neighbours.
+    # Land is divided for the root squares that a tile touches: group tiles that touch the same.
     squares = root_squares(Region.around(seed, tiles), tiles)
     for alike in np.unique(squares, axis=0):
         at = np.flatnonzero((squares == alike).all(axis=1))
@@ -269,13 +256,14 @@ def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
 
 
 class _Drawn:
-    """Crowns' attributes at the samples: at all of them or, where crowns are few, at those in a cell with one."""
+    """Attributes of crowns at all samples or, where crowns are few, at the samples in cells with one."""
 
     def __init__(self, canvas: Canvas, cells: LatticeCells, crowns: Crowns) -> None:
         self.canvas, self.cells = canvas, cells
         self.fx, self.fy = cells.fx, cells.fy
         self.few: Few | None = None
-        if float(crowns.there.mean()) <= _DENSE:
+        # Gathering is faster for up to a quarter of the cells.
+        if float(crowns.there.mean()) <= 0.25:
             self.few = cells.among(crowns.there)
             self.fx, self.fy = self.few.fx, self.few.fy
 
@@ -286,7 +274,7 @@ class _Drawn:
         return values.reshape(self.cells.inner()) if self.few is None else values.take(self.few.at, mode="clip")
 
     def placed(self, crowns: Crowns, pixel_m: float) -> tuple[Array, Array, Array, Array]:
-        """Inverse of the radii, places from the middles in radii, and pixels that half a radius is."""
+        """Inverse radii, offsets from the centres in radii, and half radii in pixels."""
         radius = np.where(crowns.there, crowns.radius, np.float32(1e-3))
         inverse = self.take(np.float32(1) / radius)
         dx = (self.fx - self.take(crowns.x)) * inverse
@@ -314,18 +302,18 @@ def draw(
     contrast: float,
     canopy: Array,
 ) -> None:
-    """Draw crowns, lit from the north-west, and the shadows of those that stand alone."""
+    """Draw crowns, lit from the north-west, and shadows unless crowns are dense."""
     if not crowns.there.any():
         return
     drawn = _Drawn(canvas, cells, crowns)
     one = np.float32(1)
     inverse, dx, dy, sharp = drawn.placed(crowns, pixel_m)
-    if pixel_m < _SHADOW_M and drawn.few is not None:
-        shift = np.float32(_SHADOW_M / CELL_M) * inverse
+    if pixel_m < SHADOW_M and drawn.few is not None:
+        shift = np.float32(SHADOW_M / CELL_M) * inverse
         sx, sy = dx - shift, dy - shift
         shade = (one - (sx * sx + sy * sy)) * sharp
         shade += np.float32(0.5)
-        drawn.blend(clip01(shade) * np.float32(0.55), _SHADOW)
+        drawn.blend(clip01(shade) * np.float32(0.55), (18, 24, 22))
     q = dy * dy
     q += dx * dx
     cover = one - q
@@ -339,14 +327,16 @@ def draw(
     light += one
     if leaf is not None:
         light += drawn.sample(leaf) * np.float32(0.55)
-    light *= np.float32(contrast / _MEAN_LIGHT)
+    # A crown's mean lightness is 0.86: without it, woods are as dark as the even canopy of lower zooms.
+    light *= np.float32(contrast / 0.86)
     light += np.float32(1 - contrast)
     light *= drawn.take(one + (crowns.tone - one) * np.float32(contrast))
-    drawn.blend(cover, [light * drawn.take(np.float32(c) + crowns.hue * np.float32(s)) for c, s in zip(canopy, _HUES)])
+    hues = (30.0, 16.0, 4.0)
+    drawn.blend(cover, [light * drawn.take(np.float32(c) + crowns.hue * np.float32(s)) for c, s in zip(canopy, hues)])
 
 
 def raise_crowns(canvas: Canvas, cells: LatticeCells, crowns: Crowns, pixel_m: float) -> None:
-    """Lay heights of crowns over a canvas of heights above the ground: domes as high as their shadows are long."""
+    """Blend crowns over a canvas of heights above the ground: domes as high as their shadows are long."""
     if not crowns.there.any():
         return
     drawn = _Drawn(canvas, cells, crowns)

@@ -9,12 +9,9 @@ from numpy.typing import NDArray
 
 from .lattice import Array
 
-SPARSE = 0.3
-"""Below this share of samples it is quicker to gather those concerned."""
-
 
 class Canvas:
-    """Colours of some samples: float32 planes, shape (3, n), in grey levels; or one plane of heights."""
+    """Colours of samples: float32 planes, shape (3, n), in grey levels; or one plane of heights."""
 
     def __init__(self, colour: Array | Sequence[float | Array], shape: tuple[int, ...]) -> None:
         self.shape = shape
@@ -24,12 +21,13 @@ class Canvas:
             plane[:] = np.ravel(c)
 
     def blend(self, cover: Array | None, colour: Array | Sequence[float]) -> None:
-        """Lay a colour, one or one a sample, over the canvas with some coverage, 0..1."""
+        """Blend a colour, for all samples or one each, over the canvas with a coverage in 0..1."""
         if cover is None:
             return
         alpha = cover.ravel()
-        at = np.flatnonzero(alpha != 0)  # NumPy is far quicker at finding truths than numbers
-        if at.size < SPARSE * alpha.size:
+        at = np.flatnonzero(alpha != 0)  # faster than on numbers
+        # Gathering is faster for less than about 0.3 of the samples.
+        if at.size < 0.3 * alpha.size:
             if at.size:
                 inks = [np.asarray(ink, np.float32).ravel() for ink in colour]
                 self.touch(at, (alpha[at], [ink if ink.size == 1 else ink[at] for ink in inks]))
@@ -41,7 +39,7 @@ class Canvas:
             self.planes[channel] += step
 
     def touch(self, at: Array, *layers: tuple[Array, Array | Sequence[float | Array]]) -> None:
-        """Lay coverages and colours, one layer over the other, over the samples with flat indices `at` only."""
+        """Blend layers of coverage and colour, in order, over the samples with flat indices `at` only."""
         for channel, plane in enumerate(self.planes):
             few = plane.take(at, mode="clip")
             for alpha, colour in layers:
@@ -52,7 +50,7 @@ class Canvas:
             plane[at] = few
 
     def stroke(self, distance_m: Array, pixel_m: float, *strokes: tuple[float, float, Sequence[float]]) -> None:
-        """Draw strokes (half width in m, opacity, colour), the widest first, along a line whose distance is given."""
+        """Draw strokes (half width in m, opacity, colour), the widest first, along a line at the given distances."""
         d = distance_m.ravel()
         at = np.flatnonzero(d < np.float32(strokes[0][0] + pixel_m))
         if at.size:
@@ -75,9 +73,9 @@ class Canvas:
         return out.reshape(*self.shape, 3)
 
     def rounded(self) -> NDArray[np.uint8]:
-        """Return the colours rounded to bytes, shape (..., 3), which ends the painting."""
+        """Return the colours rounded to bytes, shape (..., 3); overwrites the canvas."""
         out = np.empty((self.planes.shape[1], 3), dtype=np.uint8)
-        # NumPy 1 compares arrays with arrays five times as fast as with a number.
+        # NumPy 1 compares arrays with arrays five times as fast as with numbers.
         black, white = (np.full(self.planes.shape[1], level, dtype=np.float32) for level in (0, 255))
         for channel, plane in enumerate(self.planes):
             np.maximum(plane, black, out=plane)
@@ -101,7 +99,7 @@ def ramp(x: Array, width: Array | float) -> Array:
 
 
 def line_cover(distance_m: Array, half_width_m: float, pixel_m: float) -> Array:
-    """Share of a pixel covered by a line, by the distance of the pixel's centre to the line's middle."""
+    """Share of a pixel covered by a line, from the distance between the pixel's centre and the line's middle."""
     d = distance_m * np.float32(1.0 / pixel_m)
     outer = clip01(np.float32(half_width_m / pixel_m + 0.5) - d)
     if half_width_m < pixel_m:

@@ -1,6 +1,6 @@
-"""The pieces of land under samples: which they are, and how far their edges.
+"""The pieces of land under samples, and distances to their edges.
 
-The Mercator plane is displaced by the region's ``warp`` splines, and the division drawn on the plane so bent.
+The land is divided in the bent plane: the Mercator plane displaced by the region's ``warp`` splines.
 """
 
 from __future__ import annotations
@@ -9,23 +9,19 @@ from functools import cached_property
 
 import numpy as np
 
-from .division import BORDER, HALF_WIDTH_M, ROOT, ROOT_M, WHOLE_ZOOM, divide, whole_division
+from .division import BORDER, HALF_WIDTH_M, ROOT, ROOT_M, divide, whole_division
 from .lattice import WORLD_M, Array, LatticeWindow
 from .region import Region
 from .samples import Positions
 
-_FAR_M = 1e6
+#: Distances to lines beyond this plus a pixel are not needed, by class of line.
 _REACHES_M = np.array(HALF_WIDTH_M) + 6.0
-"""Nobody asks for distances to the lines of a class beyond this and a pixel."""
-
+#: Up to this many pieces are found by the lines between them, where that is faster.
 _FEW = 1024
-"""So many pieces, at most, are found by the lines between them."""
-
-_FEW_LINES, _BINS_PER_LINE = 28, 64
 
 
 def bent_plane(region: Region, samples: Positions) -> tuple[Array, Array]:
-    """Return the samples' place in the bent plane, float32 metres from their tile's corner."""
+    """Return the samples' positions in the bent plane, float32 metres from their tile's corner."""
     east, south = samples.local_m()
     scale = np.float32(WORLD_M)
     x = region.value("warp_x", samples)
@@ -38,7 +34,7 @@ def bent_plane(region: Region, samples: Positions) -> tuple[Array, Array]:
 
 
 def _extents(c: Array, origin: float | Array, pixel_m: float) -> tuple[Array, Array]:
-    """Return the ends of each tile's samples, given from its corner, in metres and with a margin for rounding."""
+    """Return the extent of each tile's samples along an axis, in metres, with a margin for rounding."""
     margin, tiles = 1e-3 + 1e-5 * 256 * pixel_m, c.reshape(np.size(origin), -1)
     ends = (tiles.min(axis=1).astype(np.float64) - margin, tiles.max(axis=1).astype(np.float64) + margin)
     return ends[0] + np.ravel(origin), ends[1] + np.ravel(origin)
@@ -57,8 +53,8 @@ def root_squares(region: Region, samples: Positions) -> Array:
 class Parcels:
     """The pieces under some samples.
 
-    `at` are their numbers among the division's leaves, `index` is each sample's among `at`. `x`, `y` are
-    the samples' places in the bent plane, float32 metres from `corner`, which is the tile's.
+    `at` are their indices among the division's leaves, `index` is each sample's index in `at`. `x`, `y` are the
+    samples' positions in the bent plane, float32 metres from the tile's `corner`.
     """
 
     def __init__(self, seed: int, region: Region, samples: Positions) -> None:
@@ -69,28 +65,29 @@ class Parcels:
         west, east, north, south = x[0].min(), x[1].max(), y[0].min(), y[1].max()
         i0, i1, j0, j1 = (int(end) for end in _squares(np.array([west, east, north, south])))
         self.roots = LatticeWindow(ROOT, i0, j0, i1 - i0 + 1, j1 - j0 + 1)
-        whole = samples.zoom >= WHOLE_ZOOM
+        # From zoom 14 on a tile touches few root squares, which are divided completely and remembered.
+        whole = samples.zoom >= 14
         self.division = whole_division(seed, self.roots) if whole else divide(seed, self.roots, samples.pixel_m)
         left, top = i0 * ROOT_M, j0 * ROOT_M
         self.corner = (left - samples.origin_m[0], top - samples.origin_m[1])
         self._low, self._high = (west - left, north - top), (east - left, south - top)
         self.index = np.zeros(self.shape, dtype=np.intp)
-        self.at = self._place()
+        self.at = self._find()
         self._distances: dict[int, Array | None] = {}
 
-    def _place(self) -> Array:
-        """Find the samples' pieces: a few by the lines between them, many by walking down the division."""
+    def _find(self) -> Array:
+        """Find the samples' pieces: few by the lines between them, many by descending the division."""
         leaves = self.division.leaves
         if len(self.shape) == 2:
             at = np.flatnonzero(self.touched(leaves.x0, leaves.x1, leaves.y0, leaves.y1))
-            if at.size <= _FEW and self._draw(at):
+            if at.size <= _FEW and self._find_few(at):
                 return at
-        return self._walk()
+        return self._descend()
 
-    def _draw(self, at: Array) -> bool:
-        """Find the samples' pieces among few; false, and nothing done, where that takes longer than to walk.
+    def _find_few(self, at: Array) -> bool:
+        """Find the samples' pieces among few; return False, with nothing done, where descending is faster.
 
-        The lines between pieces cut the plane into a table of rectangles, a piece's being next to each other.
+        The lines between pieces cut the plane into a table of rectangles; those of a piece are adjacent.
         """
         leaves = self.division.leaves
         x, across = _lines(self.x, *(self._edges(edge[at], 0) for edge in (leaves.x0, leaves.x1)))
@@ -102,24 +99,24 @@ class Parcels:
             table = np.empty((rows, columns), dtype=np.intp)
             for piece, (left, right, top, bottom) in enumerate(zip(*across, *down)):
                 table[top:bottom, left:right] = piece
-            cell = _beyond(self.y, y)
+            cell = _count_passed(self.y, y)
             cell *= columns
-            cell += _beyond(self.x, x)
+            cell += _count_passed(self.x, x)
             self.index = table.ravel().take(cell, mode="clip")
         return True
 
     def _edges(self, edges: Array, axis: int) -> Array:
-        """Return the edges of pieces, float32 local metres, such that samples beyond them are greater."""
+        """Return the edges of pieces, float32 local metres; samples beyond an edge are greater."""
         local = np.asarray(edges + self.corner[axis], np.float32)
         squares = self.roots.rows if axis else self.roots.columns
         if squares > 1:
-            # A sample right on the border of a root square is beyond it, one on another line is not.
+            # A sample exactly on the border of a root square counts as beyond it, on any other line as before it.
             border = np.isin(edges, np.arange(1, squares) * ROOT_M)
             local = np.where(border, np.nextafter(local, np.float32(-np.inf)), local)
         return local
 
-    def _walk(self) -> Array:
-        """Walk down the division with the samples, leaving aside what their box does not touch."""
+    def _descend(self) -> Array:
+        """Descend the division with the samples, skipping pieces that their box does not touch."""
         roots = self.division.roots
         for axis, c, count, stride in ((0, self.x, roots.columns, 1), (1, self.y, roots.rows, roots.columns)):
             for n in range(1, count):
@@ -128,7 +125,7 @@ class Parcels:
         for depth, (cuts, first) in enumerate(zip(self.division.cuts, self.division.first)):
             axis = depth & 1
             low, high = self._low[axis], self._high[axis]
-            if at.size == 1:  # the common case high up in the division, without arrays
+            if at.size == 1:  # the common case at low depths, without arrays
                 only = int(at[0])
                 where = float(cuts[only])
                 if where > high or where < low:
@@ -149,7 +146,7 @@ class Parcels:
         return at
 
     def leaf(self, table: Array) -> Array:
-        """Return the entries of the pieces under the samples, shape (n,), of a table of all leaves."""
+        """Return the entries of the pieces under the samples, shape (n,), from a table of all leaves."""
         out: Array = table[self.at]
         return out
 
@@ -161,13 +158,13 @@ class Parcels:
         return out
 
     def take(self, table: Array) -> Array:
-        """Give each sample its piece's entry of a table of all leaves."""
+        """Give each sample its piece's entry from a table of all leaves."""
         return self.spread(table[self.at])
 
     def local(self, edges: Array, axis: int) -> Array:
-        """Give each sample its piece's edge across an axis, float32 metres from the sample's tile's corner.
+        """Give each sample an edge of its piece along an axis, float32 metres from the corner of the sample's tile.
 
-        `edges` are those of the pieces under the samples, float64 metres from the root squares' corner.
+        `edges` belong to the pieces under the samples, float64 metres from the root squares' corner.
         """
         corner = self.corner[axis]
         if np.ndim(corner) == 0:
@@ -175,24 +172,24 @@ class Parcels:
         return np.asarray((self.spread(edges) + corner).astype(np.float32))
 
     def touched(self, x0: Array, x1: Array, y0: Array, y1: Array, margin_m: float = 0.0) -> Array:
-        """Say which rectangles, given from the root squares' corner, the samples' box touches."""
+        """Whether the samples' box touches rectangles, given from the root squares' corner."""
         (left, top), (right, bottom) = self._low, self._high
         touched: Array = (x1 >= left - margin_m) & (x0 <= right + margin_m)
         touched &= (y1 >= top - margin_m) & (y0 <= bottom + margin_m)
         return touched
 
     def distance_m(self, line: int) -> Array | None:
-        """Return each sample's distance to the nearest line of a class around its piece, or None.
+        """Return each sample's distance to the nearest line of a class around its piece, or None without any.
 
-        What is farther from the line than its reach may be given as any such distance.
+        Distances beyond the reach of the class are not exact.
         """
         if line not in self._distances:
             self._distances[line] = self._distance_m(line)
         return self._distances[line]
 
     @cached_property
-    def _lines_near(self) -> tuple[Array, frozenset[int]]:
-        """What runs along the pieces' sides, shape (4, n), where that is in reach of the samples; and the classes."""
+    def _nearby_lines(self) -> tuple[Array, frozenset[int]]:
+        """Lines along the pieces' sides, shape (4, n), `BORDER` where out of the samples' reach; and their classes."""
         leaves = self.division.leaves
         sides = leaves.sides[:, self.at]
         reach = _REACHES_M[sides] + self.pixel_m
@@ -209,27 +206,28 @@ class Parcels:
         return sides, frozenset(np.flatnonzero(np.bincount(sides.ravel())).tolist())
 
     def _distance_m(self, line: int) -> Array | None:
-        sides, classes = self._lines_near
+        sides, classes = self._nearby_lines
         if line not in classes:
             return None
         leaves = self.division.leaves
         best: Array | None = None
+        beyond_m = 1e6
         for side, edges in enumerate((leaves.x0, leaves.x1, leaves.y0, leaves.y1)):
             there = sides[side] == line
             if not there.any():
                 continue
             axis, far = side // 2, side & 1
             c = self.y if axis else self.x
-            local = self.local(np.where(there, self.leaf(edges), _FAR_M if far else -_FAR_M), axis)
+            local = self.local(np.where(there, self.leaf(edges), beyond_m if far else -beyond_m), axis)
             d = np.subtract(local, c, out=local) if far else np.subtract(c, local, out=local)
             best = d if best is None else np.minimum(best, d, out=best)
         return best
 
 
 def _lines(c: Array, low: Array, high: Array) -> tuple[Array, tuple[list[int], list[int]]]:
-    """Return the lines between pieces, ascending, and how many of them lie before each piece's ends.
+    """Return the lines between pieces, ascending, and how many lie before the low and the high end of each piece.
 
-    A sample has gone beyond a line that is less than it, so a piece's high end is its own.
+    A line counts as before every sample greater than it, so a piece includes its high end.
     """
     least = c.min()
     lines = np.array(sorted(set(low[low >= least].tolist())), dtype=np.float32)
@@ -237,17 +235,17 @@ def _lines(c: Array, low: Array, high: Array) -> tuple[Array, tuple[list[int], l
     return lines, (start.tolist(), stop.tolist())
 
 
-def _beyond(c: Array, lines: Array) -> Array:
-    """Count the lines, ascending, that each sample has gone beyond."""
-    if lines.size <= _FEW_LINES:
+def _count_passed(c: Array, lines: Array) -> Array:
+    """Count the lines, ascending, that are less than each sample."""
+    if lines.size <= 28:  # faster than binning
         count, beyond = np.zeros(c.shape, dtype=np.uint8), np.empty(c.shape, dtype=np.bool_)
         for line in lines:
             np.greater(c, line, out=beyond)
             count += beyond.view(np.uint8)
         return np.asarray(count, np.intp)
-    # Samples and lines are sorted into equal bins: only a line in the same bin needs to be looked at.
+    # Samples and lines are sorted into equal bins: samples are compared only with lines in the same bin.
     least, greatest = c.min(), c.max()
-    bins = _BINS_PER_LINE * lines.size
+    bins = 64 * lines.size
     per_m = np.float32(bins / (float(greatest - least) + 1e-3))
 
     def binned(values: Array) -> Array:
@@ -255,8 +253,8 @@ def _beyond(c: Array, lines: Array) -> Array:
         place *= per_m
         return np.asarray(place, np.intp)
 
-    of_lines = binned(np.clip(lines, least, greatest))
-    inside = np.bincount(of_lines, minlength=bins + 1)
+    line_bins = binned(np.clip(lines, least, greatest))
+    inside = np.bincount(line_bins, minlength=bins + 1)
     before = np.cumsum(inside) - inside
     at = binned(c)
     beyond_lines = before.take(at, mode="clip")

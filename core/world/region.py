@@ -1,8 +1,8 @@
-"""Land, sea, climate, relief and the courses of rivers and motorways: what the world is at the scale of kilometres.
+"""Land, sea, climate, relief and the courses of rivers and motorways: the world at the scale of kilometres.
 
-Every quantity here is a cubic spline on a hashed lattice (`lattice`), summed over octaves down to a few hundred metres
-or to four pixels of the zoom, whichever is coarser. What of the octaves a zoom cannot show is kept as a standard
-deviation, so that a shore drawn from too few octaves is as soft as the shore that it averages.
+Every quantity is a cubic spline on a hashed lattice (`lattice`), summed over octaves down to a few hundred metres or to
+four pixels of the zoom, whichever is coarser. Octaves that a zoom cannot show count as a standard deviation: a shore
+drawn without them is as soft as the shore that it averages.
 """
 
 from __future__ import annotations
@@ -12,35 +12,17 @@ from typing import Callable
 
 import numpy as np
 
-from .lattice import WORLD_M, Array, LatticeWindow, cell_hash, pole_of, refine, salt, signed
+from .lattice import WORLD_M, Array, LatticeWindow, cell_hash, chart_pole, refine, salt, signed
 from .samples import Grid, Positions, shared
 
+#: Level of the finest octave of any field, with cells of 76 m.
 FINEST_OCTAVE = 19
-"""No regional quantity has octaves shorter than the cells of this level, 76 m."""
-
-CELL_SD = 0.277
-"""Standard deviation of a spline whose coefficients are uniform in [-1, 1)."""
-
-MIN_CELL_PX_LOG2 = 2
-"""Octaves with cells under 4 px are left out: a cubic spline passes wavelengths down to half of that."""
-
+#: Level (39 km cells) at which settlement is decided, and down to which coefficients are remembered.
 COARSE = 10
-"""Level (39 km cells) at which settlement is decided, and down to which coefficients are remembered."""
-
+#: From this zoom on, regions are computed and remembered for tiles of this zoom, 1.2 km wide.
 BLOCK_ZOOM = 15
-"""From this zoom on regions are worked out, and remembered, for tiles of this zoom, 1.2 km wide."""
-
-_CHART_DIAMETER_M = 2.0 * 6371007.0 * 0.9698
-"""Of the sphere that polar stereographic charts with true scale at 70° to 71° project from its pole."""
-
-_COLDER = {1: 0.04, -1: 0.13}
-"""By how much about each pole, as its chart has it, than elsewhere at the same latitude."""
-
-_SHARED_TILES_LOG2 = 2
-"""From two zooms further in on, what is finer than a region is shared by blocks of four by four tiles."""
-
+#: First level of each field, and the amplitudes of its octaves from there on.
 _FIELDS: dict[str, tuple[int, tuple[float, ...]]] = {
-    # name: first level, amplitude of each octave from there on
     "land": (
         1,
         (
@@ -84,21 +66,22 @@ _RIDGED = _INDEX["relief"]
 
 def left_out_sd(name: str, level: int) -> float:
     """Return the standard deviation of the octaves of a field that lie beyond a level."""
-    return float(CELL_SD * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64))))
+    # A spline whose coefficients are uniform in [-1, 1) has a standard deviation of 0.277.
+    return float(0.277 * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64))))
 
 
 def smoothstep(low: float, high: float, x: Array) -> Array:
-    """Rise from 0 at `low` to 1 at `high` with level ends."""
+    """Rise smoothly from 0 at `low` to 1 at `high`, with slopes of 0 at both."""
     t = np.minimum(np.maximum((x - low) * (1.0 / (high - low)), 0.0), 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
 def _add_octave(seed: int, window: LatticeWindow, c: Array, ridge_noise: Array | None) -> tuple[Array, Array | None]:
-    """Add the octave of the window's level to coefficients of that level; return them and relief's own noise."""
+    """Add the octave of the window's level to coefficients of that level; return them and the noise of relief."""
     level = window.level
     if ridge_noise is not None:
-        # Relief is made of ridges, 1 - 2|n|: taken one level finer than its noise, where coefficients are
-        # nearly values.
+        # Relief consists of ridges, 1 - 2|n|, computed one level finer than the noise n, where coefficients are
+        # close to values.
         mountains = smoothstep(0.1, 0.95, c[_INDEX["rough"]]) + np.float32(0.06)
         if level > 9:  # flat valley floors along the rivers
             mountains *= np.float32(0.15) + np.float32(0.85) * smoothstep(0.02, 0.3, np.abs(c[_INDEX["river"]]))
@@ -113,12 +96,12 @@ def _add_octave(seed: int, window: LatticeWindow, c: Array, ridge_noise: Array |
     salts = np.array([salt(seed, 1, int(row)) for row in active], dtype=np.uint32)[:, None, None]
     noise = signed(cell_hash(salts, level, i, j))
     c[active] += noise * amplitude[active][:, None, None]
-    own = noise[active == _RIDGED]
-    return c, (own[0] if own.size else None)
+    relief = noise[active == _RIDGED]
+    return c, (relief[0] if relief.size else None)
 
 
 def _descend(seed: int, windows: list[LatticeWindow], c: Array, ridge: Array | None) -> tuple[Array, Array | None]:
-    """Take coefficients from the first window down to the last, an octave at each."""
+    """Refine coefficients from the first window down to the last, adding an octave at each."""
     for coarse, fine in zip(windows, windows[1:]):
         c = refine(c, coarse, fine)
         ridge = None if ridge is None else refine(ridge, coarse, fine)
@@ -128,15 +111,16 @@ def _descend(seed: int, windows: list[LatticeWindow], c: Array, ridge: Array | N
 
 @shared(64)
 def _coarse(seed: int, window: LatticeWindow) -> tuple[Array, Array | None]:
-    """Coefficients at a window of level `COARSE` or coarser: neighbouring tiles ask for the same ones."""
+    """Coefficients at a window of level `COARSE` or coarser, shared by neighbouring tiles."""
     windows = _ancestry(window, 0)
     start = np.zeros((len(NAMES), windows[0].rows, windows[0].columns), dtype=np.float32)
     c, ridge = _descend(seed, windows, start, None)
-    pole = pole_of(seed)
+    pole = chart_pole(seed)
     if pole:
-        from_pole = _from_pole(window)
-        c[_INDEX["heat"]] += _heat(np.sin(from_pole)) - np.float32(_COLDER[pole])
-        c[_INDEX["land"]] += _continent(pole, from_pole)
+        colatitude = _colatitude(window)
+        # Charts about the poles are colder than the map at the same latitude, the southern one most.
+        c[_INDEX["heat"]] += _heat(np.sin(colatitude)) - np.float32({1: 0.04, -1: 0.13}[pole])
+        c[_INDEX["land"]] += _polar_land(pole, colatitude)
     else:
         c[_INDEX["heat"]] += _latitude_heat(window)
     return c, ridge
@@ -148,7 +132,7 @@ def coarse_fields(seed: int, window: LatticeWindow) -> dict[str, Array]:
 
 
 def _ancestry(window: LatticeWindow, level: int) -> list[LatticeWindow]:
-    """Return the windows that lead from `level`, or the window's own if that is coarser, down to a window."""
+    """Return the windows of all levels from `level` down to a window; only the window if its level is coarser."""
     windows = [window]
     while windows[-1].level > level:
         windows.append(windows[-1].parent())
@@ -156,7 +140,7 @@ def _ancestry(window: LatticeWindow, level: int) -> list[LatticeWindow]:
 
 
 def _latitude_heat(window: LatticeWindow) -> Array:
-    """Warmth by latitude, 0 at the ice and 1 at the equator, at lattice points; splines reproduce it closely."""
+    """Warmth by latitude at lattice points, 0 at the ice and 1 at the equator; splines reproduce it closely."""
     j = window.indices()[1]
     v = np.clip(j / float(1 << window.level), 0.0, 1.0)
     latitude = np.arctan(np.sinh(np.pi * (1.0 - 2.0 * v)))
@@ -169,29 +153,35 @@ def _heat(cosine: Array) -> Array:
     return heat
 
 
-def _from_pole(window: LatticeWindow) -> Array:
-    """Angle from the pole in the middle of its chart, in radians, at lattice points; splines reproduce it closely."""
+def _colatitude(window: LatticeWindow) -> Array:
+    """Angle from the pole of a chart, in radians, at lattice points; splines reproduce it closely."""
     i, j = window.indices()
     middle, cell_m = 0.5 * (1 << window.level), WORLD_M / (1 << window.level)
-    return np.asarray(2.0 * np.arctan(np.hypot(i - middle, j - middle) * (cell_m / _CHART_DIAMETER_M)))
+    # Polar stereographic projection of a sphere, with true scale at 70 to 71 degrees.
+    diameter_m = 2.0 * 6371007.0 * 0.9698
+    return np.asarray(2.0 * np.arctan(np.hypot(i - middle, j - middle) * (cell_m / diameter_m)))
 
 
-def _continent(pole: int, from_pole: Array) -> Array:
-    """What is added to the land about a pole, for a sea with islands in the north and a continent in the south."""
-    degrees = np.degrees(from_pole)
+def _polar_land(pole: int, colatitude: Array) -> Array:
+    """Change of `land` about a pole: a sea with islands in the north, a continent in the south."""
+    degrees = np.degrees(colatitude)
     if pole > 0:
         return np.asarray(-0.5 * smoothstep(19.0, 9.0, degrees), np.float32)
     return np.asarray(0.75 * smoothstep(30.0, 8.0, degrees) - 0.45 * smoothstep(18.0, 30.0, degrees), np.float32)
 
 
 def finest_level(zoom: int) -> int:
-    """Return the level whose coefficients describe the region at a zoom: 4 px cells, a tile's width at high zooms."""
-    return min(zoom + 8 - MIN_CELL_PX_LOG2, max(FINEST_OCTAVE, min(zoom + 2, FINEST_OCTAVE + 2)))
+    """Return the level of a region's coefficients at a zoom.
+
+    Its cells are 4 px wide, as a cubic spline passes wavelengths down to half of that, and a quarter of a tile at high
+    zooms.
+    """
+    return min(zoom + 8 - 2, max(FINEST_OCTAVE, min(zoom + 2, FINEST_OCTAVE + 2)))
 
 
 def neighbourhood(samples: Positions) -> tuple[int, int, int]:
-    """Return the tile (zoom, x, y) of some zoom further out whose tiles share what is worked out around samples."""
-    up = min(max(samples.zoom - BLOCK_ZOOM, 0), _SHARED_TILES_LOG2)
+    """Return the tile (zoom, x, y), up to two zooms farther out, whose tiles share what is finer than a region."""
+    up = min(max(samples.zoom - BLOCK_ZOOM, 0), 2)
     return samples.zoom - up, samples.x >> up, samples.y >> up
 
 
@@ -201,8 +191,7 @@ class Region:
     def __init__(self, seed: int, zoom: int, block: tuple[int, int, int]) -> None:
         self.seed, self.zoom = seed, zoom
         self.level = finest_level(zoom)
-        # Two cells more than the tile's own spline needs: one for `nodes`, one for trees whose cells reach
-        # over its edge.
+        # Two cells more than the tile's spline needs: one for `nodes`, one for trees whose cells cross its edge.
         self.window = Grid(*block).cells(self.level).support().grown(2)
         windows = _ancestry(self.window, COARSE)
         self.coefficients = c = _descend(seed, windows, *_coarse(seed, windows[0]))[0]
@@ -215,7 +204,7 @@ class Region:
 
     @staticmethod
     def around(seed: int, samples: Positions) -> Region:
-        """Return the region that holds a tile."""
+        """Return the region of a tile."""
         up = max(samples.zoom - BLOCK_ZOOM, 0)
         return _region(seed, samples.zoom, (samples.zoom - up, samples.x >> up, samples.y >> up))
 
@@ -224,7 +213,7 @@ class Region:
         return samples.spline(self.coefficients[_INDEX[name]], self.window)
 
     def hills(self, samples: Positions) -> Array:
-        """Evaluate the octaves of relief beyond `COARSE`, those of hills: 0 at zooms that have none."""
+        """Evaluate the octaves of relief beyond `COARSE`, which are hills; 0 at zooms without them."""
         return samples.spline(self._hills, self.window)
 
     @cached_property
@@ -258,7 +247,7 @@ class Region:
         return float(c.min()), float(c.max())
 
     def blur(self, name: str) -> float:
-        """Return the width of the ramp that stands for the octaves that this zoom leaves out."""
+        """Return the width of a ramp with the standard deviation of the octaves that this zoom leaves out."""
         return float(12.0**0.5 * left_out_sd(name, self.level))
 
     def _under(self, c: Array, window: LatticeWindow, samples: Positions) -> Array:
@@ -267,7 +256,7 @@ class Region:
         return c[..., j : j + support.rows, i : i + support.columns]
 
     def derived(self, function: Callable[[dict[str, Array]], Array]) -> Array:
-        """Return what a function of the fields gives at the lattice points, shape (..., rows, columns)."""
+        """Evaluate a function of the fields at the lattice points, shape (..., rows, columns)."""
         name = function.__name__
         if name not in self._derived:
             self._derived[name] = function(self.nodes).astype(np.float32, copy=False)

@@ -1,7 +1,7 @@
-"""Where the world is evaluated: a tile's pixels, cells of several tiles, or scattered points, on any lattice.
+"""Positions at which the world is evaluated: a tile's pixels, cells of several tiles, or scattered points.
 
-A position is an integer cell and a float32 fraction of it, exact at every level for pixel centres of every zoom. What
-neighbouring tiles have in common is worked out once (`shared`).
+On a lattice a position is an integer cell and a float32 fraction of it, exact at every level for pixel centres of every
+zoom. Results that neighbouring tiles share are computed once (`shared`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Result = TypeVar("Result")
 
 
 def _taps(f: Array, derivative: bool) -> tuple[Array, Array, Array, Array]:
-    """Weights of the four coefficients around fractions `f` (float32) of a cell: values, or slopes per cell."""
+    """Weights of the four coefficients around fractions `f` (float32) of a cell, for values or for slopes per cell."""
     g = np.float32(1) - f
     f2, g2 = f * f, g * g
     half, sixth, three = np.float32(0.5), np.float32(1 / 6), np.float32(3)
@@ -43,7 +43,7 @@ class Positions(ABC):
     zoom, x, y : int
         The tile; its north-west corner is the origin of the local metres.
     shape : tuple of int
-        Shape of what is evaluated.
+        Shape of the results.
     """
 
     zoom: int
@@ -92,9 +92,10 @@ class Few(NamedTuple):
 
 
 class LatticeCells(ABC):
-    """Where samples lie on one lattice.
+    """Samples on one lattice.
 
-    `i`, `j` are columns and rows of cells; `fx`, `fy` float32 fractions of the cell, broadcastable to the inner shape.
+    `i`, `j` are columns and rows of cells; `fx`, `fy` are float32 fractions of the cell, broadcastable to the inner
+    shape.
     """
 
     level: int
@@ -131,7 +132,7 @@ class LatticeCells(ABC):
         """Locate only the samples of some flat indices."""
 
     def among(self, chosen: Array) -> Few:
-        """Return the samples in chosen cells, of a bool array of the shape of their window."""
+        """Return the samples in chosen cells, given as a bool array of the shape of their window."""
         held = self.window()
         at = np.flatnonzero(np.broadcast_to(self.spread(chosen, held), self.inner()))
         cells = self.pick(at)
@@ -144,9 +145,9 @@ class LatticeCells(ABC):
 
 @dataclass(frozen=True)
 class _Axis:
-    """Positions along one axis: `count` pixels from the one that is `inside` a cell of ``2**shift`` pixels.
+    """Positions along one axis: `count` pixels, starting at pixel `inside` of a cell of ``2**shift`` pixels.
 
-    Tiles of a zoom have nearly always the same, so all is remembered.
+    Nearly all tiles of a zoom have the same, so results are remembered.
     """
 
     inside: int
@@ -155,12 +156,12 @@ class _Axis:
 
     @property
     def cells(self) -> Array:
-        """Cell of each pixel, counted from the first one's."""
+        """Cell of each pixel, counted from the first pixel's cell."""
         return _axis(self)[0]
 
     @property
     def fractions(self) -> Array:
-        """Each pixel's fraction of its cell, float32."""
+        """Fraction of each pixel in its cell, float32."""
         return _axis(self)[1]
 
     def taps(self, derivative: bool) -> tuple[Array, Array, Array, Array]:
@@ -179,14 +180,14 @@ def _axis_taps(axis: _Axis, derivative: bool) -> tuple[Array, Array, Array, Arra
 
 
 class GridCells(LatticeCells):
-    """Cells under a block of pixels: rows of one cell are kept together, so that little is gathered."""
+    """Cells under a block of pixels, with the rows of a cell kept together to gather little."""
 
     def __init__(
         self, level: int, corner: tuple[int, int], columns: _Axis, rows: _Axis, shape: tuple[int, ...]
     ) -> None:
         """Locate a block of pixels whose north-west one is in the cell `corner`.
 
-        `rows` may have fewer pixels than the block: those of one cell, where all of the block's are like it.
+        `rows` may have only the pixels of one cell if the block consists of whole cells.
         """
         i = corner[0] + columns.cells
         like = shape[0] // rows.count
@@ -206,7 +207,7 @@ class GridCells(LatticeCells):
         return len(self.j), self.shape[0] // len(self.j), self.shape[1]
 
     def among(self, chosen: Array) -> Few:
-        """Return the samples in chosen cells, cell by cell where those are whole; see `LatticeCells.among`."""
+        """Return the samples in chosen cells, cell by cell if cells are whole; see `LatticeCells.among`."""
         side = 1 << self._columns.shift
         if self._apart or self._columns.inside or self._rows.inside:
             return super().among(chosen)
@@ -242,8 +243,8 @@ class GridCells(LatticeCells):
             part *= wx[t]
             rows += part
         if self._apart:
-            own = self.j - held.j0
-            taps = [rows[own + t] * wy[t][:, None] for t in range(4)]
+            block_row = self.j - held.j0
+            taps = [rows[block_row + t] * wy[t][:, None] for t in range(4)]
             return np.asarray(((taps[0] + taps[1]) + taps[2]) + taps[3])
         out: Array = rows[: held.rows, None, :] * wy[0][:, None]
         part = np.empty_like(out)
@@ -274,16 +275,16 @@ class PointCells(LatticeCells):
         wx, wy = _taps(self.fx, dx), _taps(self.fy, dy)
         column, row = self.i - window.i0, self.j - window.j0
 
-        def along(r: Array) -> Array:
+        def row_values(r: Array) -> Array:
             total = c[r, column - 1] * wx[0]
             for t in (1, 2, 3):
                 total += c[r, column + (t - 1)] * wx[t]
             summed: Array = total
             return summed
 
-        out = along(row - 1) * wy[0]
+        out = row_values(row - 1) * wy[0]
         for t in (1, 2, 3):
-            out += along(row + (t - 1)) * wy[t]
+            out += row_values(row + (t - 1)) * wy[t]
         return out
 
 
@@ -305,7 +306,7 @@ class TileCells(PointCells):
 
 
 def _split(position: Array, shift: int) -> tuple[Array, Array]:
-    """Split half-integer positions, given as integers + 1/2, into cells of ``2**shift`` and fractions of them."""
+    """Split positions, integers plus 1/2, into cells of ``2**shift`` and fractions of them."""
     cell = position >> shift
     inside = position - (cell << shift)
     return cell, ((inside + 0.5) / float(1 << shift)).astype(np.float32)
@@ -348,17 +349,17 @@ class Grid(Positions):
 
 
 class TilePositions(Positions):
-    """The centres of cells of `level` in and right around several tiles, told from each tile's own corner.
+    """The centres of the cells of `level` in several tiles and in a margin of one cell, relative to each tile's corner.
 
-    Its shape is (tiles, rows, columns); `x`, `y` are the first tile's. What is worked out for them differs in no
-    bit from what is worked out for one tile after the other, but takes one call of NumPy's where that takes many.
+    The shape is (tiles, rows, columns); `x`, `y` are the first tile's. Results equal those of one tile after the other
+    to the last bit, with one NumPy call in place of many.
 
     Parameters
     ----------
     x, y : int64 arrays (n,)
         The tiles.
     level : int
-        Of the cells, ``zoom`` or finer.
+        Level of the cells, ``zoom`` or finer.
     """
 
     def __init__(self, zoom: int, x: Array, y: Array, level: int) -> None:
@@ -415,7 +416,7 @@ class ScatteredPositions(Positions):
 
 
 class _SharedResult(Generic[Result]):
-    """Where a result is, or will be: who holds the lock works it out."""
+    """A result, computed by the thread that holds the lock."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -425,8 +426,8 @@ class _SharedResult(Generic[Result]):
 def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
     """Remember the last `count` results of a function of hashable arguments, as `lru_cache` does.
 
-    Threads that ask for the same result at the same time wait for the one that works it out; with `lru_cache` each of
-    them would.
+    Threads that need the same result at the same time wait for the one that computes it; with `lru_cache` each would
+    compute it.
     """
 
     def remember(function: Callable[..., Result]) -> Callable[..., Result]:

@@ -1,4 +1,4 @@
-"""What lies at some samples: water, woods, motorways and parcels, worked out once and shared by all styles."""
+"""Coverage of samples by water, woods, motorways and parcels, computed once and shared by all styles."""
 
 from __future__ import annotations
 
@@ -14,18 +14,9 @@ from .parcels import Parcels
 from .region import Region
 from .samples import Positions
 
+#: Zoom from which parcels and roads are drawn; a pixel of the zoom before is wider than a village.
 PARCEL_ZOOM = 8
-"""Zoom from which parcels and roads are drawn; a pixel of the one before is wider than a village."""
-
-_RELIEF_ZOOM, _RELIEF_SHARE = 13, 0.86
-"""Zoom up to which relief is toned down, and what is left of it at each zoom farther out."""
-
-RIVER_HALF_WIDTH_M = 34.0
-BROOK_HALF_WIDTH_M = 3.2
-MOTORWAY_HALF_WIDTH_M = 13.0
-_LEAST_STEEPNESS = {"river": 2.2e-6, "brook": 1.0e-5, "motorway": 1.5e-6}
-"""Where a course's field is flatter than this per metre, as at a confluence, its width grows no further."""
-
+#: Greatest slope of fields, per metre.
 _MOST_STEEPNESS = {
     "river": 6e-5,
     "brook": 2.5e-4,
@@ -37,7 +28,7 @@ _MOST_STEEPNESS = {
 
 
 class Scene:
-    """The world around some samples; coverages are float32, 0..1, of their shape, or None for none."""
+    """The world around samples; coverages are float32, 0..1, of the samples' shape, or None where all are 0."""
 
     def __init__(self, seed: int, samples: Positions) -> None:
         self.seed, self.samples = seed, samples
@@ -54,23 +45,28 @@ class Scene:
         return self.region.value(name, self.samples)
 
     def _bounds(self, name: str) -> Iterator[tuple[float, float]]:
-        """Bound a field over the block, which costs nothing, and then over the samples."""
+        """Bound a field over the block, which is cheap, and then over the samples."""
         yield self.region.extremes(name)
         yield self.region.span(name, self.samples)
 
     def _reach(self, name: str, half_width_m: float) -> float:
-        """Bound on the field within a course of some half width, blur included."""
+        """Greatest absolute value of a field within a half width of its zeros, blur included."""
         return (half_width_m + self.pixel_m) * _MOST_STEEPNESS[name] + self.region.blur(name)
 
-    def _course(self, name: str, half_width_m: float, factor: str | None) -> Array | None:
-        """Coverage by a line that follows the zeros of a field, its width times a share of the climate's."""
+    def _course(
+        self, name: str, half_width_m: float, least_steepness: float, factor: str | None = None
+    ) -> Array | None:
+        """Coverage by a line along the zeros of a field, its width times a factor of the climate.
+
+        Where the field is flatter than ``least_steepness`` per metre, as at a confluence, the width grows no further.
+        """
         reach = self._reach(name, half_width_m)
         for low, high in self._bounds(name):
             if low > reach or high < -reach:
                 return None
         f = self._value(name)
         steep = self.region.steepness(name, self.samples)
-        width = np.maximum(steep, np.float32(_LEAST_STEEPNESS[name])) * np.float32(half_width_m)
+        width = np.maximum(steep, np.float32(least_steepness)) * np.float32(half_width_m)
         if factor is not None:
             width *= self._climate(factor)
         soft = steep
@@ -97,8 +93,8 @@ class Scene:
     @cached_property
     def rivers(self) -> Array | None:
         """Coverage by rivers and brooks."""
-        river = self._course("river", RIVER_HALF_WIDTH_M, "wateriness")
-        brook = self._course("brook", BROOK_HALF_WIDTH_M, "wateriness")
+        river = self._course("river", 34.0, 2.2e-6, "wateriness")
+        brook = self._course("brook", 3.2, 1.0e-5, "wateriness")
         return _union(river, brook)
 
     @cached_property
@@ -113,12 +109,12 @@ class Scene:
         return ramp(above, steep + np.float32(self.region.blur("lake") + 1e-12))
 
     def water(self) -> Array | None:
-        """Coverage by water of all kinds."""
+        """Coverage by all water."""
         return _union(_union(self.sea, self.lakes), self.rivers)
 
     @cached_property
     def woods(self) -> Array | None:
-        """Coverage by woods, water left out."""
+        """Coverage by woods, regardless of water."""
         if self.region.extremes("wood")[1] < self.region.derived_extremes(climate.wood_threshold)[0] - self._reach(
             "wood", 0.0
         ):
@@ -147,21 +143,21 @@ class Scene:
     @cached_property
     def motorway(self) -> Array | None:
         """Coverage by motorways."""
-        cover = self._course("motorway", MOTORWAY_HALF_WIDTH_M, None)
+        cover = self._course("motorway", 13.0, 1.5e-6)
         if cover is not None:
             cover *= self._climate("settled")
         return cover
 
     def shade(self) -> Array:
-        """Slope towards a light in the north-west, eased into -1..1.
+        """Slope towards a light in the north-west, compressed into -1..1.
 
-        Coarse pixels are given less of it, as cartographers do: their relief is as rough as a hillside's, but the
-        eye reads it as much higher mountains.
+        It is reduced by 0.86 for each zoom below 13, as cartographers do: relief that is as rough at coarse pixels as a
+        hillside is looks like much higher mountains.
         """
         east, south = self.region.slope("relief", self.samples)
         east += south
-        coarse = max(_RELIEF_ZOOM - self.samples.zoom, 0)
-        east *= np.float32(40075016.7 / 28.0 * _RELIEF_SHARE**coarse)
+        coarse = max(13 - self.samples.zoom, 0)
+        east *= np.float32(40075016.7 / 28.0 * 0.86**coarse)
         east /= np.sqrt(np.float32(1) + east * east)
         return east
 

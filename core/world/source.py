@@ -20,34 +20,25 @@ from ..imagery.source import Part, Window, tile_parts
 from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from . import caps, styles
 from .heights import ground_m, surface_m
-from .lattice import TILE_PX, Array, on_chart
+from .lattice import TILE_PX, Array, chart_seed
 from .objects import footprints
 from .region import BLOCK_ZOOM
 from .samples import Grid, ScatteredPositions
 from .scene import Scene
 
 MAX_ZOOM = 22
-#: The pole in the middle of each chart beside the Web-Mercator map, see `lattice.on_chart`.
+#: Pole of each polar chart; see `lattice.chart_seed`.
 _POLES = {"EPSG:3413": 1, "EPSG:3031": -1}
-_ON_MAP: dict[str, styles.Painter] = {
-    SATELLITE: styles.satellite,
-    ROADMAP: styles.roadmap,
-    TERRAIN: styles.terrain,
+#: Painters of each style: of the map, and of polar charts.
+_PAINTERS: dict[str, tuple[styles.Painter, styles.Painter]] = {
+    SATELLITE: (styles.satellite, caps.satellite),
+    ROADMAP: (styles.roadmap, caps.roadmap),
+    TERRAIN: (styles.terrain, caps.terrain),
 }
-_ON_CAPS: dict[str, styles.Painter] = {
-    SATELLITE: caps.satellite,
-    ROADMAP: caps.roadmap,
-    TERRAIN: caps.terrain,
-}
-_KEPT_BYTES = 1 << 24
-_WALLS_ZOOM = BLOCK_ZOOM
-"""Zoom of walls, whose colours are the same at all that show buildings: as wide tiles as share a region."""
-_HEIGHTS_ZOOM = 19
-"""Finest zoom of heights: pixels of a quarter of a metre show what stands on the ground."""
 
 
 def _chart(crs: str) -> str:
-    """Return the CRS of a chart, as its code is written; the map's for none."""
+    """Return the code of a chart's CRS in upper case; the map's for an empty one."""
     code = crs.strip().upper() or WebMercator.crs
     if code != WebMercator.crs and code not in _POLES:
         raise InvalidInput(
@@ -64,18 +55,17 @@ def _chart(crs: str) -> str:
 class World:
     """A seeded landscape over the whole Web-Mercator square, or about a pole.
 
-    Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure
-    function of seed,
-    style, position and zoom: the same on every machine, in every order and number of threads.
+    Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure function of
+    seed, style, position and zoom: the same on every machine, in any order and with any number of threads.
 
     Parameters
     ----------
     seed : int
         Chooses the landscape; 0 or greater, below ``2**64``.
     crs : str
-        Of the chart: empty, or ``EPSG:3857``, for Web Mercator; ``EPSG:3413`` or ``EPSG:3031`` for the polar
-        stereographic square about the North or South Pole. That is as wide as the Mercator map, in metres of its CRS,
-        with the pole in its middle, so that a zoom's pixels are as large. Each of the three is a landscape of its own.
+        CRS of the chart: empty or ``EPSG:3857`` for Web Mercator; ``EPSG:3413`` or ``EPSG:3031`` for the polar
+        stereographic square about the North or South Pole, which is as wide as the Mercator map, in metres of its CRS,
+        so that pixels of a zoom are as large. Each of the three is a different landscape.
     """
 
     seed: int = 2024
@@ -97,9 +87,8 @@ class World:
             World fractions east and south of the north-west corner (on the map 180° W, 85.0511° N). `u` wraps around;
             `v` in [0, 1].
         zoom : float or array
-            Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two
-            neighbours are mixed.
-            Broadcast with `u` and `v`.
+            Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two neighbours are
+            mixed. Broadcast with `u` and `v`.
 
         Returns
         -------
@@ -120,17 +109,17 @@ class World:
         shape = u.shape
         u, v, zoom = (u - np.floor(u)).ravel(), np.minimum(v, np.nextafter(1.0, 0.0)).ravel(), zoom.ravel()
         below = np.floor(zoom)
-        out = self._at_whole_zooms(painter, u, v, below.astype(np.int64))
+        out = self._paint_points(painter, u, v, below.astype(np.int64))
         between = np.flatnonzero(zoom > below)
         if between.size:
-            above = self._at_whole_zooms(painter, u[between], v[between], below[between].astype(np.int64) + 1)
+            above = self._paint_points(painter, u[between], v[between], below[between].astype(np.int64) + 1)
             share = (zoom - below)[between].astype(np.float32)[:, None]
             out[between] += share * (above - out[between])
         return out.reshape(*shape, 3)
 
     @property
     def _landscape(self) -> int:
-        return on_chart(self.seed, _POLES.get(self.crs, 0))
+        return chart_seed(self.seed, _POLES.get(self.crs, 0))
 
     def heights(self, zoom: int, x: int, y: int, *, bare: bool = False) -> NDArray[np.float32]:
         """Return the heights of a tile: metres over the ellipsoid at its pixels' centres, (256, 256), from the north.
@@ -138,7 +127,7 @@ class World:
         Parameters
         ----------
         bare : bool
-            Without what stands on the ground. On polar charts nothing does.
+            Without buildings and trees, which polar charts lack in any case.
 
         Raises
         ------
@@ -152,25 +141,25 @@ class World:
     def walls(self, u: Array, v: Array, east: Array, south: Array) -> NDArray[np.float32]:
         """Colours of the walls of buildings, which pictures from above do not show.
 
-        A building has one colour, which goes with its roof's; walls turned from the sun, by which shadows are painted,
-        are darker.
+        A building has one colour, which matches its roof; walls in shadow are darker.
 
         Parameters
         ----------
         u, v : float64 arrays (n,)
-            World fractions, as in `colour`, of places on the roofs above the walls.
+            World fractions, as in `colour`, of points on the roofs above the walls.
         east, south : arrays (n,)
-            Which way the walls face, as a unit vector.
+            Directions that the walls face, as unit vectors.
 
         Returns
         -------
         float32 array of shape (n, 3)
-            Red, green, blue in 0..255; NaN where there is no building.
+            Red, green, blue in 0..255; NaN outside buildings.
         """
         out = np.full((u.size, 3), np.nan, dtype=np.float32)
         if self.crs in _POLES:
             return out
-        for at, samples in _by_tile(u - np.floor(u), v, np.full(u.size, _WALLS_ZOOM)):
+        # Colours of walls are the same at all zooms that show buildings: take the widest tiles that share a region.
+        for at, samples in _group_points(u - np.floor(u), v, np.full(u.size, BLOCK_ZOOM)):
             prints = footprints(Scene(self._landscape, samples).parcels)
             if prints is not None:
                 out[at] = np.stack(prints.walls(east[at], south[at]), axis=-1)
@@ -179,11 +168,11 @@ class World:
     def _painter(self, style: str) -> styles.Painter:
         if style not in MAP_TYPES:
             raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
-        return (_ON_CAPS if self.crs in _POLES else _ON_MAP)[style]
+        return _PAINTERS[style][self.crs in _POLES]
 
-    def _at_whole_zooms(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
+    def _paint_points(self, painter: styles.Painter, u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
-        for at, samples in _by_tile(u, v, zoom):
+        for at, samples in _group_points(u, v, zoom):
             out[at] = painter(Scene(self._landscape, samples)).pixels()
         return out
 
@@ -207,8 +196,8 @@ class World:
             raise InvalidInput("tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1)
 
 
-def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
-    """Indices of the points in each tile of their whole zooms, and these points."""
+def _group_points(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, ScatteredPositions]]:
+    """Group points by the tiles of their zooms; yield the indices and positions of each group."""
     x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
     key = (zoom << 44) | (y << 22) | x
     order = np.argsort(key, kind="stable")
@@ -220,7 +209,7 @@ def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, Scattered
 
 
 class WorldSource:
-    """The embedded world as a source: computed where it is needed, the same everywhere."""
+    """The embedded world as a source of tiles, computed on request."""
 
     name = "world"
     title = "Synthetic (offline)"
@@ -232,10 +221,10 @@ class WorldSource:
 
     def __init__(self, seed: int = 2024, crs: str = "") -> None:
         self.world = World(seed, crs)
-        self.grid = grid_in(crs)
-        # glibc gives what a tile has used back to the system after each, and takes it anew, page by page: a quarter of
-        # a tile's time. Freeing one large block tells it to keep as much (mallopt(3), M_TRIM_THRESHOLD).
-        np.empty(_KEPT_BYTES, dtype=np.uint8)
+        self.grid = chart_grid(crs)
+        # After each tile glibc returns its memory to the system, and allocating it again takes a quarter of a tile's
+        # time. Freeing one large block raises the threshold (mallopt(3), M_TRIM_THRESHOLD).
+        np.empty(1 << 24, dtype=np.uint8)
 
     def parts(self, window: Window) -> list[Part]:
         """Return the tiles that fill a window."""
@@ -252,23 +241,24 @@ class WorldSource:
         return self.world.tile(map_type, part.zoom, int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX)
 
     def walls(self, map_type: str, lat_deg: Array, lon_deg: Array, east: Array, north: Array) -> NDArray[np.float32]:
-        """Colours of walls below roofs, as `imagery.source.Walled` has them: street maps and relief show none."""
+        """Colours of walls below roofs, see `imagery.source.Walled`; NaN for street maps and relief."""
         if map_type != SATELLITE:
             return np.full((lat_deg.size, 3), np.nan, np.float32)
         return self.world.walls(*self.grid.plane.forward(lat_deg, lon_deg), east, -north)
 
     def close(self) -> None:
-        """Do nothing: it holds nothing."""
+        """Do nothing: there is nothing to close."""
 
 
 class WorldHeights(WorldSource):
-    """The heights of the embedded world as a source, of its pixels."""
+    """The heights of the embedded world as a source."""
 
     bands = Bands(("height",), "float32", (0,))
 
     def __init__(self, seed: int = 2024, crs: str = "") -> None:
         super().__init__(seed, crs)
-        self.grid = replace(self.grid, max_zoom=_HEIGHTS_ZOOM, native_zoom=_HEIGHTS_ZOOM)
+        # Pixels of 0.3 m show the shapes of buildings and trees.
+        self.grid = replace(self.grid, max_zoom=19, native_zoom=19)
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (its heights are one kind)
         """Heights of a tile, (256, 256, 1); raises InvalidInput for a tile that does not exist."""
@@ -276,8 +266,8 @@ class WorldHeights(WorldSource):
         return self.world.heights(part.zoom, column, row)[..., np.newaxis]
 
 
-def grid_in(crs: str) -> PixelGrid:
-    """Pixels of the chart that `World` has in a CRS; raises InvalidInput where it has none."""
+def chart_grid(crs: str) -> PixelGrid:
+    """Pixel grid of the chart in a CRS; raises InvalidInput for a CRS that `World` lacks."""
     code = _chart(crs)
     if code == WebMercator.crs:
         return WorldSource.grid
@@ -288,5 +278,5 @@ def grid_in(crs: str) -> PixelGrid:
 
 
 def open_entry(_entry: CatalogueEntry, _date: str, _key: str | None, options: SourceOptions) -> WorldSource:
-    """Return the world of the seed that is asked for."""
+    """Open the world of the seed and CRS in the options."""
     return WorldSource(options.seed, options.crs)

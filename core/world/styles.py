@@ -1,4 +1,4 @@
-"""The three styles: the world as seen from the air, a street map in flat colours, and hill-shaded relief."""
+"""The three styles: satellite imagery, a street map in flat colours, and hill-shaded relief."""
 
 from __future__ import annotations
 
@@ -16,40 +16,17 @@ from .region import neighbourhood
 from .samples import Grid, Positions, shared
 from .scene import PARCEL_ZOOM, Scene
 
-#: Makes the picture of a scene in one style.
+#: Function that paints a scene in one style.
 Painter = Callable[[Scene], Canvas]
 
+#: Level of the coarsest octave of speckle, 2.4 km.
 _SPECKLE_FIRST = 14
-
-_STRIPE_COUNT = 8192
-_STRIPES_PER_PX = 4
-_STRIPES = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
-"""Spacing in metres and strength of the bands of which field stripes are made."""
-_HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
-_ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
-_VERGE = (138, 138, 92)
-_MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
-_RIVER = (62, 84, 82)
-_LAKE = (44, 66, 76)
-_SHADOW, _SHADOW_M = (26, 30, 34), 2.6
-_FLOOR = (44, 52, 32)
-LAND = (242, 240, 233)
+#: Samples of a period of field stripes, and of a pixel.
+_STRIPE_COUNT, _STRIPES_PER_PX = 8192, 4
+#: Colour of woods in satellite imagery.
+_CANOPY = (50, 68, 40)
+#: Colour of water on street maps and relief.
 WATER = (156, 200, 227)
-WOOD = (196, 224, 186)
-RESIDENTIAL = (229, 227, 224)
-BUILDING, BUILDING_EDGE = (206, 202, 197), (176, 170, 164)
-TRACK_INK, CASING = (214, 204, 186), (201, 196, 188)
-STREET, ROAD_FILL, MAIN_FILL = (255, 255, 255), (255, 250, 208), (252, 220, 132)
-MOTORWAY_FILL = (245, 176, 106)
-_CASING_M = 1.4
-_TINTS = (
-    (0.0, (190, 206, 172)),
-    (0.06, (206, 214, 178)),
-    (0.18, (224, 216, 176)),
-    (0.4, (212, 190, 152)),
-    (0.7, (190, 166, 142)),
-    (1.0, (236, 234, 236)),
-)
 
 
 def speckle(seed: int, samples: Positions, last_level: int) -> Array | None:
@@ -68,7 +45,7 @@ def _octave(seed: int, window: LatticeWindow) -> Array:
 
 @shared(32)
 def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, LatticeWindow]:
-    """Coefficients at `level` over a tile of any zoom."""
+    """Coefficients of speckle at `level` over a tile of any zoom."""
     windows = [Grid(zoom, x, y).cells(level).support()]
     while windows[-1].level > _SPECKLE_FIRST:
         windows.append(windows[-1].parent())
@@ -82,14 +59,13 @@ def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, L
 
 @shared(32)
 def _stripe_table(seed: int, pixel_m: float) -> Array:
-    """One period of the stripes at a pixel size, sampled `_STRIPES_PER_PX` times a pixel.
-
-    Bands a pixel cannot show are left out.
-    """
+    """One period of the stripes at a pixel size, without the bands that a pixel cannot show."""
+    # Spacing in metres and strength of each band.
+    bands = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
     at = np.arange(_STRIPE_COUNT) / _STRIPES_PER_PX
     out = np.zeros(_STRIPE_COUNT, dtype=np.float32)
     period_px = _STRIPE_COUNT // _STRIPES_PER_PX
-    for band, (spacing_m, strength) in enumerate(_STRIPES):
+    for band, (spacing_m, strength) in enumerate(bands):
         wave_px = spacing_m / pixel_m
         weight = min(max((wave_px - 2.0) / 2.0, 0.0), 1.0) * strength
         if weight == 0.0:
@@ -115,9 +91,9 @@ def stripes(seed: int, across_m: Array, pixel_m: float) -> Array:
 
 
 def satellite(scene: Scene) -> Canvas:
-    """Paint the land, then water, then what stands on it."""
+    """Paint the land, then water, then roads, buildings and trees."""
     zoom = scene.samples.zoom
-    return _Land(scene).paint() if zoom >= PARCEL_ZOOM else _from_afar(scene)
+    return _Land(scene).paint() if zoom >= PARCEL_ZOOM else _paint_overview(scene)
 
 
 def _farm_colour(f: dict[str, Array]) -> Array:
@@ -125,13 +101,13 @@ def _farm_colour(f: dict[str, Array]) -> Array:
     return farm_mean(dry.ravel()).reshape(3, *dry.shape)
 
 
-def _from_afar(scene: Scene) -> Canvas:
+def _paint_overview(scene: Scene) -> Canvas:
     region, samples = scene.region, scene.samples
     canvas = Canvas(region.smooth(climate.natural_colour, samples), samples.shape)
     canvas.blend(region.smooth(climate.rural_share, samples), region.smooth(_farm_colour, samples))
     woods = scene.woods
     if woods is not None:
-        canvas.blend(woods, objects.CANOPY)
+        canvas.blend(woods, _CANOPY)
     canvas.lighten(_light(scene))
     _paint_water(canvas, scene)
     return canvas
@@ -145,12 +121,12 @@ def _paint_water(canvas: Canvas, scene: Scene) -> None:
     sea = scene.sea
     if sea is not None:
         canvas.blend(sea, scene.region.smooth(climate.sea_colour, scene.samples))
-    canvas.blend(scene.lakes, _LAKE)
-    canvas.blend(scene.rivers, _RIVER)
+    canvas.blend(scene.lakes, (44, 66, 76))
+    canvas.blend(scene.rivers, (62, 84, 82))
 
 
 class _Land:
-    """Painter of one set of samples at the zooms that show parcels."""
+    """Painter of a scene at zooms that show parcels."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.parcels = scene, scene.parcels
@@ -169,7 +145,8 @@ class _Land:
         self._lines(canvas)
         woods = scene.woods
         if woods is not None:
-            canvas.blend(woods, _FLOOR if self.zoom >= objects.FIRST_ZOOM else objects.CANOPY)
+            floor = (44, 52, 32)
+            canvas.blend(woods, floor if self.zoom >= objects.FIRST_ZOOM else _CANOPY)
         _paint_water(canvas, scene)
         self._roads(canvas)
         self._buildings(canvas)
@@ -191,86 +168,98 @@ class _Land:
         return light
 
     def _lines(self, canvas: Canvas) -> None:
-        for line, colour in ((TRACK, _SOIL_TRACK), (HEDGE, _HEDGE)):
+        for line, colour in ((TRACK, (176, 156, 122)), (HEDGE, (62, 80, 44))):
             d = self.parcels.distance_m(line)
             if d is not None:
                 canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line], 0.8, colour))
 
     def _roads(self, canvas: Canvas) -> None:
-        lines = [(line, self.parcels.distance_m(line)) for line in (LANE, ROAD, MAIN)]
+        asphalt = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
+        verge, marking = (138, 138, 92), (224, 206, 130)
+        lines = [(line, self.parcels.distance_m(line)) for line in asphalt]
         for line, d in lines:
             if d is not None:
-                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line] + 2.0, 0.6, _VERGE))
+                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line] + 2.0, 0.6, verge))
         for line, d in lines:
             if d is not None:
-                strokes = [(HALF_WIDTH_M[line], 1.0, _ASPHALT[line])]
+                strokes = [(HALF_WIDTH_M[line], 1.0, asphalt[line])]
                 if line == MAIN and self.zoom >= 18:
-                    strokes.append((0.2, 0.7, _MARKING))
+                    strokes.append((0.2, 0.7, marking))
                 canvas.stroke(d, self.pixel_m, *strokes)
-        canvas.blend(self.scene.motorway, _MOTORWAY)
+        canvas.blend(self.scene.motorway, (134, 132, 130))
 
     def _buildings(self, canvas: Canvas) -> None:
         prints = footprints(self.parcels)
         if prints is None:
             return
-        at, near = prints.near(_SHADOW_M)
+        at, near = prints.nearby(objects.SHADOW_M)
         layers: list[tuple[Array, Array | Sequence[float | Array]]] = [(near.cover(), near.roofs())]
         if self.zoom >= 15:
-            layers.insert(0, (near.cover(moved_m=_SHADOW_M) * np.float32(0.6), _SHADOW))
+            layers.insert(0, (near.cover(moved_m=objects.SHADOW_M) * np.float32(0.6), (26, 30, 34)))
         canvas.touch(at, *layers)
 
     def _trees(self, canvas: Canvas) -> None:
         contrast = 0.55 if self.zoom == objects.FIRST_ZOOM else 1.0
-        canopy = np.array(objects.CANOPY, dtype=np.float32)
+        canopy = np.array(_CANOPY, dtype=np.float32)
         for cells, crowns in objects.plant(self.scene):
             objects.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy)
 
 
 def roadmap(scene: Scene) -> Canvas:
-    """Draw the street map."""
-    canvas = Canvas(LAND, scene.samples.shape)
+    """Draw a street map in flat colours."""
+    canvas = Canvas((242, 240, 233), scene.samples.shape)
     drawn = scene.samples.zoom >= PARCEL_ZOOM
     if drawn:
         town = scene.parcels.leaf(scene.parcels.division.looks.town)
         if town.any():
-            canvas.blend(scene.parcels.spread(town), RESIDENTIAL)
-    canvas.blend(scene.woods, WOOD)
+            canvas.blend(scene.parcels.spread(town), (229, 227, 224))
+    canvas.blend(scene.woods, (196, 224, 186))
     canvas.blend(scene.sea, WATER)
     canvas.blend(scene.lakes, WATER)
     canvas.blend(scene.rivers, WATER)
     if drawn:
         _draw_buildings(canvas, scene)
         _draw_roads(canvas, scene)
-    cover = scene.motorway
-    canvas.blend(cover, MOTORWAY_FILL)
+    canvas.blend(scene.motorway, (245, 176, 106))
     return canvas
 
 
 def _draw_buildings(canvas: Canvas, scene: Scene) -> None:
     prints = footprints(scene.parcels)
     if prints is not None:
-        for colour, grow in ((BUILDING_EDGE, 0.0), (BUILDING, -0.7)):
+        edge, inside = (176, 170, 164), (206, 202, 197)
+        for colour, grow in ((edge, 0.0), (inside, -0.7)):
             canvas.blend(prints.cover(grow_m=grow), colour)
 
 
 def _draw_roads(canvas: Canvas, scene: Scene) -> None:
     parcels, p = scene.parcels, scene.pixel_m
-    lines = {line: parcels.distance_m(line) for line in (TRACK, LANE, ROAD, MAIN)}
+    track, casing = (214, 204, 186), (201, 196, 188)
+    fills = {LANE: (255, 255, 255), ROAD: (255, 250, 208), MAIN: (252, 220, 132)}
+    lines = {line: parcels.distance_m(line) for line in (TRACK, *fills)}
     for line, d in lines.items():
         if d is not None:
-            ink, wider = (TRACK_INK, 0.0) if line == TRACK else (CASING, _CASING_M)
+            ink, wider = (track, 0.0) if line == TRACK else (casing, 1.4)
             canvas.stroke(d, p, (HALF_WIDTH_M[line] + wider, 1.0, ink))
-    for line, ink in ((LANE, STREET), (ROAD, ROAD_FILL), (MAIN, MAIN_FILL)):
+    for line, fill in fills.items():
         d = lines[line]
         if d is not None:
-            canvas.stroke(d, p, (HALF_WIDTH_M[line], 1.0, ink))
+            canvas.stroke(d, p, (HALF_WIDTH_M[line], 1.0, fill))
 
 
 def terrain(scene: Scene) -> Canvas:
     """Draw hypsometric tints with hill shading, water, woods and faint roads."""
     up = scene.region.smooth(height, scene.samples)
-    stops = np.array([s for s, _ in _TINTS])
-    tint = np.stack([np.interp(up, stops, [c[k] for _, c in _TINTS]) for k in range(3)])
+    tints = (
+        (0.0, (190, 206, 172)),
+        (0.06, (206, 214, 178)),
+        (0.18, (224, 216, 176)),
+        (0.4, (212, 190, 152)),
+        (0.7, (190, 166, 142)),
+        (1.0, (236, 234, 236)),
+    )
+    stops = np.array([s for s, _ in tints])
+    tint = np.stack([np.interp(up, stops, [c[k] for _, c in tints]) for k in range(3)])
     canvas = Canvas(tint, scene.samples.shape)
     woods = scene.woods
     if woods is not None:

@@ -90,10 +90,10 @@ def test_samples_right_on_a_line_are_on_the_same_side_of_it():
     on_lines = np.unique(np.concatenate(inside)).astype(np.float32)
     assert np.float32(parcels.ROOT_M + pieces.corner[0]) in on_lines
     pieces.x[:, : on_lines.size] = on_lines
-    assert pieces._draw(at)
+    assert pieces._find_few(at)
     drawn = at[pieces.index]
     pieces.index = np.zeros(pieces.shape, dtype=np.intp)
-    walked = pieces._walk()[pieces.index]
+    walked = pieces._descend()[pieces.index]
     np.testing.assert_array_equal(drawn, walked)
 
 
@@ -104,7 +104,7 @@ def test_lines_are_counted_as_one_by_one(count):
     # Some right on a sample, some next to each other, some beyond all.
     lines = np.unique(np.concatenate([random.choice(c.ravel(), count), random.normal(70, 1e-4, count), [170.0]]))
     lines = lines[lines >= c.min()].astype(np.float32)
-    np.testing.assert_array_equal(parcels._beyond(c, lines), sum((c > line).astype(int) for line in lines))
+    np.testing.assert_array_equal(parcels._count_passed(c, lines), sum((c > line).astype(int) for line in lines))
 
 
 @pytest.mark.parametrize("zoom", [16, 17, 19, 22])
