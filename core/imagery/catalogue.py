@@ -322,7 +322,7 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
         if name in shipped_data():
             raise InvalidInput("source {0!r}: is part of the catalogue, which stays as it is", name)
         raise InvalidInput(
-            "source {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
+            "source {0!r}: not one of your own, which are {1}", name, ", ".join(known) or Message("none")
         )
     write_named(path, {other: data for other, data in known.items() if other != name})
 

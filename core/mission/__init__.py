@@ -1,26 +1,26 @@
-"""What is asked of a flight, and the plan that comes of it.
+"""Missions as users ask for them, and the plans made from them.
 
 In reading order:
 
-- `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
-- `areas`: where a mission goes: boxes, polygons and points, in texts and files
-- `clock`: which times the poses of a flight may have
-- `pose_table`, `litchi_table`: poses in a table with a header, and images of a Litchi mission
-- `cameras`: cameras by name, those that ship and the user's own
-- `imageries`: several sources, dates or map types by name
-- `mission`: all that is asked, as one value of parts, in and out of JSON
-- `presets`: values for a purpose, to begin with
-- `options`: what the command takes for it
-- `settings`: a mission from command line, environment and file
-- `layout`: where captures stand and what their pictures show of the area
-- `flight`: how it is flown: wind and gusts, legs and clock, the path with its sorties, rows aligned for it
-- `relief`: the ground below a mission: heights of captures, and what they surely see
-- `methods`: the kind of picture and its methods, by the error budget
+- `parts`: the fields of a mission beside area, camera and wind, each declared with title, help, unit and limits
+- `areas`: boxes, polygons and points, from text and files
+- `clock`: units and plausibility of times
+- `pose_table`, `litchi_table`: poses from tables with a header, and from Litchi missions
+- `cameras`: cameras by name, shipped and added by users
+- `imageries`: named combinations of source, date and map type
+- `mission`: the mission, one value made of parts, to and from JSON
+- `presets`: starting values for mapping, navigation and machine learning
+- `options`: options of the command
+- `settings`: a mission from command line, environment and configuration file
+- `layout`: positions and frames of captures, their coverage and overlap
+- `flight`: wind and gusts, legs and times, the path with its sorties, the alignment of rows
+- `relief`: the ground below a mission, heights of captures, the ground that they see
+- `methods`: the kind of picture and the methods that fit the error budget
 - `resolution`: ground sample distances of a plan
-- `views`: what the cameras of a plan see
+- `views`: ground that the cameras of a plan see
 - `plan`: a mission worked out, as arrays
-- `inside`: which captures show the source's imagery alone
-- `estimate`: what a plan takes and gives, in figures
-- `outlines`: what is drawn of a plan, cut at the antimeridian
-- `export`: a plan in files
+- `inside`: captures that lie wholly on the source's imagery
+- `estimate`: figures of a plan: time, bytes, coverage, overlap
+- `outlines`: geometries to draw of a plan, cut at the antimeridian
+- `export`: files of a plan for other programs
 """

@@ -1,4 +1,4 @@
-"""Cameras by name: those that ship, with the source of their facts, and the user's own."""
+"""Cameras by name: those that ship, and those that users add."""
 
 from __future__ import annotations
 
@@ -13,15 +13,11 @@ from ..geodesy.camera import Camera
 from ..resources import read_json
 from ..storage.config import Shelf, config_file, read_named, read_shelf, write_named
 
-#: Facts that a field of view follows from, each a way of its own to state it.
+#: Facts that state the field of view; a camera has one of them.
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
-#: JSON has whole numbers of any length.
-_LARGEST = sys.float_info.max
-#: Facts that a camera is stated by.
+#: All facts of a camera.
 FACTS = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
 _FILE = "cameras.json"
-#: Longest name, in characters, that a list of cameras has room for.
-_LONGEST_NAME = 64
 
 
 @dataclass(frozen=True)
@@ -31,17 +27,17 @@ class CameraPreset:
     Parameters
     ----------
     width_px, height_px : int or None
-        Size of its pictures, where the source states it.
+        Size of its images; None where the source does not state it.
     source : str
-        Where the facts are from; may be empty of a user's own.
+        Where the facts come from; may be empty for a user's camera.
     sensor_mm : (width, height) or None
-        Of the sensor, where that is what is known.
+        Size of the sensor, if the camera is stated by it.
     focal_length_mm : float or None
-        Of the lens, likewise.
+        Focal length of the lens, if the camera is stated by its sensor.
     image_px : int or None
-        Pixels along the longer side of its pictures, where they are known.
+        Pixels along the longer side of its images, if known.
     user : bool
-        Whether it is a user's own.
+        Whether a user added it.
     """
 
     name: str
@@ -56,17 +52,17 @@ class CameraPreset:
 
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CameraPreset:
-        """Preset from the facts of ``resources/cameras.json``, or of a user's own ``cameras.json``.
+        """Preset from the facts of ``resources/cameras.json``, or of a user's ``cameras.json``.
 
-        They are a ``sensor_mm`` and its ``focal_length_mm``, or one field of view: ``fov_deg`` (the diagonal one),
-        ``horizontal_fov_deg`` or ``vertical_fov_deg``. The shape of the picture is that of ``size_px`` or
-        ``aspect_ratio``, or of the sensor; each of those is a list of width and height. Without ``size_px``,
-        ``image_px`` states the pixels along the longer side. ``source`` says where the facts are from.
+        The field of view is given as ``sensor_mm`` with ``focal_length_mm``, or as ``fov_deg`` (diagonal),
+        ``horizontal_fov_deg`` or ``vertical_fov_deg``; the shape of the image as ``size_px`` or ``aspect_ratio``, else
+        it is the sensor's. Sizes and ratios are lists of width and height. Without ``size_px``, ``image_px`` gives the
+        pixels along the longer side. ``source`` names the origin of the facts.
 
         Raises
         ------
         InvalidInput
-            What is unknown, missing or of another kind, and a sensor of another shape than its pixels.
+            A fact that is unknown, missing or of the wrong type, or a sensor whose shape differs from its image's.
         """
         try:
             return cls._build(name, data, user)
@@ -100,7 +96,7 @@ class CameraPreset:
 
 
 def _check_facts(data: Mapping[str, Any]) -> str:
-    """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
+    """Return the fact that states the field of view; refuse none, several, and facts that exclude each other."""
     for fact in data:
         if fact not in FACTS:
             raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(FACTS))
@@ -141,8 +137,8 @@ def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
 
 
 def _real(value: Any, wanted: str) -> float:
-    # What is true or false counts as a number in Python.
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value <= _LARGEST:
+    # Python counts bool as int, and JSON has integers that no float holds.
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value <= sys.float_info.max:
         raise InvalidInput(wanted)
     return float(value)
 
@@ -156,29 +152,29 @@ def shipped_cameras() -> tuple[CameraPreset, ...]:
 
 
 def cameras() -> tuple[CameraPreset, ...]:
-    """Return the cameras that ship, the paper's first, then the user's own (``user`` is True).
+    """Return the cameras that ship, the paper's first, then those that the user added.
 
     Raises
     ------
     InvalidInput
-        The user's file cannot be read; names it.
+        The user's file cannot be read.
     """
     return (*shipped_cameras(), *camera_shelf().entries)
 
 
 def camera_named(name: str) -> CameraPreset:
-    """Preset of a name, in any case; the maker's name may be left out.
+    """Find a camera by its name, in any case; the maker's name may be left out.
 
     Raises
     ------
     InvalidInput
-        Naming those that are close.
+        No such camera; suggests similar names.
     """
     shipped, wanted = shipped_cameras(), key(name)
     found = _named(wanted, shipped, full=True)
     if found is not None:
         return found
-    # The user's file, which may be broken, is read only for what does not ship under its full name.
+    # Read the user's file, which may be broken, only for names that do not ship.
     own = camera_shelf()
     for other, problem in own.problems.items():
         if key(other) == wanted:
@@ -203,7 +199,7 @@ def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> Cam
 
 
 def camera_shelf() -> Shelf[CameraPreset]:
-    """Return the user's cameras that are right, and what is wrong with the others; raises as `read_shelf`."""
+    """Return the user's valid cameras, and the problems of the others; raises as `read_shelf`."""
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
 
     def preset(name: str, data: Any) -> CameraPreset:
@@ -221,14 +217,14 @@ def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
     Parameters
     ----------
     name : str
-        Of one line, without spaces around it; none that is taken, in any case.
+        One line without surrounding spaces; differs from every other name in more than case.
     data : mapping
         Facts as `CameraPreset.from_dict` takes them.
 
     Raises
     ------
     InvalidInput
-        The name or the facts are not right.
+        The name or a fact is invalid.
     OutputError
         The file cannot be written.
     """
@@ -242,17 +238,17 @@ def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
 
 
 def remove_camera(name: str) -> str:
-    """Forget a camera of the user; its name may be in any case.
+    """Remove a camera that the user added; its name may be in any case.
 
     Returns
     -------
     str
-        Its name as it was kept.
+        Its name as stored.
 
     Raises
     ------
     InvalidInput
-        There is no such camera, or it is one that ships.
+        No such camera, or it ships with TerrAInav.
     """
     path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
@@ -261,23 +257,25 @@ def remove_camera(name: str) -> str:
         if any(key(preset.name) == key(name) for preset in shipped_cameras()):
             raise InvalidInput("camera {0!r}: comes with TerrAInav, and stays as it is", name)
         raise InvalidInput(
-            "camera {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
+            "camera {0!r}: not one of your own, which are {1}", name, ", ".join(known) or Message("none")
         )
     write_named(path, {other: data for other, data in known.items() if other != found})
     return found
 
 
 def key(name: str) -> str:
-    """What two names of one camera have in common: case and spaces do not matter."""
+    """Name in lower case with single spaces, to compare names by."""
     return " ".join(name.casefold().split())
 
 
 def _check_name(name: str, taken: Mapping[str, str]) -> None:
-    if not (0 < len(name) <= _LONGEST_NAME and name.isprintable() and name == " ".join(name.split())):
+    # Lists of cameras have room for so many characters.
+    longest = 64
+    if not (0 < len(name) <= longest and name.isprintable() and name == " ".join(name.split())):
         raise InvalidInput(
             "camera name {0!r}: must be 1 to {1} characters of one line, with single spaces inside",
             name,
-            _LONGEST_NAME,
+            longest,
         )
     if key(name) in taken:
         raise InvalidInput("camera name {0!r}: {1} is taken", name, taken[key(name)], remedy="choose another")

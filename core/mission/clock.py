@@ -1,4 +1,4 @@
-"""Clocks of trajectories and tables: which times a flight may have, and what is wrong where it cannot have them."""
+"""Units and plausibility of the times in trajectories and tables."""
 
 from __future__ import annotations
 
@@ -11,14 +11,9 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..errors import InvalidInput, Message
 
-#: Times count from a start for ten days at most (those of a GPS week for seven), or from 1970, and are of 1990 to 2099.
-_LONGEST_S, _YEAR_1990_S, _YEAR_2100_S = 10 * 86_400.0, 631_152_000.0, 4_102_444_800.0
-#: Flights are no shorter than this, s, to the decimals that seconds after 1970 have.
-_SHORTEST_S, _DIGITS = 1.0, 6
-
 
 class Clock(NamedTuple):
-    """A unit of times, in seconds and in words."""
+    """A unit of time, in seconds and in words."""
 
     seconds: float
     words: Message
@@ -33,29 +28,31 @@ CLOCKS: Mapping[str, Clock] = {
 
 
 def is_dated(time_s: Floats) -> NDArray[np.bool_]:
-    """Which times (n,), in seconds after 1970, are of 1990 to 2099: those of a clock that knows the date."""
-    return (time_s >= _YEAR_1990_S) & (time_s < _YEAR_2100_S)
+    """Which times (n,), in seconds after 1970, lie from 1990 to 2099, as those of a clock with the date do."""
+    return (time_s >= 631_152_000.0) & (time_s < 4_102_444_800.0)
 
 
 def implausible(
     time_s: Sequence[float] | Floats, unit: Message | None = None, *, dated: bool = False
 ) -> Message | None:
-    """What is wrong with times (n,), in seconds after 1970 or after a start, that no flight has; None where nothing is.
+    """Say why no flight has these times (n,), in seconds after 1970 or after its start; None for plausible ones.
 
-    Those are all within a second, or neither of a recording's first ten days nor of 1990 to 2099.
+    Implausible are times that span less than a second, or that lie neither within ten days of a start (a GPS week has
+    seven) nor from 1990 to 2099.
 
     Parameters
     ----------
     unit : Message or None
-        That the times of the file are taken to be in; None where the file states dates.
+        Unit that the file was read in; None where it states dates.
     dated : bool
-        Whether they count from 1970 for sure.
+        Whether the times surely count from 1970.
     """
     first, last = float(time_s[0]), float(time_s[-1])
     known = is_dated(np.asarray(time_s)).all()
-    if len(time_s) > 1 and round(last - first, _DIGITS) < _SHORTEST_S:
+    # Seconds after 1970 hold microseconds.
+    if len(time_s) > 1 and round(last - first, 6) < 1.0:
         wrong = Message("its {0:,} times are all within {1:.3g} s", len(time_s), last - first)
-    elif not known and (dated or first < 0.0 or last > _LONGEST_S):
+    elif not known and (dated or first < 0.0 or last > 10 * 86_400.0):
         wrong = Message("its times, as seconds from {0:.7g} to {1:.7g}, are not of 1990 to 2099", first, last)
     else:
         return None
@@ -63,12 +60,12 @@ def implausible(
 
 
 def check_column(times_s: Sequence[float], where: str, *, dated: bool = False) -> None:
-    """Check the times of a table, which are seconds after 1970 or after a start, unless they are ``dated`` ones.
+    """Check the times of a table, in seconds after 1970 (surely so if ``dated``) or after a start.
 
     Raises
     ------
     InvalidInput
-        Times that no flight has; those of a short burst of images may have dates.
+        Times that no flight has, see `implausible`; times with dates may span less than a second.
     """
     if not len(times_s) or is_dated(np.array(times_s)).all():
         return

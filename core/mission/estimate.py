@@ -1,9 +1,9 @@
-"""What a plan will take and give, in figures for people and scripts."""
+"""Figures of a plan: images, coverage, overlap, bytes and time, for people and scripts."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,22 +18,22 @@ from .plan import Plan
 
 @dataclass(frozen=True)
 class Costs:
-    """What one request and one pixel are assumed to cost; the basis of an estimate, not a measurement.
+    """Assumed costs of a request and of a pixel, which estimates are based on.
 
     Attributes
     ----------
     request_s, request_bytes : float
-        One request, on its own connection or core.
-    encode_s_per_px : float
-        Assembling, encoding and writing, on one core.
+        One request, on one connection or core.
+    encode_s_per_px : dict
+        Assembling, encoding and writing, on one core, by format.
     bytes_per_px : dict
-        Size of the written files by format.
+        Size of the written files, by format.
     warp_s_per_px : float
         Making a camera frame from its tiles, on one core.
     trace_s_per_px, trace_s_per_cell : float
-        Following its rays over relief, twice, on one core: for each pixel, and for each cell of the relief below it.
+        Tracing the rays of a camera frame over relief, twice, on one core: per pixel, and per cell of the relief below.
     requests_per_s : float or None
-        The most that the source allows; None where it has no such limit.
+        Rate limit of the source; None without one.
     pixels_from : str
         ``network``, ``file``, or ``computer`` where they are computed or drawn.
     """
@@ -49,33 +49,36 @@ class Costs:
     pixels_from: str = "network"
 
 
-#: Aerial photographs: compressed tiles of 256 px have about 15 kB, a request takes about 60 ms.
-_ENCODE_S_PER_PX = {"tif": 1.3e-7, "jpg": 1.1e-7, "png": 1.7e-7}
-_PHOTOGRAPH_BYTES_PER_PX = {"tif": 1.7, "jpg": 0.55, "png": 1.6}
-ONLINE = Costs(0.06, 15_000.0, _ENCODE_S_PER_PX, _PHOTOGRAPH_BYTES_PER_PX)
-#: Photographs in a file on this machine.
-FROM_FILE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, _PHOTOGRAPH_BYTES_PER_PX, pixels_from="file")
-#: The embedded world: tiles are computed on the spot, and are smoother than photographs.
-OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0.69}, pixels_from="computer")
+#: Aerial photographs online: a compressed tile of 256 px has about 15 kB, a request takes about 60 ms.
+ONLINE = Costs(
+    request_s=0.06,
+    request_bytes=15_000.0,
+    encode_s_per_px={"tif": 1.3e-7, "jpg": 1.1e-7, "png": 1.7e-7},
+    bytes_per_px={"tif": 1.7, "jpg": 0.55, "png": 1.6},
+)
+#: Aerial photographs in a local file.
+FROM_FILE = replace(ONLINE, request_s=0.01, request_bytes=0.0, pixels_from="file")
+#: The embedded world: tiles are computed here, and are smoother than photographs.
+OFFLINE = replace(FROM_FILE, bytes_per_px={"tif": 0.88, "jpg": 0.31, "png": 0.69}, pixels_from="computer")
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
+    """Figures of a plan; shares are from 0 to 1, and figures that do not apply are None (points have no area).
 
-    Those of relief are None over level ground; the finest and the coarsest ground sample distance are those straight
-    below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
-    ground which images hold, but relief in front of it hides from all of them.
+    Figures of relief are None over level ground. The finest and coarsest ground sample distances are taken straight
+    below the camera, at the highest and the lowest ground that its image may show. ``hidden_share`` is the share of the
+    area that lies within images, but that relief hides in all of them.
 
-    The flight is that from image to image, without turns; the path also has the ways there and back, over all sorties,
-    and is None where the mission has no route. ``interval_s`` is the least time between two images of a row;
-    ``fov_deg`` is 0 where the camera does not look straight down.
+    ``flight_…`` goes from image to image without turns. ``path_…`` adds turns and the ways to and from the take-off,
+    over all sorties; None without a route. ``interval_s`` is the shortest time between two images of a row. ``fov_deg``
+    is 0 unless the camera looks straight down.
 
-    ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
-    because their camera would stand inside one of the ``no_fly_areas``. What is covered and uncovered counts the ground
-    outside those; ``no_fly_m2`` is the area's ground inside them.
+    ``polygons`` counts the polygons of the area. ``images_over_no_fly`` counts images left out because their camera
+    would stand inside one of the ``no_fly_areas``. Covered and uncovered shares refer to the ground outside these;
+    ``no_fly_m2`` is the area's ground inside them.
 
-    ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
+    ``own_pixels`` describes the pixels of a source that has another CRS than the map's; else it is empty.
     """
 
     images: int
@@ -138,11 +141,11 @@ class Summary:
 
     @property
     def lacks_imagery(self) -> bool:
-        """Whether the source is known to have no imagery of some of the area."""
+        """Whether the source is known to lack imagery of part of the area."""
         return self.imagery_share is not None and self.imagery_share < 1.0
 
     def lines(self) -> list[tuple[str, str]]:
-        """Label and value of each figure, in words for people."""
+        """Label and value of each figure, for people."""
         types = len(self.map_types)
         each = Message(" for each of {0} map types", types) if types > 1 else ""
         images = Message("{0:,}{1}", self.images, each)
@@ -203,10 +206,10 @@ class Summary:
         if self.path_m is not None and self.path_s is not None:
             path = Message("{0}, {1} with turns", length_text(self.path_m), duration_text(self.path_s))
             lines.append((Message("flight path"), path))
-        return lines + [(label, text) for label, text in self.piloting()]
+        return [*lines, *self.piloting()]
 
     def piloting(self) -> list[tuple[Message, Message]]:
-        """Label and value of sorties and sun, where there is something to say of them."""
+        """Labels and values of the sorties and of the sun, if known."""
         lines = []
         if self.battery_min is not None:
             lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
@@ -215,7 +218,7 @@ class Summary:
         return lines
 
     def _area_lines(self) -> list[tuple[str, str]]:
-        """Number of several polygons, and what no-fly areas cost."""
+        """Lines of an area of several polygons, and of what no-fly areas leave out."""
         lines: list[tuple[str, str]] = []
         if self.polygons > 1 and self.area_m2 is not None:
             lines.append((Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2))))
@@ -274,12 +277,12 @@ class Summary:
 
 
 def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int = 2) -> Summary:
-    """Figures of a plan, for all of its map types; time and bytes are estimates from ``costs``.
+    """Work out the figures of a plan, for all of its map types; time and bytes follow from ``costs``.
 
     Parameters
     ----------
     connections, cores : int
-        Requests under way at once, and cores that encode.
+        Simultaneous requests, and cores that encode.
     """
     mission, types = plan.mission, len(plan.mission.imagery.map_types)
     pixels = float(np.sum(plan.frames.width_px * plan.frames.height_px))
@@ -290,7 +293,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
     encode_s += (plan.frames.resampled_px() * costs.warp_s_per_px + _trace_s(plan, costs)) / cores
-    # Computing tiles takes the cores from encoding; waiting for a server does not.
+    # Computing tiles competes with encoding for cores; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap, relief = plan.coverage, plan.overlap, _relief_figures(plan)
     return Summary(
@@ -334,12 +337,12 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
 
 
 def _trace_s(plan: Plan, costs: Costs) -> float:
-    """Following rays over relief, on one core; 0 over level ground."""
+    """Seconds that tracing rays over relief takes on one core; 0 over level ground."""
     if plan.relief.is_level:
         return 0.0
     pixels = (plan.frames.width_px * plan.frames.height_px).astype(np.float64)
     cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
-    # From high up larger cells are taken.
+    # From high up, tracing uses coarser cells.
     cells = np.minimum(pixels * (plan.resolution.requested_m_per_px / cell_m) ** 2, MOST_CELLS)
     return float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
 
@@ -384,7 +387,7 @@ def _relief_figures(plan: Plan) -> dict[str, Any]:
 
 
 def own_pixels_text(plan: Plan) -> str:
-    """Return what the pixels of a source in a CRS of its own are for pictures; empty where they are the map's."""
+    """Describe the pixels of images from a source that has another CRS than the map's; else return no text."""
     plane, native = plan.grid.plane, plan.grid.native_zoom
     if plane.wraps:
         return ""
@@ -403,7 +406,7 @@ def own_pixels_text(plan: Plan) -> str:
 
 
 def imagery_warnings(plan: Plan) -> tuple[str, ...]:
-    """Return what there is to say of pictures where the source has no imagery; nothing where there are none."""
+    """Warn of images that lie partly or wholly outside the source's imagery."""
     _, outside, partly = plan.imagery
     if not outside and not partly:
         return ()
@@ -418,28 +421,28 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
 
 
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
-    """Return what there is to say of pictures whose pixels are finer than the source's own; nothing where they are not.
+    """Warn of images whose pixels are finer than the source's.
 
-    Compared are medians over the pictures: the ground sample distance that is written with that of the highest zoom
-    with detail of its own, as far as the pictures take their pixels from there.
+    The median ground sample distance of the written images is compared with that of the highest native zoom that they
+    read.
     """
     mission, grid = plan.mission, plan.grid
     written_m = plan.resolution.picture_m_per_px
     if mission.output.img_size is not None:
         width, height, _ = mission.output.img_size
         written_m *= float(min(np.median(plan.frames.width_px) / width, np.median(plan.frames.height_px) / height))
-    # A camera frame takes its pixels from zooms up to its own, and from no higher one.
+    # Camera frames read zooms up to the one that suits them.
     zoom = min(grid.native_zoom, plan.frames.finest_zoom(plan))
-    own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
-    factor = own_m / written_m
-    # Sizes that differ by a pixel in some hundred are not upsampled.
+    source_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
+    factor = source_m / written_m
+    # Rounding of sizes to whole pixels is not upsampling.
     if factor <= 1.0 + 0.02:
         return ()
     text = Message(
         "requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more "
         "detail; ask for {4}",
         length_text(written_m),
-        length_text(own_m),
+        length_text(source_m),
         zoom,
         factor,
         _upsampling_remedy(plan, zoom, factor),
@@ -448,7 +451,7 @@ def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
 
 
 def _upsampling_remedy(plan: Plan, zoom: int, factor: float) -> Message:
-    """What to ask for so that pictures are not enlarged."""
+    """Remedy: the options that avoid upsampling."""
     mission = plan.mission
     if mission.output.img_size is not None and plan.zoom <= zoom:
         width, height = (max(int(size / factor), 1) for size in mission.output.img_size[:2])
@@ -463,12 +466,12 @@ def _upsampling_remedy(plan: Plan, zoom: int, factor: float) -> Message:
 
 
 def percent(share: float, exact: bool) -> Message:
-    """Share in percent; one that is not complete never reads 100."""
+    """Share in percent, which reads 100 only where it is ``exact``."""
     return Message("{0:.7g} %", 100 if exact else round(100 * share, 4))
 
 
 def length_text(value_m: float) -> Message:
-    """Length in the unit that suits it."""
+    """Length in km, m, cm or mm."""
     for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2)):
         if value_m >= size:
             value = value_m / size
@@ -479,12 +482,12 @@ def length_text(value_m: float) -> Message:
 def area_text(value_m2: float) -> Message:
     """Area in km², or in m² below a tenth of one."""
     value, unit = (value_m2 / 1e6, "km²") if value_m2 >= 1e5 else (value_m2, "m²")
-    # Four digits, but never a power of ten.
+    # Four digits, without an exponent.
     return Message("{0:,.0f} {1}" if value >= 1e4 else "{0:,.4g} {1}", value, unit)
 
 
 def size_text(count: float) -> Message:
-    """Size of files in the unit that suits it."""
+    """Size of files in GB, MB, kB or bytes."""
     for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
             return Message("{0:.3g} {1}", count / size, unit)
@@ -492,7 +495,7 @@ def size_text(count: float) -> Message:
 
 
 def duration_text(seconds: float) -> Message:
-    """Duration in the unit that suits it."""
+    """Duration in seconds, minutes or hours."""
     if seconds < 90:
         return Message("{0} {1}", math.ceil(seconds - 0.5), "s")
     if seconds < 5400:

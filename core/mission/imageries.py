@@ -1,4 +1,4 @@
-"""Imagery by name, ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``: several sources, dates or map types beside each other."""
+"""Named imageries, ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``, several of which one mission captures."""
 
 from __future__ import annotations
 
@@ -9,35 +9,26 @@ from dataclasses import dataclass
 from ..errors import InvalidInput
 from ..map_types import MAP_TYPES, SATELLITE
 
-#: Names become those of folders, also on file systems that know no upper and lower case.
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
-_MAP_TYPE = re.compile(rf"(.+):({'|'.join(MAP_TYPES)})", re.DOTALL)
-#: A date begins with its year; an address may have other things after an @.
-_DATE = re.compile(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", re.DOTALL)
-#: What names have no room for, and the ending of a file.
-_NO_NAME, _ENDING = re.compile(r"[^A-Za-z0-9_.-]+"), re.compile(r"(?<=.)\.[A-Za-z]\w{1,7}$")
-
 
 @dataclass(frozen=True)
 class NamedImagery:
-    """One of several imageries.
+    """A source, date and map type under a name.
 
     Parameters
     ----------
     name : str
-        Letters, digits, ``_``, ``-`` and ``.``: the name of its folder.
+        Name of its folder: letters, digits, ``_``, ``-`` and ``.``.
     source : str
-        As a mission names it.
+        Source as a mission names it.
     date : str
-        As the source writes it, from its year on; empty for the source's own.
+        Date as the source writes it, year first; empty for the source's default.
     map_type : str
         One of `MAP_TYPES`.
 
     Raises
     ------
     InvalidInput
-        A name that is none of a folder, no source, or another map type.
+        A name that no folder can have, an empty source, or an unknown map type.
     """
 
     name: str
@@ -46,12 +37,12 @@ class NamedImagery:
     map_type: str = SATELLITE
 
     def __post_init__(self) -> None:
-        if not _NAME.fullmatch(self.name) or self.name.endswith("."):
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", self.name) or self.name.endswith("."):
             raise InvalidInput(
                 "imagery {0!r}: must be named by up to 64 letters, digits, _, - and ., such as 2014",
                 self.name,
             )
-        if _DEVICE.fullmatch(self.name):
+        if re.fullmatch(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", self.name, re.IGNORECASE):
             raise InvalidInput("imagery {0!r}: is the name of a device on Windows, and of no folder", self.name)
         if not self.source:
             raise InvalidInput("imagery {0!r}: has no source, such as {0}=world", self.name)
@@ -62,15 +53,16 @@ class NamedImagery:
 
     @classmethod
     def parse(cls, text: str) -> NamedImagery:
-        """Imagery of its text, without a name by that of its source, date and map type; raises InvalidInput."""
+        """Read ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``; a missing name is made from the rest. Raises InvalidInput."""
         name, equals, rest = text.partition("=")
-        # An address may have an equals sign of its own.
+        # The query of an address may hold the equals sign.
         is_named = bool(equals) and "://" not in name
         rest = rest if is_named else text
         map_type, date = SATELLITE, ""
-        if found := _MAP_TYPE.fullmatch(rest):
+        if found := re.fullmatch(rf"(.+):({'|'.join(MAP_TYPES)})", rest, re.DOTALL):
             rest, map_type = found.groups()
-        if found := _DATE.fullmatch(rest):
+        # A date begins with its year; in an address, other things may follow an @.
+        if found := re.fullmatch(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", rest, re.DOTALL):
             rest, date = found.groups()
         if not is_named:
             parts = (_short(rest), date, map_type if map_type != SATELLITE else "")
@@ -84,21 +76,22 @@ class NamedImagery:
 
 
 def folder_name(text: str) -> str:
-    """Name of a folder made from a text, which may hold anything; empty where nothing is left."""
-    return _NO_NAME.sub("-", text).strip("-_.")[:64].rstrip(".")
+    """Turn any text into the name of a folder, on any file system; may be empty."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", text).strip("-_.")[:64].rstrip(".")
 
 
 def _short(source: str) -> str:
-    """The host of an address without any sign-in, a file without folder and ending, any other source as it is."""
+    """Host of an address without user and password, or a file's name without its ending; else the source itself."""
     _, is_address, rest = source.partition("://")
     if is_address:
         return re.split(r"[/?#]", rest)[0].rpartition("@")[2]
-    return _ENDING.sub("", re.split(r"[/\\]", source.rstrip("/\\"))[-1])
+    return re.sub(r"(?<=.)\.[A-Za-z]\w{1,7}$", "", re.split(r"[/\\]", source.rstrip("/\\"))[-1])
 
 
 def named_imageries(texts: Iterable[str]) -> tuple[NamedImagery, ...]:
-    """Return the imageries of texts, in their order; raises InvalidInput where two would share a folder."""
+    """Read imageries from texts, in their order; raises InvalidInput where two would share a folder."""
     found = tuple(NamedImagery.parse(text) for text in texts)
+    # Some file systems ignore case.
     names = [one.name.lower() for one in found]
     for at, name in enumerate(names):
         if name in names[:at]:

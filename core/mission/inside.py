@@ -1,4 +1,4 @@
-"""Captures whose whole footprint lies on the imagery of a source."""
+"""Captures that lie wholly on the imagery of a source."""
 
 from __future__ import annotations
 
@@ -15,16 +15,14 @@ from .layout.coverage import twice_area
 from .mission import Mission
 from .plan import Plan
 
-#: Pixels beyond an image, and beyond its ground, that resampling may look at.
+#: Pixels beyond the edge of an image that resampling may read.
 _MARGIN_PX = 4.0
-#: Places along each side of an image.
-_ALONG = np.linspace(-1.0, 1.0, 17)
-#: Poses that are looked at in one go, for the memory of their rims.
-_AT_ONCE = 20_000
+#: Poses per batch, which bounds the memory of their rims.
+_BATCH = 20_000
 
 
 def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
-    """Which rims of images (n, k) lie on the extent of a source's imagery."""
+    """Which images (n,) lie on the extent of a source's imagery, by the ground along their rims (n, k)."""
     whole: Flags = seen.hit.all(axis=1)
     lat, lon = seen.lat_deg, seen.lon_deg
     with np.errstate(invalid="ignore"):
@@ -35,21 +33,21 @@ def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
     corners = np.array(grid.extent, np.float64)
     corners = corners if twice_area(corners) > 0.0 else corners[::-1]
     if grid.plane.wraps:
-        # Longitudes are continuous along a rim; the extent may be whole turns of the world away.
+        # Rims are continuous in longitude; the extent may lie whole turns away.
         u = u - np.rint(u[:, :1] - corners[:, 0].mean())
-    along = np.roll(corners, -1, axis=0) - corners
-    room = _MARGIN_PX / grid.world_px(grid.native_zoom)
-    for (corner_u, corner_v), (side_u, side_v) in zip(corners, along):
+    sides = np.roll(corners, -1, axis=0) - corners
+    margin = _MARGIN_PX / grid.world_px(grid.native_zoom)
+    for (corner_u, corner_v), (side_u, side_v) in zip(corners, sides):
         length = max(float(np.hypot(side_u, side_v)), 1e-300)
         with np.errstate(invalid="ignore"):
-            # Distance inward of the side; not finite where the place is not.
+            # Distance inward from the side.
             inward = (side_u * (v - corner_v) - side_v * (u - corner_u)) / length
-            whole &= (inward >= room).all(axis=1)
+            whole &= (inward >= margin).all(axis=1)
     return whole
 
 
 def poses_inside(grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, ground: Ellipsoid = WGS84) -> Flags:
-    """Which poses (n,) see ground on a source's imagery alone, over level ground.
+    """Which poses (n,) over level ground see only ground that a source has imagery of.
 
     Parameters
     ----------
@@ -58,35 +56,35 @@ def poses_inside(grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, g
     """
     rim = _rim(camera, image_px)
     found = [
-        on_imagery(grid, exact(camera, poses.take(slice(at, at + _AT_ONCE)), rim, ground))
-        for at in range(0, len(poses.lat_deg), _AT_ONCE)
+        on_imagery(grid, exact(camera, poses.take(slice(at, at + _BATCH)), rim, ground))
+        for at in range(0, len(poses.lat_deg), _BATCH)
     ]
     return np.concatenate([np.zeros(0, np.bool_), *found])
 
 
 def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
-    """Which captures (n,) of a plan see ground on the imagery of a grid alone, that of the plan or another one."""
+    """Which captures (n,) of a plan see only ground that a grid, the plan's or another, has imagery of."""
     camera = plan.mission.camera
     image_px = int(max(plan.frames.width_px.max(), plan.frames.height_px.max()))
     if plan.relief.is_level:
         return poses_inside(grid, camera, plan.poses, image_px, plan.ground)
     rim, poses = _rim(camera, image_px), plan.poses
     found = []
-    for at in range(0, len(plan), _AT_ONCE):
-        some = slice(at, at + _AT_ONCE)
-        own = poses.take(some)
-        seen, _ = plan.relief.seen(own._replace(lon_deg=wrap_lon_deg(own.lon_deg)), plan.height_m[some], rim)
+    for at in range(0, len(plan), _BATCH):
+        some = slice(at, at + _BATCH)
+        batch = poses.take(some)
+        seen, _ = plan.relief.seen(batch._replace(lon_deg=wrap_lon_deg(batch.lon_deg)), plan.height_m[some], rim)
         found.append(on_imagery(grid, seen))
     return np.concatenate(found)
 
 
 def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
-    """Mission of some of the captures of its plan, as points with the attitudes that they have there.
+    """Mission of the captures of a plan that are kept, as points with their attitudes.
 
     Raises
     ------
     InvalidInput
-        No capture is left, or those of an area that wind moves or that follow relief.
+        No capture is kept, or the mission has an area over relief or in wind.
     """
     if not kept.any():
         raise InvalidInput(
@@ -98,7 +96,7 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
         return mission.replace(area=mission.area.take(plan.column[kept].tolist()))
     if not plan.relief.is_level or mission.wind is not None:
         raise InvalidInput(
-            "images within the imagery: of an area over relief or in wind they are not told apart",
+            "images within the imagery: cannot be selected for an area over relief or in wind",
             remedy="give points",
         )
     poses = plan.poses.take(np.flatnonzero(kept))
@@ -108,10 +106,11 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
 
 
 def _rim(camera: Camera, image_px: int) -> tuple[tuple[float, float], ...]:
-    """Image points around an image, and around the pixels beyond it that resampling looks at."""
+    """Points around an image and the margin beyond it that resampling reads, in image coordinates."""
     wide = camera.aspect_ratio >= 1.0
     longer, shorter = image_px, image_px / max(camera.aspect_ratio, 1.0 / camera.aspect_ratio)
     width, height = (longer, shorter) if wide else (shorter, longer)
     x, y = 1.0 + 2.0 * _MARGIN_PX / width, 1.0 + 2.0 * _MARGIN_PX / height
-    sides = [*((one, side) for side in (-1.0, 1.0) for one in _ALONG)]
-    return tuple((x * one, y * side) for one, side in sides) + tuple((x * side, y * one) for one, side in sides)
+    level = [(along, side) for side in (-1.0, 1.0) for along in np.linspace(-1.0, 1.0, 17)]
+    upright = [(side, along) for along, side in level]
+    return tuple((x * horizontal, y * vertical) for horizontal, vertical in level + upright)

@@ -1,6 +1,6 @@
-"""Images of a Litchi mission: the CSV of its Mission Hub, as a table of poses.
+"""Read the CSV that Litchi's Mission Hub exports as poses.
 
-Columns and codes are those of https://www.litchiutilities.com/docs/litchiCsv.php.
+Columns and codes: https://www.litchiutilities.com/docs/litchiCsv.php.
 """
 
 from __future__ import annotations
@@ -19,36 +19,34 @@ from ..text.plain import finite_number
 from ..units import LENGTHS_M
 from .areas.area import Points
 
-#: Columns of heights by their unit, and those that tell the format beside them.
+#: Columns of heights, by their unit.
 _HEIGHTS = {"altitude(m)": "m", "altitude(ft)": "ft"}
-_COLUMNS = {"latitude", "longitude", "heading(deg)", "gimbalpitchangle", "altitudemode"}
-#: Codes of the columns: heights above ground; an image is taken; the pitch of the gimbal is set.
-_ABOVE_GROUND, _TAKE_PHOTO, _INTERPOLATE = "1", "1", "2"
-#: Poses: latitude, longitude, height above ground, yaw and tilt.
+#: Latitude, longitude, height above ground, yaw and tilt.
 Pose = tuple[float, float, float, float, float]
 
 
 def is_litchi(columns: Sequence[str]) -> bool:
-    """Whether a table with these columns, in lower case, is a mission of Litchi's."""
-    return set(columns) >= _COLUMNS and any(name in columns for name in _HEIGHTS)
+    """Whether a table with these columns, in lower case, is a Litchi mission."""
+    needed = {"latitude", "longitude", "heading(deg)", "gimbalpitchangle", "altitudemode"}
+    return set(columns) >= needed and any(name in columns for name in _HEIGHTS)
 
 
 def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) -> Points:
-    """Images that a mission takes: at its waypoints, and along legs by distance; of one without any, its waypoints.
+    """Read the images of a mission, at waypoints and by distance along legs; its waypoints if it takes none.
 
     Parameters
     ----------
     lines : sequence of str
-        The first names the columns.
+        Lines of the table, the header first.
     where : str
-        What the lines are of, for messages.
+        Name of the table, for messages.
     agl_m : float or None
-        Height above ground of all, instead of the column.
+        Height above ground of all images, instead of the column.
 
     Raises
     ------
     InvalidInput
-        Names the line that cannot be read, or whose height is not above the ground.
+        A line cannot be read, or its height does not count from the ground.
     """
     try:
         rows = [
@@ -62,7 +60,8 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
         raise InvalidInput("{0}: holds no poses below its header", where)
     found: list[Pose] = []
     for at, (row, pose) in enumerate(zip(rows, poses)):
-        if any(row.get(name) == _TAKE_PHOTO for name in row if name.startswith("actiontype")):
+        # Action 1 takes an image.
+        if any(row.get(name) == "1" for name in row if name.startswith("actiontype")):
             found.append(pose)
         there = Message("{0}, waypoint {1}:", where, at + 1)
         spacing_m = finite_number(row.get("photo_distinterval", "-1"), there)
@@ -76,14 +75,15 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
 
 def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
     lat, lon, yaw = (finite_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)"))
-    # Without a pitch of its own, the gimbal is left as it is: straight down, for images of the ground.
+    # Only mode 2 (interpolate) sets the pitch; elsewhere the camera is taken to look straight down.
     pitch = -90.0
-    if row.get("gimbalmode", _INTERPOLATE) == _INTERPOLATE:
+    if row.get("gimbalmode", "2") == "2":
         pitch = finite_number(row.get("gimbalpitchangle", ""), where)
     if agl_m is None:
         name, unit = next((one for one in _HEIGHTS.items() if one[0] in row), ("altitude(m)", "m"))
         agl_m = finite_number(row.get(name, ""), where) * LENGTHS_M[unit]
-        if row.get("altitudemode") != _ABOVE_GROUND:
+        # Mode 1 counts heights from the ground.
+        if row.get("altitudemode") != "1":
             raise InvalidInput(
                 "{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)",
                 where,
@@ -103,12 +103,12 @@ def _too_many(where: str, spacing_m: float) -> InvalidInput:
 
 
 def _leg_poses(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]:
-    """Poses of images by distance between two waypoints, without these."""
+    """Poses of the images by distance between two waypoints, without these."""
     ends = (np.array([value]) for value in (*start[:2], *end[:2]))
     azimuth, _, (length_m,) = geodesics(*ends)
-    # The last one is nearer to the end than to the one after it: that is the end's own.
     if float(length_m) / spacing_m > MAX_POSES:
         raise _too_many(where, spacing_m)
+    # An image within half a spacing of the end is the end's.
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
     first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))

@@ -1,4 +1,4 @@
-"""Which method each stage of a plan uses: the cheapest whose bounds together fit the error budget, and why."""
+"""Choose the method of each stage of a plan: the cheapest whose bounds together fit the error budget."""
 
 from __future__ import annotations
 
@@ -33,32 +33,24 @@ from .mission import Mission
 from .parts import NORTH, RAYS
 from .relief.ground import Relief
 
-#: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
+#: Largest error of a mesh, px: coarser cells save nothing, and kernels have one pixel to spare
+#: (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
-#: Share of the budget that is left for the rounding of the bounds' sum.
-_ROUNDING = 1e-12
-
-
-#: Stages of a plan.
-_FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("image"), Message("pixels")
-_NOTHING = Message("nothing")
-_NO_CAMERA_FRAME = Message("the source gives images by their centre, not tiles that others can be made from")
-_WIND = Message("wind turns the camera")
-_ROTATED = Message("the rows are turned from east, and the camera with them")
+_PICTURE, _PIXELS = Message("image"), Message("pixels")
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way of doing a stage, and what it may be wrong by in one scene.
+    """A method of a stage, with the bound of its error in one scene.
 
     Attributes
     ----------
     bound_px : float
         Infinite where the method has no bound.
     bound_m : float
-        The same on the ground, where a pixel spans most of it.
+        The bound on the ground, at the pixel that spans most of it.
     outside : str
-        Why the method has no bound here; empty where it has one.
+        Why the method has no bound here; else empty.
     """
 
     stage: str
@@ -70,7 +62,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a stage uses, and the cheaper method that was rejected with the reason; None where there was none."""
+    """The method of a stage, and the cheaper method that was rejected for a reason, if any."""
 
     method: Method
     rejected: Method | None = None
@@ -79,22 +71,22 @@ class Choice:
 
 @dataclass(frozen=True)
 class ChosenMethods:
-    """What a plan chose, and what it may be wrong by.
+    """The methods of a plan, and the bounds of their errors.
 
     Attributes
     ----------
     footprint, picture : Choice
         Footprints are always those of the exact camera.
     pixels : Choice or None
-        How the ground under each pixel of a camera frame is worked out.
+        Method that finds the ground under each pixel of a camera frame; None for map frames.
     condition : float
-        Condition number of the scene; infinite where the horizon is in the picture.
+        Condition number of the scene; infinite where the horizon is in the image.
     terrain_px_per_m : float
-        Displacement per metre of relief, which is not modelled and not in the bound.
+        Displacement per metre of height that is not modelled; not part of the bound.
     left_out : tuple of (str, str)
-        What the scene does not need, and why.
+        Work that the scene does not need, and why.
     relief : str
-        What heights pictures are made over; empty where the ground is level.
+        Description of the relief; empty over level ground.
     """
 
     budget_px: float
@@ -108,7 +100,7 @@ class ChosenMethods:
 
     @property
     def choices(self) -> tuple[Choice, ...]:
-        """Of each stage that the plan has."""
+        """Choices of the stages that the plan has."""
         return tuple(choice for choice in (self.footprint, self.picture, self.pixels) if choice is not None)
 
     @property
@@ -118,11 +110,11 @@ class ChosenMethods:
 
     @property
     def mesh_tolerance_px(self) -> float:
-        """What a cell of the mesh may be wrong by; 0 for rays and where there is no mesh."""
+        """Error that placing a picture's pixels may have; 0 for one ray per pixel and for map frames."""
         return self.pixels.method.bound_px if self.pixels is not None else 0.0
 
     def lines(self) -> list[tuple[str, str]]:
-        """Label and value of what was chosen and why, in words for people."""
+        """Label and value of each choice with its reason, for people."""
         lines = []
         for choice in self.choices:
             name, bound, rejected = choice.method.name, bound_text(choice.method.bound_px), choice.rejected
@@ -139,7 +131,7 @@ class ChosenMethods:
                 Message("error"),
                 Message("≤ {0} px of a budget of {1:g} px", bound_text(self.bound_px), self.budget_px),
             ),
-            (Message("left out"), left_out or _NOTHING),
+            (Message("left out"), left_out or Message("nothing")),
             (Message("terrain"), self.terrain_text()),
             (Message("condition number"), self.condition_text()),
         ]
@@ -151,7 +143,7 @@ class ChosenMethods:
         return Message("{0:.3g}", self.condition)
 
     def terrain_text(self) -> Message:
-        """What relief may add, or what is wrong with the heights of it."""
+        """Error that relief, or errors of its heights, may add."""
         if self.relief and math.isfinite(self.terrain_px_per_m):
             return Message(
                 "{0}; up to {1:.2g} px per metre that its heights are off", self.relief, self.terrain_px_per_m
@@ -163,7 +155,7 @@ class ChosenMethods:
         return Message("not bounded, up to {0:.2g} px per metre of relief", self.terrain_px_per_m)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping; what is infinite is null."""
+        """JSON-ready mapping; infinite numbers become null."""
         stages = {
             choice.method.stage: {
                 "chosen": _plain(choice.method),
@@ -192,7 +184,7 @@ def _finite(value: float) -> float | None:
 
 
 def bound_text(bound_px: float) -> Message:
-    """A bound in two digits, rounded up so that it stays one."""
+    """A bound in two digits, rounded up so that it still holds."""
     if not (math.isfinite(bound_px) and bound_px > 0.0):
         return Message("{0}", bound_px)
     unit = 10.0 ** (math.floor(math.log10(bound_px)) - 1)
@@ -202,71 +194,70 @@ def bound_text(bound_px: float) -> Message:
 def exact_footprint(scene: ImageGeometry) -> Method:
     """Footprints of the exact camera."""
     bound_px = float(np.max(accuracy.exact_px(scene)))
-    return Method(_FOOTPRINT, "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+    return Method(Message("footprint"), "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
 def map_frame(scene: ImageGeometry, outside: str = "", own: ProjectedPlane | None = None) -> Method:
-    """Pictures that are rectangles of the map, or of a plane of the source's own.
+    """Pictures that are rectangles of the map, or of the plane ``own`` of the source's CRS.
 
     Parameters
     ----------
     outside : str
-        Why there are none, apart from what the scene itself says; or empty.
+        Reason against map frames that does not follow from the scene; else empty.
     """
     bend = None if own is None else own.greatest_bend(scene.poses.lat_deg, scene.poses.lon_deg)
     outside = outside or accuracy.outside_flat_domain(scene, bend)
     if outside:
         return Method(_PICTURE, "map", math.inf, math.inf, outside)
     px = accuracy.map_frame_px(scene) if own is None or bend is None else own_frame_px(scene, own, bend)
-    # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
+    # Pixels span most ground at the corners of a level picture, where slanted rays stretch them by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
     return Method(_PICTURE, "map", float(np.max(px)), metres)
 
 
 def camera_frame(scene: ImageGeometry, outside: str = "") -> Method:
-    """Pictures as the camera sees them; ``outside`` says why there are none, or is empty."""
+    """Pictures as the camera sees them; ``outside`` is a reason against them, or empty."""
     traced = math.inf if outside else float(np.max(accuracy.camera_frame_px(scene)))
     return Method(_PICTURE, "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
 
 
 def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
-    """Pixels of a camera frame placed by a mesh as coarse as a tolerance allows, or else as fine as a mesh can be."""
-    # A mesh finer than twice the rounding of its corners leaves most pixels to rays anyway.
+    """Pixels of a camera frame placed by a mesh, as coarse as the tolerance allows or as fine as a mesh can be."""
+    # A mesh finer than twice the rounding of its corners would leave most pixels to rays.
     finest = 2.0 * float(np.max(accuracy.mesh_noise_px(scene)))
     bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
     return Method(_PIXELS, "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
-#: What rays over relief may be off by, px: finer costs hardly more.
-_OVER_RELIEF_PX = 0.02
-
-
 def relief_rays(scene: ImageGeometry, tolerance_px: float) -> Method:
-    """Pixels of a camera frame placed by a ray each, as far as the first point of the relief that it meets."""
-    bound_px = min(max(tolerance_px, 0.0), _OVER_RELIEF_PX) or _OVER_RELIEF_PX
+    """Pixels of a camera frame placed where each one's ray first meets the relief."""
+    # Rays finer than this cost hardly more, so that a wider tolerance saves nothing.
+    finest_px = 0.02
+    bound_px = min(max(tolerance_px, 0.0), finest_px) or finest_px
     return Method(_PIXELS, "relief", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
-#: A ray for every pixel adds nothing to the camera frame's own noise.
+#: One ray per pixel adds nothing to the noise of the camera frame.
 TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 
 def choose_methods(
     mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: Relief
 ) -> tuple[Framed, ChosenMethods]:
-    """Frame a mission with the cheapest methods whose bounds sum within its error budget.
+    """Frame a mission with the cheapest methods whose bounds sum to no more than its error budget.
 
-    A map frame is the cheapest picture, as nothing is resampled; a camera frame by a mesh that is as coarse as the
-    budget allows is cheaper than one with a ray for every pixel. Over relief pixels are traced to the first point that
-    they see.
+    A map frame is the cheapest picture, as nothing is resampled; a mesh as coarse as the budget allows is cheaper than
+    one ray per pixel. Over relief, each pixel is traced to the first point that it sees.
 
     Raises
     ------
     InvalidInput
-        Where none fit and the mission does not accept that; where a method that it names has no bound; and as `plan`
-        does.
+        No methods fit the budget and the mission does not accept that; the mission asks for a method without a bound;
+        or as `plan` raises it.
     """
-    no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
+    no_camera_frame = ""
+    if grid.centre_decimals is not None:
+        no_camera_frame = Message("the source gives images by their centre, not tiles that others can be made from")
     picture: Choice | None = None
     if mission.accuracy.frame != "camera":
         outside = _no_map_frame(mission, grid, relief)
@@ -278,15 +269,15 @@ def choose_methods(
             except InvalidInput as wrong:
                 if mission.accuracy.frame == "map" or no_camera_frame:
                     raise
-                # A camera's image has no such limits, or is refused for its own.
+                # Camera frames have other limits.
                 outside = wrong.message
         if not outside:
             scene = _resolved(image_geometry(mission, flown, grid))
             found, footprint = map_frame(scene, own=grid.own), exact_footprint(scene)
             fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
             if fits or mission.accuracy.frame == "map" or no_camera_frame:
-                return flown, _accuracy(mission, grid, scene, Choice(footprint), Choice(found), None)
-            reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
+                return flown, _gather(mission, grid, scene, Choice(footprint), Choice(found), None)
+            reason = _rejection(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
         elif mission.accuracy.frame == "map":
             raise InvalidInput("image 'map' was asked for, but has no bound here: {0}", outside, field="frame")
         else:
@@ -308,13 +299,13 @@ def choose_methods(
     if relief.is_level:
         pixels = choose_pixels(mission, scene, others_px)
     else:
-        pixels = Choice(relief_rays(scene, mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px))
-    made = _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
+        pixels = Choice(relief_rays(scene, _remaining_px(mission, others_px)))
+    made = _gather(mission, grid, scene, Choice(footprint), picture, pixels)
     return flown, replace(made, relief=relief.text())
 
 
 def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
-    """Why a mission has no map frames whatever its budget; empty where it may have some."""
+    """Reason why a mission cannot have map frames whatever its budget; empty where it may."""
     if not relief.is_level:
         return Message(
             "the ground is from {0:.1f} to {1:.1f} m high, and seen from aside",
@@ -322,43 +313,47 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
             relief.highest_m,
         )
     if is_rotated(mission) and not _is_quarter_turned(mission, grid):
-        return _ROTATED
+        return Message("the rows are turned from east, and the camera with them")
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
-        return _WIND
-    return accuracy.outside_flat_domain(_ends(mission), None if grid.plane.wraps else 0.0)
+        return Message("wind turns the camera")
+    return accuracy.outside_flat_domain(_extreme_geometry(mission), None if grid.plane.wraps else 0.0)
 
 
 def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
-    """Whether images of turned rows may lie by quarter turns on the map, but for a plane's convergence.
+    """Whether images of turned rows may be map frames: at quarter turns, apart from a plane's convergence.
 
-    North-up cameras, which turn with their rows, made camera frames of all turned rows on the map before others did.
+    On the map, cameras that face north and turn with their rows always make camera frames.
     """
-    # On the grid of a source's CRS, images of rows at quarter turns may be map frames.
     if mission.flight.row_azimuth_deg % 90.0:
         return False
     return not grid.plane.wraps or mission.flight.facing != NORTH
 
 
 def choose_pixels(mission: Mission, scene: ImageGeometry, others_px: float) -> Choice:
-    """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
+    """Choose a mesh as coarse as the other stages' bounds leave of the budget, or one ray per pixel."""
     if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
-    left_px = mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px
+    left_px = _remaining_px(mission, others_px)
     found = mesh(scene, left_px)
     if found.bound_px <= left_px:
         return Choice(found)
-    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
+    return Choice(TRACED, found, _rejection(found.bound_px, others_px, mission.accuracy.error_budget_px))
+
+
+def _remaining_px(mission: Mission, others_px: float) -> float:
+    """Part of the error budget that the other stages leave, less the rounding of the bounds' sum."""
+    return mission.accuracy.error_budget_px * (1.0 - 1e-12) - others_px
 
 
 def image_geometry(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
-    """What the bounds of a framed mission depend on, once for each run of poses that share it."""
+    """Geometry that the bounds of a framed mission depend on, one for each run of poses that share it."""
     first, _ = flown.frames.runs(runs_on(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)
     return ImageGeometry(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
 
 
 def _resolved(scene: ImageGeometry) -> ImageGeometry:
-    """A scene whose pixels float64 resolves; raises InvalidInput where they are finer."""
+    """Return the scene if float64 resolves its pixels, else raise InvalidInput."""
     finest = float(np.min(accuracy.finest_px_m(scene)))
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
@@ -371,8 +366,8 @@ def _resolved(scene: ImageGeometry) -> ImageGeometry:
     return scene
 
 
-def _ends(mission: Mission) -> ImageGeometry:
-    """ImageGeometry of the captures whose flat model is stretched most, before any is placed; of any image size."""
+def _extreme_geometry(mission: Mission) -> ImageGeometry:
+    """Geometry of the captures that the flat model stretches most, before any is placed; of any image size."""
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
@@ -393,7 +388,7 @@ def _ends(mission: Mission) -> ImageGeometry:
     )
 
 
-def _accuracy(
+def _gather(
     mission: Mission,
     grid: PixelGrid,
     scene: ImageGeometry,
@@ -401,7 +396,7 @@ def _accuracy(
     picture: Choice,
     pixels: Choice | None,
 ) -> ChosenMethods:
-    """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
+    """Gather the choices; raises InvalidInput if their bounds exceed a budget that the mission does not relax."""
     made = ChosenMethods(
         budget_px=mission.accuracy.error_budget_px,
         footprint=footprint,
@@ -449,14 +444,14 @@ def _left_out(mission: Mission, scene: ImageGeometry, picture: Method, pixels: C
 
 
 def _mesh_serves(scene: ImageGeometry, tolerance_px: float) -> bool:
-    """Whether a mesh is of use in the first image at least: from very high, every pixel has a ray of its own."""
+    """Whether the mesh saves rays in the first image; from very high, every pixel needs a ray."""
     width, height = (float(np.ravel(side)[0]) for side in (scene.width_px, scene.height_px))
     one = ImageGeometry(scene.camera, width, height, scene.poses.take(slice(0, 1)), scene.ground)
     return mesh_serves(ImageRays.of(one), tolerance_px)
 
 
-def _too_much(bound_px: float, others_px: float, budget_px: float) -> str:
-    """Why a bound was rejected."""
+def _rejection(bound_px: float, others_px: float, budget_px: float) -> str:
+    """Reason why a bound was rejected."""
     return Message(
         "its bound of {0} px and {1} px of the other stages exceed the budget of {2:g} px",
         bound_text(bound_px),

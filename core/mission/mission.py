@@ -1,10 +1,11 @@
-"""The mission: everything the user asks for, as one frozen value of parts, in and out of JSON."""
+"""The mission: everything the user asks for, as one frozen value made of parts, to and from JSON."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
 
@@ -36,42 +37,42 @@ from .parts import (
 _Part = TypeVar("_Part", Box, Camera, Wind)
 #: Version of the mission file; readers refuse others.
 SCHEMA = 1
-#: Parts that are values of their own, with ways of their own to make them; each is given whole.
+#: Parts that are given as one value, with the types of each.
 WHOLE_PARTS: dict[str, Any] = {
     "area": (Box, Polygon, Polygons, Points),
     "camera": Camera,
     "wind": Wind,
     "no_fly": tuple,
 }
-#: Parts that a mission file leaves out where they equal these.
+#: Defaults of parts; a mission file leaves out those that equal them.
 _DEFAULT_PARTS: dict[str, Any] = {
     "camera": Camera(),
     "wind": None,
     "no_fly": (),
     **{name: part() for name, part in FLAT_PARTS.items() if part is not Flight},
 }
-#: The part that each field of `FLAT_PARTS` is in.
+#: The part of each field of `FLAT_PARTS`.
 _PART_OF = {one.name: name for name, part in FLAT_PARTS.items() for one in declared_fields(part)}
 
 
 @dataclass(frozen=True, init=False)
 class Mission:
-    """What the user asks for.
+    """A mission: area, camera, flight, imagery and everything else that the user asks for.
 
-    It is written flat and read by its parts: ``Mission(Box(…), 120.0, overlap_along=0.6).flight.overlap_along``. Area,
-    camera, wind and no-fly polygons are given whole; every other field by its name, which no two parts share. What each
-    field means is declared in `parts`, `Lens` and `Wind`, and listed in ``docs/options.md``.
+    The constructor takes the fields of all parts by name, and each is read from its part:
+    ``Mission(Box(…), 120.0, overlap_along=0.6).flight.overlap_along``. Area, camera, wind and no-fly polygons are given
+    as one value each. The fields are declared in `parts`, `Lens` and `Wind`, and listed in ``docs/options.md``.
 
     Parameters
     ----------
     area : Box, Polygon, Polygons or Points
-        Ground to cover, or the points to capture (which carry their own heights).
+        Ground to cover, or points to capture, which have heights.
     agl_m : float
-        Height above ground in metres, > 0; of the first point where the area is Points.
+        Height above ground in metres, > 0; for Points, that of the first one.
     wind : Wind or None
-        What moves the captures off their places; None for still air, which costs nothing.
+        Wind that displaces the captures; None for still air.
     no_fly : tuple of Polygon
-        Where no camera may stand: captures planned inside are left out.
+        Ground above which no image is taken; captures planned there are left out.
     **values
         Other fields of the parts, by name.
 
@@ -109,18 +110,18 @@ class Mission:
         self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, **made)
 
     def _keep(self, **parts: Any) -> None:
-        """Take parts that are right one by one, if they go together."""
+        """Set the parts, each of which is valid, if they go together."""
         check_ground(parts["area"])
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
-        # One polygon given more than once forbids no more, and a list is as good as a tuple.
+        # Drop duplicates, and accept a list.
         parts["no_fly"] = tuple(dict.fromkeys(parts["no_fly"]))
         for name, part in parts.items():
             object.__setattr__(self, name, part)
 
     @property
     def limit_px(self) -> int | None:
-        """Limit of a picture's longest side in 256 px terms, apart from the source's; None for none."""
+        """Limit of a picture's longer side in pixels of 256 px tiles, besides the source's; None without one."""
         return PAPER_MAX_PX if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
 
     @property
@@ -130,22 +131,22 @@ class Mission:
 
     @property
     def trigger(self) -> str:
-        """What releases the camera: waypoints where the route says distance, but points have no rows."""
+        """What releases the camera; for points, which have no rows, waypoints in place of distance."""
         if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
             return BY_WAYPOINT
         return self.route.trigger
 
     @property
     def missions_by_imagery(self) -> dict[str, Mission]:
-        """Mission of each of several imageries, by its name; empty where there is one source."""
+        """A mission for each of several imageries, by name; empty where there is one source."""
         return {one.name: self.select_imagery(one) for one in self.imagery.named}
 
     def select_imagery(self, imagery: NamedImagery) -> Mission:
-        """Return a copy that takes its pictures of this imagery alone."""
+        """Return a copy that captures this imagery alone."""
         return self.replace(imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
 
     def replace(self, **changes: Any) -> Mission:
-        """Return a copy with some fields changed, by the names that the constructor takes; checked again."""
+        """Return a checked copy with some fields changed, by the names that the constructor takes."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
         whole = {name: changes.pop(name) for name in list(changes) if name in WHOLE_PARTS}
         for name, values in _group_by_part(changes).items():
@@ -155,7 +156,7 @@ class Mission:
         return changed
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``, without what equals its default."""
+        """JSON-ready mapping of the parts, ``schema`` and the area's ``type``, without fields that equal defaults."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
         plain = {
             name: _without_defaults(part) for name, part in parts.items() if part != _DEFAULT_PARTS.get(name, MISSING)
@@ -164,19 +165,17 @@ class Mission:
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **plain["area"]}}
 
     def to_json(self) -> str:
-        """Text of the mission file: the same mission gives the same text."""
+        """Text of the mission file; equal missions give equal texts."""
         return json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n"
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Mission:
-        """Mission from what `to_dict` gave, or from one written by hand.
-
-        Defaults may be left out, and null stands for them.
+        """Mission from a mapping as `to_dict` returns it; fields that are left out or null take their defaults.
 
         Raises
         ------
         InvalidInput
-            On another schema, an unknown field, or a value outside its domain.
+            Another schema, an unknown field, or a value outside its domain.
         """
         data = dict(data)
         schema = data.pop("schema", None)
@@ -210,7 +209,7 @@ class Mission:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, named_by_user: bool = False) -> Mission:
-        """Mission from a file, or from a pipe that is ``named_by_user``."""
+        """Mission from a file, or from a pipe if ``named_by_user``; raises InvalidInput as `from_dict` does."""
         try:
             text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))
         except OSError as wrong:
@@ -225,12 +224,12 @@ class Mission:
         return cls.from_json(text)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the mission to a file, whole or not at all."""
+        """Write the mission to a file, completely or not at all."""
         write_whole(path, self.to_json().encode())
 
 
 def flat_fields() -> Iterator[Field]:
-    """Yield the fields that a mission is given by name, part by part."""
+    """Yield the fields that a mission takes by name, part by part."""
     for part in FLAT_PARTS.values():
         yield from declared_fields(part)
 
@@ -241,11 +240,11 @@ def area_from_dict(values: Any) -> Area:
     Raises
     ------
     InvalidInput
-        Another type, a field too many or too few, or a value outside its domain.
+        Another type, an unknown or missing field, or a value outside its domain.
     """
     area = dict(_object("area", values))
     kind = area.pop("type", None)
-    try:
+    with _refusing_malformed():
         if kind == "box":
             return _made(Box, "area", area)
         if kind == "polygon":
@@ -256,13 +255,20 @@ def area_from_dict(values: Any) -> Area:
             own = {name: tuple(values or ()) for name, values in area.items() if name != "poses"}
             _check_names(own, "area.", [one.name for one in fields(Points)])
             return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), **own)
+    raise InvalidInput("area type {0!r}: must be box, polygon, polygons or points", kind)
+
+
+@contextmanager
+def _refusing_malformed() -> Iterator[None]:
+    """Raise InvalidInput for a field that is missing or of another type."""
+    try:
+        yield
     except KeyError as missing:
         raise InvalidInput("mission without {0}: the field is needed", missing) from missing
     except InvalidInput:
         raise
     except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
         raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
-    raise InvalidInput("area type {0!r}: must be box, polygon, polygons or points", kind)
 
 
 def _polygon(values: Mapping[str, Any]) -> Polygon:
@@ -276,19 +282,13 @@ def _polygons(name: str, values: Any) -> tuple[Polygon, ...]:
     found = []
     for at, one in enumerate(values):
         _check_names(_object(f"{name}[{at}]", one), f"{name}[{at}].", ("rings",))
-        try:
+        with _refusing_malformed():
             found.append(_polygon(one))
-        except KeyError as missing:
-            raise InvalidInput("mission without {0}: the field is needed", missing) from missing
-        except InvalidInput:
-            raise
-        except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
-            raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
     return tuple(found)
 
 
 def _without_defaults(value: Any) -> Any:
-    """JSON-ready value: of a dataclass the fields that do not equal their defaults."""
+    """JSON-ready value; of a dataclass, the fields that differ from their defaults."""
     if isinstance(value, tuple) and value and is_dataclass(value[0]):
         return [_without_defaults(one) for one in value]
     if not is_dataclass(value):
@@ -298,7 +298,7 @@ def _without_defaults(value: Any) -> Any:
 
 
 def _group_by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Values of fields by the parts that these are in; raises TypeError for a name that is no field's."""
+    """Group the values of fields by part; raises TypeError for an unknown field, as Python does for arguments."""
     found: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         if name not in _PART_OF:
@@ -306,7 +306,6 @@ def _group_by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
             near = difflib.get_close_matches(name, _PART_OF, n=1)
             meant = f", did you mean {near[0]!r}" if near else ""
-            # As Python says of any other argument that is not known: a fault of the program, and no user's.
             unknown = f"unknown field of a mission {name!r}{meant}"
             raise TypeError(unknown)
         found.setdefault(_PART_OF[name], {})[name] = value
@@ -326,7 +325,7 @@ def _check_names(values: Mapping[str, Any], where: str, known: Any) -> None:
 
 
 def _made(kind: type[_Part], name: str, values: Any) -> _Part:
-    """Part of a mission from its JSON object; raises InvalidInput where that is none, or has a field too many."""
+    """Make a part of a mission from its JSON object; raises InvalidInput."""
     given = {one: value for one, value in _object(name, values).items() if value is not None}
     _check_names(given, f"{name}.", [one.name for one in fields(kind)])
     needed = [one.name for one in fields(kind) if one.default is MISSING and one.name not in given]

@@ -1,4 +1,4 @@
-"""Options of the command: those of a mission's fields as these are declared, and other ways to state the same."""
+"""Options of the command: one for each field of a mission, and other ways to state the same."""
 
 from __future__ import annotations
 
@@ -15,13 +15,10 @@ from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, T
 from .presets import PRESET_NAMES
 
 KINDS = ("single", "list", "raster")
-#: Lists of numbers, and what help calls each of them.
-_NUMBERS: dict[str, Callable[[str], Any]] = {"img_size": int, "takeoff": float}
-_METAVARS = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
 
 
 def share(text: str) -> float:
-    """Share from 0 to below 1 that a text states, as 0.6 or as 60%; raises ValueError for any other."""
+    """Read a share from 0 to below 1, written as 0.6 or 60%; raises ValueError."""
     plain = text.strip()
     value = real_number(plain[:-1]) / 100.0 if plain.endswith("%") else real_number(plain)
     if not 0.0 <= value < 1.0:
@@ -31,10 +28,20 @@ def share(text: str) -> float:
 
 @dataclass(frozen=True)
 class Option:
-    """One option: its name (with underscores), the type and number of its values, default and help.
+    """An option of the command.
 
-    ``count`` is None for one value, a range of allowed counts otherwise; ``flag`` options take none. ``about``
-    says what its help leaves out: unit and limits.
+    Attributes
+    ----------
+    name : str
+        With underscores.
+    kind : callable
+        Reads a value from text.
+    count : (int, int) or None
+        Least and greatest number of values; None for a single value.
+    flag : bool
+        Whether the option takes no value.
+    about : str
+        Unit and limits, which the help does not state.
     """
 
     name: str
@@ -49,8 +56,10 @@ class Option:
 
     @classmethod
     def from_field(cls, field: Field) -> Option:
-        """Option of a field of a mission."""
+        """Option that sets a field of a mission."""
         without = field.needed or field.default == ()
+        numbers: dict[str, Callable[[str], Any]] = {"img_size": int, "takeoff": float}
+        metavars = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
         many = {
             "img_size": (3, 3),
             "map_types": (1, len(field.choices)),
@@ -64,32 +73,32 @@ class Option:
         }
         return cls(
             field.name_of_option,
-            _NUMBERS.get(field.name) or (str if field.kind in (bool, tuple) else field.kind),
+            numbers.get(field.name) or (str if field.kind in (bool, tuple) else field.kind),
             (field.default,) if field.name == "stretch" else None if without else field.default,
             field.help,
             count=many.get(field.name),
-            # One of several map types is refused in the words of a mission.
+            # Choices of lists are checked by the mission.
             choices=tuple(field.choices) if field.choices and field.kind is str else None,
-            metavar=_METAVARS.get(field.name),
+            metavar=metavars.get(field.name),
             flag=field.kind is bool,
             about=field.unit_and_limits,
         )
 
     @property
     def full_help(self) -> str:
-        """Help with unit, limits and default."""
+        """Help text with unit, limits and default."""
         shown = " ".join(map(str, self.default)) if isinstance(self.default, tuple) else self.default
         default = "" if shown in (None, False, "") else f"default {shown}"
         beside = "; ".join(filter(None, (self.about, default)))
         return self.help + (f" ({beside})" if beside else "")
 
     def read(self, value: Any, where: str) -> Any:
-        """Value of the right type from text, or from JSON, or as the command line split it.
+        """Convert a value given as text, as JSON, or as the command line splits it.
 
         Raises
         ------
         InvalidInput
-            Names where it was given, the value and what would be right.
+            Not a valid value; names the value, where it was given and what is valid.
         """
         if self.flag:
             return _read_flag(value, f"{where} {self.name}")
@@ -103,23 +112,19 @@ class Option:
         return values if self.count else values[0]
 
     def _read_value(self, part: Any, where: str) -> Any:
+        readers: dict[Callable[[str], Any], Callable[[str], Any]] = {float: real_number, int: integer}
         try:
-            value = _READERS.get(self.kind, self.kind)(str(part))
+            value = readers.get(self.kind, self.kind)(str(part))
         except ValueError as wrong:
-            raise InvalidInput("{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]) from wrong
+            names: dict[Callable[[str], Any], str] = {
+                float: "number",
+                int: "whole number",
+                share: "share from 0 to below 1, such as 0.6 or 60%",
+            }
+            raise InvalidInput("{0} {1} {2!r}: must be a {3}", where, self.name, part, names[self.kind]) from wrong
         if self.choices and value not in self.choices:
             raise InvalidInput("{0} {1} {2!r}: must be one of {3}", where, self.name, part, ", ".join(self.choices))
         return value
-
-
-#: How texts of these kinds are read.
-_READERS: dict[Callable[[str], Any], Callable[[str], Any]] = {float: real_number, int: integer}
-_NAMES: dict[Callable[[str], Any], str] = {
-    float: "number",
-    int: "whole number",
-    str: "text",
-    share: "share from 0 to below 1, such as 0.6 or 60%",
-}
 
 
 def _read_flag(value: Any, what: str) -> bool:
@@ -135,18 +140,23 @@ def _read_flag(value: Any, what: str) -> bool:
 
 
 def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
-    """Options of the fields of parts, but some that are given in another way."""
+    """Options of the fields of parts, except ``but``."""
     return tuple(Option.from_field(field) for part in parts for field in declared_fields(part) if field.name not in but)
 
 
-_IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")
-#: Every option a mission is made from, in the order help shows them.
+def _image_px() -> Option:
+    """Option of the image's longer side; the camera decides where it is not given."""
+    option = next(one for one in _fields(Pixels) if one.name == "image_px")
+    return replace(option, default=None, about=f"{option.about}; default {option.default}")
+
+
+#: All options that state a mission, in the order of help.
 OPTIONS: tuple[Option, ...] = (
     Option(
         "preset",
         str,
         None,
-        "values that suit a purpose; every other option overrides its own",
+        "values that suit a purpose; any other option overrides them",
         choices=PRESET_NAMES,
     ),
     Option(
@@ -160,7 +170,7 @@ OPTIONS: tuple[Option, ...] = (
         "area",
         str,
         None,
-        "GeoJSON, KML or KMZ file, with --agl, instead of --coords: its polygons are one area, each with its own rows",
+        "GeoJSON, KML or KMZ file, with --agl, instead of --coords: its polygons form one area, with separate rows",
         metavar="FILE",
     ),
     Option(
@@ -208,8 +218,7 @@ OPTIONS: tuple[Option, ...] = (
         metavar=("SPEED", "FROM", "TURBULENCE"),
     ),
     *_fields(Imagery),
-    # A camera by name brings its own.
-    replace(_IMAGE_PX, default=None, about=f"{_IMAGE_PX.about}; default {_IMAGE_PX.default}"),
+    _image_px(),
     *_fields(Pixels, but=("image_px",)),
     *_fields(Accuracy, Terrain, Route, Output),
     Option(
@@ -236,7 +245,7 @@ OPTIONS: tuple[Option, ...] = (
 )
 
 
-#: Options that say how a mission is run, not what it is: they go with a mission file.
+#: Options that state how to run a mission, and that may be given beside a mission file.
 RUN_OPTIONS = (
     *("dataset", "batch_size", "data_dir", "connections", "placeholder"),
     *("cache_dir", "cache_limit", "no_cache"),

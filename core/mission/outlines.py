@@ -1,7 +1,7 @@
 """Geometries of a plan: pictures, footprints and lines, cut at the antimeridian and at the ends of the map.
 
-The preview, Processing's layers and the exported files draw what is worked out here. Degrees are for files (RFC 7946),
-metres of EPSG:3857 for maps. Rings run counter-clockwise and are not closed.
+The preview, Processing's layers and exported files draw these geometries: in degrees for files (RFC 7946), in metres of
+EPSG:3857 for maps. Rings run counter-clockwise and are not closed.
 """
 
 from __future__ import annotations
@@ -20,24 +20,22 @@ from .plan import Plan
 #: Horizontal and vertical coordinates of corners, (k,) each.
 Ring = tuple[Floats, Floats]
 
-#: A centimetre from the poles, which are infinitely far away on the map.
-_FARTHEST_DEG = 90.0 - 1e-7
-_WORLD_M = 2.0 * HALF_WORLD_M
-#: All captures of a plan.
 _ALL = slice(None)
 
 
 def metres(lon_deg: Floats, lat_deg: Floats) -> Ring:
-    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes, any shape; finite at the poles."""
-    lat = np.clip(np.asarray(lat_deg, np.float64), -_FARTHEST_DEG, _FARTHEST_DEG)
+    """Project longitudes (not wrapped) and latitudes, any shape, to EPSG:3857; finite at the poles."""
+    # A centimetre from the poles, which the map shows at infinity.
+    farthest_deg = 90.0 - 1e-7
+    lat = np.clip(np.asarray(lat_deg, np.float64), -farthest_deg, farthest_deg)
     east = (2.0 * lon_to_u(np.asarray(lon_deg, np.float64)) - 1.0) * HALF_WORLD_M
     return east, (1.0 - 2.0 * lat_to_v(lat)) * HALF_WORLD_M
 
 
 def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
-    """Outline of each picture in the CRS of the plan's grid: a map frame, or a footprint.
+    """Outline of each picture in the CRS of the plan's grid: its map frame, as its file states it, or its footprint.
 
-    Map frames are as their files state them. What a footprint has beyond the map is cut off; it may leave nothing.
+    Footprints are cut at the ends of the map, which may leave nothing.
 
     Yields
     ------
@@ -70,19 +68,19 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
 
 
 def footprints_deg(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
-    """Ground that each capture's camera sees, as longitudes and latitudes; several rings where it crosses ±180°."""
+    """Ground that each camera sees, as longitudes and latitudes; several rings where it crosses ±180°."""
     straight = _straight(plan, part).tolist()
     for index, at in enumerate(range(*part.indices(len(plan)))):
         yield cut_at_antimeridian(*_footprint(plan, at, straight=straight[index]))
 
 
 def cut_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[Ring]:
-    """Ring cut where it crosses ±180°, each part within them (RFC 7946, section 3.1.9).
+    """Cut a ring at ±180° into rings that do not cross it (RFC 7946, section 3.1.9).
 
     Parameters
     ----------
     lon_deg, lat_deg : array (n,)
-        Ring without its closing corner, n >= 3 or none; longitudes continuous.
+        Ring without its closing corner, longitudes continuous; fewer than 3 corners give no ring.
     """
     if len(lon_deg) < 3:
         return []
@@ -101,23 +99,23 @@ def cut_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[Ring]:
 
 
 def cut_line(lon_deg: Floats, *values: Floats) -> list[tuple[Floats, ...]]:
-    """Line through places in their order, cut where it crosses ±180°; from each to the next the shorter way around.
+    """Cut a line at ±180°; each leg takes the shorter way around.
 
     Parameters
     ----------
     lon_deg : array (n,)
     values : array (n,) each
-        Latitudes, heights: whatever goes straight from place to place.
+        Latitudes, heights and other values that are interpolated along a leg.
 
     Returns
     -------
     list of (longitudes, values ...)
-        Parts of two places or more, longitudes within ±180; one part of one place where there is but one.
+        Parts of at least two places, longitudes within ±180; a line of one place is one part.
     """
     lon = np.unwrap(np.asarray(lon_deg, np.float64), period=360.0)
     turn = np.floor((lon + 180.0) / 360.0)
     leaves = np.flatnonzero(np.diff(turn))
-    # Where each leg that crosses meets the antimeridian, and the values there.
+    # Each leg that crosses meets the antimeridian at this share of its length.
     edge = 360.0 * np.maximum(turn[leaves], turn[leaves + 1]) - 180.0
     share = (edge - lon[leaves]) / (lon[leaves + 1] - lon[leaves])
     crossings = [edge, *(row[leaves] + share * (row[leaves + 1] - row[leaves]) for row in values)]
@@ -142,13 +140,13 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
 
 
 def _ground_seen(plan: Plan, index: int) -> Ring:
-    """Outline of a footprint; around a pole, where a plane has no way to it and back, it ends a turn away."""
+    """Outline of a footprint; one around a pole is not closed, but ends a whole turn from its start."""
     seen = plan.views.outline(index)
     return seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
 
 
 def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
-    """Outline around a pole as a ring that nothing cuts: from ±180° once around, and back along the pole."""
+    """Ring of an outline around a pole: from ±180° once around, and back along the pole."""
     turn, count = 360.0 * pole, len(lon_deg)
     lon, lat = np.concatenate([lon_deg, lon_deg + turn]), np.concatenate([lat_deg, lat_deg])
     edge = pole * (360.0 * np.ceil((pole * lon[0] + 180.0) / 360.0) - 180.0)
@@ -164,26 +162,25 @@ def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
 
 
 def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
-    """Which footprints are drawn by their four corners alone."""
+    """Which footprints four corners describe well enough to be drawn."""
     lat, lon, hit = (values[part] for values in plan.corners)
     wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
-    # Edges up to 0.1 degrees of a great circle are straight, in longitude and latitude or on the map, to within 3 m, a
-    # thousandth of their length.
+    # Edges of up to 0.1 degrees are straight to within 3 m, in degrees and on the map.
     small = np.maximum(np.ptp(lat, axis=1), wide_deg) < 0.1
     if not plan.grid.plane.wraps:
-        # The map ends before meridians come so near to each other.
-        # Near a pole straight edges leave the true ones by an eighth of their turn.
+        # Near a pole, where the map does not reach, a straight edge misses the true one by an eighth of its turn.
         small &= np.ptp(lon, axis=1) < 0.5
-    # Over relief every edge is bent.
+    # Relief bends every edge.
     return np.asarray(small & hit.all(axis=1) & (plan.views.poles[part] == 0) & plan.relief.is_level)
 
 
 def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:
     """Rectangle in EPSG:3857, in two where it crosses the antimeridian."""
-    shift = _WORLD_M * ((west + HALF_WORLD_M) // _WORLD_M)
+    world_m = 2.0 * HALF_WORLD_M
+    shift = world_m * ((west + HALF_WORLD_M) // world_m)
     spans = [(west - shift, min(east - shift, HALF_WORLD_M))]
     if east - shift > HALF_WORLD_M:
-        spans.append((-HALF_WORLD_M, east - shift - _WORLD_M))
+        spans.append((-HALF_WORLD_M, east - shift - world_m))
     return [_rectangle(left, south, right, north) for left, right in spans]
 
 

@@ -1,4 +1,4 @@
-"""The parts of a mission that are plain fields, each field declared once. Knows no numerics, as help needs none."""
+"""The parts of a mission whose fields are plain values, each declared once. Imports no numerics: help needs none."""
 
 from __future__ import annotations
 
@@ -17,57 +17,57 @@ from .imageries import NamedImagery, named_imageries
 if TYPE_CHECKING:
     from datetime import datetime
 
-#: Rows to and fro, or each from its beginning.
+#: Orders of rows: to and fro, or each flown in the same direction.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
-#: Where the top of images points: north, or along each row's flight.
+#: Directions of the images' top edge: north, or that of each row's flight.
 NORTH, TRACK = "north", "track"
 #: Ways to align rows with their area.
 ALIGNMENTS = LONGEST_SIDE, SHORTEST = ("longest-side", "shortest")
 #: Azimuth of rows along parallels.
 EASTWARD_DEG = 90.0
-#: Rows that leave nothing out, or the published UTM grid.
+#: Layouts: rows without gaps, or the UTM grid of the published paper.
 COVER, PAPER = "cover", "paper"
-#: The cheapest that fits the error budget.
+#: The cheapest frame or mesh that fits the error budget.
 AUTO = "auto"
-#: A ray for every pixel of a camera frame, in place of a mesh that is as coarse as the error budget allows.
+#: One ray per pixel of a camera frame instead of a mesh.
 RAYS = "rays"
-#: Longest side of a picture in the paper's layout where no other limit is given.
+#: Limit of a picture's longer side in the paper's layout, unless the mission gives another.
 PAPER_MAX_PX = 640
-#: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
+#: Greatest height above ground, metres: up to there, float64 holds the ground to less than a micrometre.
 HIGHEST_AGL_M = 1e9
-#: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
+#: Heights of the ground, metres: the deepest ocean trench and Everest, with room for the geoid.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
-#: Widest margin about an area, metres.
+#: Widest margin around an area, metres.
 WIDEST_MARGIN_M = 100_000.0
-#: What the heights of captures are above.
+#: References of the heights of captures.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
-#: Where a flight enters its rows: as they are laid out, at a corner, or at the corner nearest to take-off.
+#: Entries into the rows: as laid out, at the corner nearest to the take-off, or at a compass corner (east, north).
 FIRST, NEAREST = "first", "nearest"
 COMPASS_CORNERS = {"north-west": (-1, 1), "north-east": (1, 1), "south-east": (1, -1), "south-west": (-1, -1)}
-#: What releases the camera: each waypoint, the distance flown along a row, or each waypoint with a stop.
+#: Triggers of the camera: at each waypoint, by the distance flown along a row, or at each waypoint with a stop.
 BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
-#: Of the drones that a file for DJI's programs is for, those that DJI Fly flies.
+#: The drones that DJI Fly flies, as target of a file for DJI's programs.
 DJI_FLY = "dji-fly"
-#: What becomes of holes in the first source of heights.
+#: Treatments of holes in the first source of heights.
 FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
-#: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
+#: UTC in ISO 8601, to the second or with up to six decimals.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
-#: A code, or the WKT of a raster whose coordinate reference system has none.
+#: A code, or the WKT of a raster whose coordinate reference system has no code.
 _CRS = r"(EPSG:[0-9]{1,7}|[A-Z][A-Z0-9_]*\[.*\])?"
 _LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
 _NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
-#: How values become 8 bits: by one of two words, or between two values.
+#: Conversions to 8 bits: a keyword, or the range of values to stretch.
 _STRETCH = f"none|percentile|{_NUMBER} {_NUMBER}"
 
 
 def utc_time(text: str) -> datetime:
-    """Time of an ISO 8601 text in UTC, such as 2024-06-21T10:30:00Z; with the time zone UTC.
+    """Parse an ISO 8601 text in UTC, such as 2024-06-21T10:30:00Z, as a time in the zone UTC.
 
     Raises
     ------
     InvalidInput
-        Another form, or a day or an hour that is not.
+        Another format, or an impossible date or time.
     """
     from datetime import datetime, timezone
 
@@ -204,13 +204,13 @@ def _check_size(size: tuple[Any, ...]) -> None:
 
 @dataclass(frozen=True)
 class Attitude(CheckedFields):
-    """Which way every capture looks: yaw, then tilt, then roll, as in `Camera.rays_enu`."""
+    """Attitude of the camera: yaw, then tilt, then roll, as in `Camera.rays_enu`."""
 
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north; where the rows are turned from east it turns "
-        "with them, where the source has its own CRS it counts from grid north, and points may have yaws of their own",
+        help="direction of the image's top edge, clockwise from north, or from grid north of a source's CRS; it turns "
+        "with rows that are turned from east, and points may state other yaws",
         unit="deg",
         option="yaw",
         least=-360.0,
@@ -247,7 +247,7 @@ class Flight(CheckedFields):
     agl_m: float = declared(
         title="height above ground",
         label="height above gro&und",
-        help="height of the captures above ground (AGL); coordinates, and points with heights, have their own",
+        help="height of the captures above ground (AGL); coordinates and points may state other heights",
         unit="m",
         option="agl",
         above=0.0,
@@ -332,7 +332,7 @@ class Flight(CheckedFields):
         help="speed of the flight through the air",
         unit="m/s",
         option="airspeed",
-        # From hovering drift to the speed of sound: what the model of the wind is of.
+        # From hovering drift to the speed of sound, where the wind model holds.
         least=0.1,
         most=340.0,
         advanced=True,
@@ -348,7 +348,7 @@ class Flight(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; an azimuth that cameras face is kept as text."""
+        """Check every field; keep an azimuth that cameras face as text."""
         given: Any = self.facing
         if isinstance(given, (int, float)) and not isinstance(given, bool):
             object.__setattr__(self, "facing", f"{given:.15g}")
@@ -356,18 +356,18 @@ class Flight(CheckedFields):
 
     @property
     def faced_deg(self) -> float | None:
-        """Azimuth that the yaw counts from; None where that is the track of each row."""
+        """Azimuth that the yaw counts from; None for the track of each row."""
         return None if self.facing == TRACK else 0.0 if self.facing == NORTH else float(self.facing)
 
     @property
     def alternates_facing(self) -> bool:
-        """Whether every other row sees the other way."""
+        """Whether cameras of every other row face the opposite direction."""
         return self.facing == TRACK and self.order == SERPENTINE
 
 
 @dataclass(frozen=True)
 class Imagery(CheckedFields):
-    """What is photographed, and when it was."""
+    """Source, kinds, date and bands of the imagery."""
 
     source: str = declared(
         "world",
@@ -380,7 +380,7 @@ class Imagery(CheckedFields):
     map_types: tuple[str, ...] = declared(
         (SATELLITE,),
         title="map types",
-        help="kinds of imagery, each captured into its own folder",
+        help="kinds of imagery, captured into one folder each",
         choices={SATELLITE: "Satellite", ROADMAP: "Roadmap", TERRAIN: "Terrain"},
         option="map_type",
         check=_check_map_types,
@@ -426,8 +426,8 @@ class Imagery(CheckedFields):
         (),
         title="imageries",
         help="several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, "
-        "NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own; "
-        "without NAME=, of a name made from the source",
+        "NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME; without "
+        "NAME=, the name is made from the source",
         option="imagery",
         advanced=True,
         check=_check_imageries,
@@ -436,12 +436,12 @@ class Imagery(CheckedFields):
     seed: int = declared(
         2024,
         title="seed",
-        help="start of all that is random, such as the synthetic landscape and gusts of wind",
+        help="seed of everything random, such as the synthetic landscape and gusts of wind",
         advanced=True,
     )
 
     def __post_init__(self) -> None:
-        """Check every field; bands by number are kept as text."""
+        """Check every field; keep bands by number as text."""
         given: Any = self.bands
         if isinstance(given, (tuple, list)):
             object.__setattr__(self, "bands", tuple(str(one) if type(one) is int else one for one in given))
@@ -449,7 +449,7 @@ class Imagery(CheckedFields):
         others = (self.source, self.date, self.map_types)
         if self.imageries and others != (Imagery.source, Imagery.date, Imagery.map_types):
             raise InvalidInput(
-                "imagery {0}, and source {1} {2} {3} as well: an imagery names its own, so give one of the two",
+                "imagery {0}, and source {1} {2} {3} as well: give one of the two",
                 self.imageries[0],
                 self.source,
                 self.date,
@@ -459,20 +459,20 @@ class Imagery(CheckedFields):
 
     @property
     def named(self) -> tuple[NamedImagery, ...]:
-        """Imageries beside each other; empty where there is one source."""
+        """The several imageries; empty where there is one source."""
         return named_imageries(self.imageries)
 
 
 @dataclass(frozen=True)
 class Pixels(CheckedFields):
-    """Which of the source's pixels make the images."""
+    """Resolution and size of the images."""
 
     image_px: int = declared(
         640,
         title="image's longer side",
         label="image's lo&nger side",
         help="pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named "
-        "camera has its own",
+        "camera sets it",
         unit="px",
         least=1,
         advanced=True,
@@ -525,7 +525,7 @@ class Pixels(CheckedFields):
 
 @dataclass(frozen=True)
 class Accuracy(CheckedFields):
-    """How wrong images and footprints may be, and what kind of image is made."""
+    """Error budget, and the methods that make images."""
 
     error_budget_px: float = declared(
         0.1,
@@ -575,7 +575,7 @@ class Accuracy(CheckedFields):
 
 @dataclass(frozen=True)
 class Terrain(CheckedFields):
-    """The relief of the ground, and how a flight follows it."""
+    """Relief of the ground, and the flight above it."""
 
     elevation: tuple[str, ...] = declared(
         (),
@@ -589,8 +589,8 @@ class Terrain(CheckedFields):
     surface: tuple[str, ...] = declared(
         (),
         title="surface",
-        help="where the heights of what cameras see come from, with buildings and trees, if that is not what the "
-        "flight follows; named like the elevation, which fills its gaps",
+        help="heights of what cameras see, with buildings and trees, if that differs from the elevation, which the "
+        "flight follows; given like the elevation, which fills its gaps",
         advanced=True,
         check=_check_heights,
         schema={"items": {"type": "string", "minLength": 1}},
@@ -624,9 +624,9 @@ class Terrain(CheckedFields):
     holes: str = declared(
         FILL,
         title="missing heights",
-        help="what becomes of places in the area at which the first source of heights has none: filled from the next "
-        "source that has one, and counted; or also interpolated where no source has one, from heights within 100 "
-        "pixels on all sides; or refused",
+        help="treatment of places in the area where the first source of heights has none: filled from the next source "
+        "that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on "
+        "all sides; or refused",
         choices={
             FILL: "Filled from the next source",
             INTERPOLATE: "Interpolated where no source has any",
@@ -674,7 +674,7 @@ class Terrain(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; refuse a surface over nothing."""
+        """Check every field; refuse a surface without an elevation."""
         super().__post_init__()
         if self.surface and not self.elevation:
             raise InvalidInput(
@@ -687,13 +687,13 @@ class Terrain(CheckedFields):
 
 @dataclass(frozen=True)
 class Route(CheckedFields):
-    """How the aircraft gets to the captures and from row to row, and what releases the camera."""
+    """The way to, between and from the rows, and the trigger of the camera."""
 
     takeoff: tuple[float, float] | None = declared(
         None,
         title="take-off",
-        help="latitude and longitude of the place that the flight begins and ends at; left out, the flight is that "
-        "from the first capture to the last",
+        help="latitude and longitude where the flight begins and ends; left out, it goes from the first capture to the "
+        "last",
         check=_check_takeoff,
         schema={
             "prefixItems": [
@@ -723,7 +723,7 @@ class Route(CheckedFields):
     turnaround_m: float = declared(
         0.0,
         title="turnaround",
-        help="how far the flight goes on beyond the end of each row before it turns",
+        help="distance flown beyond the end of each row before the turn",
         unit="m",
         option="turnaround",
         least=0.0,
@@ -733,7 +733,7 @@ class Route(CheckedFields):
     lead_in_m: float = declared(
         0.0,
         title="lead-in",
-        help="how far before the first capture of each row the flight is already on its line",
+        help="distance flown on the line of each row before its first capture",
         unit="m",
         option="lead_in",
         least=0.0,
@@ -755,7 +755,7 @@ class Route(CheckedFields):
     photo_interval_s: float | None = declared(
         None,
         title="minimum image interval",
-        help="shortest time between two images that the camera can keep up",
+        help="shortest time between two images that the camera can sustain",
         unit="s",
         option="photo_interval",
         above=0.0,
@@ -794,7 +794,7 @@ class Route(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; refuse what needs a place of take-off without one."""
+        """Check every field; refuse values that need a take-off point without one."""
         super().__post_init__()
         if self.takeoff is not None:
             object.__setattr__(self, "takeoff", tuple(map(float, self.takeoff)))
@@ -812,7 +812,7 @@ class Route(CheckedFields):
 
 @dataclass(frozen=True)
 class Output(CheckedFields):
-    """What is written."""
+    """Files that a capture writes."""
 
     image_format: str = declared(
         "tif",
@@ -860,7 +860,7 @@ class Output(CheckedFields):
     )
 
 
-#: Parts that are given by the names of their fields, which no two of them share.
+#: Parts whose fields a mission takes by name; no two parts share a name.
 FLAT_PARTS: dict[str, type[CheckedFields]] = {
     "attitude": Attitude,
     "flight": Flight,

@@ -15249,5 +15249,85 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>{0}: missing</source>
         <translation>{0}: no hay ninguno</translation>
     </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py" />
+        <source>source {0!r}: not one of your own, which are {1}</source>
+        <translation>fuente {0!r}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py" />
+        <source>camera {0!r}: not one of your own, which are {1}</source>
+        <translation>cámara {0!r}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py" />
+        <source>images within the imagery: cannot be selected for an area over relief or in wind</source>
+        <translation>imágenes dentro de las disponibles: no se pueden seleccionar en una zona con relieve o con viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>direction of the image's top edge, clockwise from north, or from grid north of a source's CRS; it turns with rows that are turned from east, and points may state other yaws</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; si las pasadas se apartan del este, gira con ellas; si la fuente tiene SRC propio, se cuenta desde el norte de la cuadrícula; los puntos pueden tener guiñadas propias</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>distance flown beyond the end of each row before the turn</source>
+        <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>distance flown on the line of each row before its first capture</source>
+        <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>height of the captures above ground (AGL); coordinates and points may state other heights</source>
+        <translation>altura de las capturas sobre el terreno (AGL); las coordenadas y los puntos con alturas llevan la suya</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>heights of what cameras see, with buildings and trees, if that differs from the elevation, which the flight follows; given like the elevation, which fills its gaps</source>
+        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si no es lo que sigue el vuelo; se nombra como la elevación, que completa sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>imagery {0}, and source {1} {2} {3} as well: give one of the two</source>
+        <translation>imágenes {0}, y además la fuente {1} {2} {3}: cada una nombra la suya, así que dé una de las dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>kinds of imagery, captured into one folder each</source>
+        <translation>clases de imágenes, cada una capturada en su propia carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>latitude and longitude where the flight begins and ends; left out, it goes from the first capture to the last</source>
+        <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named camera sets it</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara; se usa el zoom más próximo a su GSD; una cámara con nombre tiene los suyos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>seed of everything random, such as the synthetic landscape and gusts of wind</source>
+        <translation>inicio de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME; without NAME=, the name is made from the source</source>
+        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia; sin NOMBRE=, con un nombre formado a partir de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>shortest time between two images that the camera can sustain</source>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py" />
+        <source>treatment of places in the area where the first source of heights has none: filled from the next source that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on all sides; or refused</source>
+        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan; o además se interpolan donde ninguna la tiene, a partir de alturas a menos de 100 píxeles por todos los lados; o se rechazan</translation>
+    </message>
     </context>
 </TS>

@@ -56,7 +56,7 @@ def test_a_camera_by_each_field_of_view(run, options, angle, degrees):
         (("add", "Mine", "--fov", "60"), "needs aspect_ratio or size_px"),
         (("add", "Mine", "--sensor", "36"), "expected 2 arguments"),
         (("add", "DJI Mini 2", "--fov", "60", "--aspect-ratio", "4", "3"), "is taken"),
-        (("remove", "Mine"), "is none of your own"),
+        (("remove", "Mine"), "not one of your own"),
     ],
 )
 def test_what_is_not_right_is_one_line(run, arguments, says):

@@ -238,7 +238,7 @@ def test_names_and_addresses_that_are_refused(run, tmp_path):
         (("add", "mine", template + "?key=abc123"), "holds a key in 'key'"),
         (("add", "mine", template, "--default-date", "2020"), "no {date} to put it in"),
         (("add", "mine", template, "--max-zoom", "high"), "invalid int value"),
-        (("remove", "mine"), "is none of your own"),
+        (("remove", "mine"), "not one of your own"),
         (("show", "atlantis"), "'atlantis' is unknown"),
         (("show", "ortho.tif"), "a file states no terms"),
     ):

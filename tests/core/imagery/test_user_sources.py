@@ -76,7 +76,7 @@ def test_what_cannot_be_removed():
     with pytest.raises(InvalidInput, match="is part of the catalogue"):
         remove("osm")
     add("mine", described("https://h.example/{z}/{x}/{y}"))
-    with pytest.raises(InvalidInput, match="is none of your own, which are mine"):
+    with pytest.raises(InvalidInput, match="not one of your own, which are mine"):
         remove("yours")
 
 

@@ -101,7 +101,7 @@ def test_what_cannot_be_removed():
     with pytest.raises(InvalidInput, match="comes with TerrAInav"):
         remove_camera("dji mavic")
     add_camera("Wide", WIDE)
-    with pytest.raises(InvalidInput, match="is none of your own, which are Wide"):
+    with pytest.raises(InvalidInput, match="not one of your own, which are Wide"):
         remove_camera("yours")
 
 
