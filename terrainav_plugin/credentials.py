@@ -42,7 +42,7 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
     if manager.isDisabled():
         return tr("QGIS's authentication database cannot be used: {reason}").format(reason=manager.disabledMessage())
     if authcfg not in manager.configIds():
-        return tr("authentication configuration {id} is not there (any more): choose another").format(id=authcfg)
+        return tr("authentication configuration {id} does not exist (any more): choose another").format(id=authcfg)
     # Let QGIS ask for the master password now: nobody may be there once the run is under way.
     if not manager.setMasterPassword(True):
         return tr("QGIS's authentication database is locked: press Capture again and enter its master password")

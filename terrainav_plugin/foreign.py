@@ -61,7 +61,7 @@ def _check_kind(path: Path, kind: int, allowed: Sequence[str]) -> None:
         raise InvalidInput(
             tr("{path}: QGIS would open it as {kind}; must be {right}").format(
                 path=path,
-                kind=tr("nothing that it knows") if driver is None else driver.ShortName,
+                kind=tr("an unknown format") if driver is None else driver.ShortName,
                 right=" or ".join(allowed[:3]),
             )
         )

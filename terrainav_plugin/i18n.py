@@ -97,10 +97,10 @@ def option_label(name: str) -> str:
         return tr("“{entry}”").format(entry=own[name])
     parts = FLAT_PARTS.values() if name in _ENTERED else ()
     fields = (field for part in parts for field in declared_fields(part) if field.name_of_option == name)
-    return next((tr("“{entry}”").format(entry=begun(translate(one.title))) for one in fields), "")
+    return next((tr("“{entry}”").format(entry=capitalized(translate(one.title))) for one in fields), "")
 
 
-def begun(text: str) -> str:
+def capitalized(text: str) -> str:
     """Text with its first letter, after any mnemonic mark, in upper case."""
     at = 1 if text.startswith("&") else 0
     return text[:at] + text[at : at + 1].upper() + text[at + 1 :]

@@ -149,7 +149,7 @@ class Messages(QObject):
             self._iface.messageBar().popWidget(self._waiting)
 
     @contextmanager
-    def about(self, topic: str) -> Iterator[None]:
+    def topic(self, topic: str) -> Iterator[None]:
         """Assign a topic to the messages shown inside, for `withdraw`."""
         before = len(self._shown)
         yield

@@ -92,9 +92,9 @@ class Planner(QObject):
 def _plan(mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]) -> PlannedMission | None:
     """Plan step by step, ending early if overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
-    from .sources import request_costs, worked_out
+    from .sources import plan_mission, request_costs
 
-    steps = worked_out(mission, find_grid)
+    steps = plan_mission(mission, find_grid)
     return (
         None if overtaken() else PlannedMission(mission, steps, estimate(steps, request_costs(mission.imagery.source)))
     )

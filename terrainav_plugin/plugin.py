@@ -304,9 +304,9 @@ def _found(source: str) -> str:
     """Local copy of a project's file that belongs to a remote dataset; other files unchanged."""
     if COPIES not in source.replace("\\", "/"):
         return source
-    from .remote.copies import found_copy
+    from .remote.copies import local_copy
 
-    return found_copy(source)
+    return local_copy(source)
 
 
 def _importable(module: str) -> bool:

@@ -39,12 +39,12 @@ from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
-from .remote.copies import why_unchangeable
+from .remote.copies import read_only_reason
 from .remote.trust import agree, source_names
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
-from .widgets import free_of_menus
+from .widgets import remove_menu_mnemonics
 
 if TYPE_CHECKING:
     from ..core.mission.areas.area import Box
@@ -105,7 +105,7 @@ class Session(QObject):
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()
-        free_of_menus(self.dock, window.menuBar())
+        remove_menu_mnemonics(self.dock, window.menuBar())
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
 
@@ -336,7 +336,7 @@ class Session(QObject):
     def _datasets(self) -> list[Path]:
         """Folders of the latest datasets, and that of the panel's mission unless it is read-only."""
         in_panel = entered_folder(self.state().folder)
-        return [*reversed(self.runs.folders), *([] if why_unchangeable(in_panel) else [in_panel])]
+        return [*reversed(self.runs.folders), *([] if read_only_reason(in_panel) else [in_panel])]
 
     def _capture_into(self, folder: Path) -> None:
         self.missions.restore_dataset(entered_folder(self.state().folder))

@@ -86,7 +86,7 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
     return lambda: grid
 
 
-def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
+def plan_mission(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
     """Plan of a mission, over relief if it has one; on any thread.
 
     Raises
@@ -345,9 +345,9 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
         )
     if template.plane is not None:
         raise InvalidInput(
-            tr("{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel").format(
-                title=entry.title, crs=template.plane.crs
-            )
+            tr(
+                "{title} has tiles in {crs}, which cannot be a background: add its layer with QGIS's Browser panel"
+            ).format(title=entry.title, crs=template.plane.crs)
         )
     if template.levels:
         raise InvalidInput(

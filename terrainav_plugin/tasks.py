@@ -64,7 +64,7 @@ class Task(QgsTask):
         self.ended.connect(ended)
         QgsApplication.taskManager().addTask(self)
 
-    def go_on(self, share: float) -> bool:
+    def report_progress(self, share: float) -> bool:
         """Report the share done, 0 to 1; returns whether to continue."""
         self.setProgress(100.0 * share)
         return not self.isCanceled()

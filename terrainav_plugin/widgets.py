@@ -628,7 +628,7 @@ class FieldMarks:
         """Fields whose rows are hidden, apart from folding."""
         return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
 
-    def out_of_sight(self, messages: dict[str, str]) -> str:
+    def hidden_messages(self, messages: dict[str, str]) -> str:
         """Messages at hidden fields, as one text."""
         hidden = self.hidden()
         texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
@@ -643,7 +643,7 @@ class FieldMarks:
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
 
 
-def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
+def remove_menu_mnemonics(panel: QWidget, menus: QMenuBar) -> None:
     """Remove a panel's mnemonics that open a menu (plugins and languages add some) or appear twice."""
     taken = {mnemonic_key(action.text()) for action in menus.actions() if action.isVisible()}
     for text, change in list(_texts(panel)):
@@ -656,7 +656,7 @@ def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
 def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
     """Add a dock widget floating over the map's corner, within the screen."""
     window = iface.mainWindow()
-    free_of_menus(panel, window.menuBar())
+    remove_menu_mnemonics(panel, window.menuBar())
     # Float it before adding: a wide one would permanently widen the panels beside it.
     panel.setParent(window)
     panel.setFloating(True)
@@ -673,7 +673,7 @@ def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int,
 def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
     """Add a dock widget to those on the right, as a tab on the one named ``beside``."""
     window = iface.mainWindow()
-    free_of_menus(panel, window.menuBar())
+    remove_menu_mnemonics(panel, window.menuBar())
     iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, panel)
     other = window.findChild(QgsDockWidget, beside)
     if other is not None and other.isVisible() and not other.isFloating():

@@ -7135,7 +7135,369 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>“{text}”: must be from {least} to {most}</source>
         <translation>«{text}»: debe estar entre {least} y {most}</translation>
     </message>
-</context>
+<message>
+        <location filename="../../terrainav_plugin/area/control.py" />
+        <source>the area has no polygons</source>
+        <translation>no hay ningún área de polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>All positions of the file, or one per interval of time or distance</source>
+        <translation>Todas las posiciones del archivo, o una cada cierto tiempo o distancia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>Heights are above home, or above the first position. The camera is fixed to the aircraft and looks down, with the top of its image ahead.</source>
+        <translation>Las alturas son sobre el punto de partida (home) o sobre la primera posición. La cámara está fija a la aeronave y mira hacia abajo, con el borde superior de la imagen hacia delante.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>Heights of GPX are usually above sea level. The top of each image points in the direction of travel.</source>
+        <translation>Las alturas de GPX suelen ser sobre el nivel del mar. El borde superior de cada imagen apunta en el sentido del recorrido.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>Interval between images; the first is at the beginning</source>
+        <translation>Intervalo entre imágenes; la primera está al principio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>Poses in metres in a local frame, whose place is not in the file.</source>
+        <translation>Poses en metros de un sistema local. El archivo no dice dónde se encuentra este.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>The smallest box of longitudes and latitudes around it ({crs}), or its rectangle, as a polygon, if the box would be much larger.</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}); su propio rectángulo, como polígono, donde el recuadro sería mucho mayor.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py" />
+        <source>Where the angle is 0: straight down, or at the horizon</source>
+        <translation>Dónde el ángulo es 0: en vertical hacia abajo, o en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py" />
+        <source>{feature} is not a line: choose a layer of lines</source>
+        <translation>{feature} no es una línea: tome una capa de líneas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py" />
+        <source>{feature} is not a point: choose a layer of points</source>
+        <translation>{feature} no es un punto: tome una capa de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py" />
+        <source>{feature} is not a polygon: select one that is</source>
+        <translation>{feature} no es un polígono: seleccione uno que lo sea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py" />
+        <source>The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC trajectory: one image from each pose, or one every so many seconds or metres</source>
+        <translation>Las poses de un track GPX, de un registro de PX4 o ArduPilot o de una trayectoria TUM, KITTI o EuRoC: una imagen desde cada una, o una cada tantos segundos o metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py" />
+        <source>Ground over which no image is taken: drawn, from a layer or from a file</source>
+        <translation>Terreno sobre el que no se toma ninguna imagen: dibujado, de una capa o de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py" />
+        <source>Draw only poses from which the panel's camera sees no ground without imagery: other images, such as those at the edge of a raster, fail</source>
+        <translation>Sortea solo poses cuya cámara, la del panel, no ve terreno sin imágenes: las imágenes que lo muestran, como en el borde de un ráster, fallan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py" />
+        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and requests its places again; the options list such tiles.</source>
+        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py" />
+        <source>{folder}: a capture into it is already running; a second mission needs another folder.</source>
+        <translation>{folder}: ya hay una captura en curso en ella; una segunda misión necesita su propia carpeta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py" />
+        <source>authentication configuration {id} does not exist (any more): choose another</source>
+        <translation>la configuración de autenticación {id} no existe (o ya no existe): elija otra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py" />
+        <source>A benchmark has images from one imagery, the queries, to find in another, the reference, with the right answers. The queries are the images of the mission in the panel.</source>
+        <translation>Un banco de pruebas contiene imágenes de una fuente, las consultas, que hay que encontrar en otra, la referencia, y las respuestas correctas. Las consultas son las imágenes de la misión del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py" />
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py" />
+        <source>This folder is not a benchmark.</source>
+        <translation>Esta carpeta no es un banco de pruebas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py" />
+        <source>The entropies form two groups with few images between them; {bits} bits separate them best (Otsu's method). The lower group has {rejected} of {count} images ({percent} %).</source>
+        <translation>Las entropías forman dos grupos con pocas imágenes entre ellos; {bits} bits es lo que mejor los separa (método de Otsu). El grupo inferior tiene {rejected} de {count} imágenes ({percent} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py" />
+        <location filename="../../terrainav_plugin/processing/datasets.py" />
+        <source>New or empty; if left out, parquet, croissant and stac are written into the dataset's folder.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet, croissant y stac van a la del propio conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py" />
+        <source>an unknown format</source>
+        <translation>un formato desconocido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/canvas.py" />
+        <source>CRS {crs}: must be one of the Earth, such as EPSG:4326</source>
+        <translation>SRC {crs}: debe ser uno de la Tierra, como EPSG:4326</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py" />
+        <source>What you opened takes imagery, heights or datasets from {places}, which you have not used in this QGIS. Nothing is requested there until you allow it.</source>
+        <translation>Lo que ha abierto toma imágenes, alturas o conjuntos de datos de {places}, que no se ha usado en este QGIS. No se le consulta nada hasta que lo permita.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py" />
+        <source>folder {folder}: has no {name}, so it is not a dataset of a capture; choose its folder</source>
+        <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elija su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py" />
+        <source>its folder is not a path</source>
+        <translation>su carpeta no es una ruta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py" />
+        <source>Highest zoom with native detail, 0 to 30</source>
+        <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py" />
+        <source>cannot continue ({error})</source>
+        <translation>no se puede continuar ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py" />
+        <source>The area has {count} polygons: each gets separate rows.</source>
+        <translation>El área tiene {count} polígonos: cada uno tiene sus propias pasadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py" />
+        <source>extent: cannot be transformed to latitude and longitude ({error})</source>
+        <translation>extensión: no se puede transformar a latitud y longitud ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py" />
+        <source>fields for tilt and gimbal pitch given: needs one of the two</source>
+        <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>A new folder, or the folder of this benchmark, to resume it.</source>
+        <translation>Una carpeta nueva, o una que contenga este banco de pruebas, para continuarlo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Captures queries, the views of the mission, and the reference in which to find them: one mosaic, and tiles of it. Tables give the position of each query and the right tiles.</source>
+        <translation>Captura consultas, que son las vistas de la misión, y la referencia en la que hay que encontrarlas: un mosaico y sus teselas. Las tablas dicen dónde se tomó cada consulta y qué teselas son correctas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Ground around that of the queries. If empty, the width of the widest tile.</source>
+        <translation>Terreno alrededor del de las consultas. Si está vacío, tanto como el ancho de la tesela más ancha.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Its answers are scored unless a file of predictions is given. sift and orb need OpenCV.</source>
+        <translation>Se evalúan sus respuestas si no se indica un archivo de predicciones. sift y orb necesitan OpenCV.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Minimum for a nearly right tile.</source>
+        <translation>A partir de la cual una tesela es casi correcta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Minimum for a right tile: the ground shared by tile and query, over the ground of both.</source>
+        <translation>A partir de la cual una tesela es correcta: terreno que comparten tesela y consulta, entre el terreno de ambas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Queries from one imagery to find in another, with exact labels.</source>
+        <translation>Consultas de unas imágenes que hay que encontrar en otras, con etiquetas exactas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Queries that show ground beyond their imagery or the reference are left out: they would fail.</source>
+        <translation>Se omiten las consultas que ven más allá de sus propias imágenes o de las de la referencia: fallarían.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Runs a baseline or reads predictions, scores them, and shows the errors on the map.</source>
+        <translation>Ejecuta un método de referencia o lee predicciones, las evalúa y muestra los errores en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Scored instead of the baseline's answers.</source>
+        <translation>Se evalúan en lugar de las respuestas del método de referencia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Scores answers to the queries of a benchmark: those of a baseline, which it runs, or those in a file. Writes a page, the figures, and the error of every query.</source>
+        <translation>Evalúa respuestas a las consultas de un banco de pruebas: las de un método de referencia, que ejecuta, o las de un archivo. Escribe una página, las cifras y el error de cada consulta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>Share of a tile that its neighbour repeats.</source>
+        <translation>Cuánto de una tesela vuelve a mostrar su vecina.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>The imagery in which to find the queries; give this, or an imagery by name.</source>
+        <translation>Aquello en lo que hay que encontrar las consultas; hace falta esto, o unas imágenes por nombre.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>The map shows the position of each query in the colour of its error, with a line to the position of the answer. To show scores again, choose their file of predictions.</source>
+        <translation>El mapa muestra dónde se tomó cada consulta, en el color de su error, con una línea hasta donde la sitúa la respuesta. Para mostrar de nuevo unas puntuaciones, elija su archivo de predicciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>With spaces between them. If empty, that of a square with the area of a query's ground.</source>
+        <translation>Separados por espacios. Si está vacío, el de un cuadrado tan grande como lo que muestra una consulta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>cross-area: no ground is in two of the parts training, validation and test; same-area: all parts share one reference; none: no parts.</source>
+        <translation>cross-area: ningún terreno está en dos partes (entrenamiento, validación y prueba); same-area: las consultas se reparten sobre una misma referencia; none: sin partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>ncc correlates the query, seen straight from above, with every place of the reference. sift and orb match features; they need OpenCV (the Python package opencv-python-headless). middle always answers with the middle of the reference, which every method has to beat.</source>
+        <translation>ncc correlaciona la consulta, vista desde arriba, con cada lugar de la referencia. sift y orb emparejan rasgos; necesitan OpenCV (el paquete de Python opencv-python-headless). middle responde siempre el centro de la referencia: lo que todo método tiene que superar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py" />
+        <source>“Only count” says how many images and requests it takes. Run it again into the same folder to resume an interrupted run. “Score a benchmark” then runs a baseline, or scores your own answers.</source>
+        <translation>«Solo contar» dice cuántas imágenes y peticiones hacen falta. Ejecútelo de nuevo en la misma carpeta para continuar una ejecución interrumpida. «Puntuar un banco de pruebas» ejecuta después un método de referencia, o evalúa sus propias respuestas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py" />
+        <source>A new folder, or the folder of this mission, to resume it.</source>
+        <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py" />
+        <source>Images are written completely or not at all; the log, the journal and the table give the reason for each that could not be fetched. Run it again into the same folder to resume an interrupted capture.</source>
+        <translation>Una imagen está entera o no se escribe; lo que no se pudo obtener figura en el registro, el diario y la tabla con su motivo. Ejecutarlo de nuevo en la misma carpeta continúa una captura interrumpida.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py" />
+        <source>Images that look straight down with north at the top keep their pixels. Failed and rejected images are left out. Ground that no image shows is transparent.</source>
+        <translation>Las imágenes que miran recto hacia abajo con el norte arriba conservan sus propios píxeles. Las imágenes fallidas y las rechazadas quedan fuera. Lo que ninguna imagen muestra es transparente.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py" />
+        <source>Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo puts all back. A later capture into the folder takes moved images into account.</source>
+        <translation>No se borra nada. mark anota en la columna «rejected» de la tabla por qué se rechaza una imagen; move además la mueve, con sus archivos, a una carpeta «rejected» junto a las demás; undo lo devuelve todo a su sitio. Una captura posterior en la carpeta tiene en cuenta lo que se movió.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py" />
+        <source>The suggested threshold separates the entropies by Otsu's method. If they form one group, nothing stands out, and the log says so.</source>
+        <translation>El umbral sugerido separa las entropías por el método de Otsu. Si forman un solo grupo, nada destaca, y el registro lo dice.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py" />
+        <source>SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles received for many places. Images that show one are captured again. The tiles in TerrAInav's options count as well.</source>
+        <translation>SHA-256 de las teselas que no muestran imágenes, separados por espacios; el registro nombra las teselas que llegaron para muchos lugares. Las imágenes que muestran una se capturan de nuevo. También cuentan las de las opciones de TerrAInav.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py" />
+        <source>Flies lines at a speed, one after another, and gives points at intervals of time or distance. Corners become turns whose radius follows from speed and bank angle; between short legs they are tighter and slower.</source>
+        <translation>Vuela líneas a una velocidad, una tras otra, y da puntos a intervalos de tiempo o de distancia. Los vértices se convierten en virajes cuyo radio resulta de la velocidad y de la inclinación lateral; entre tramos cortos son más cerrados y se vuelan más despacio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py" />
+        <source>The points are an area for the other algorithms: choose their fields there for height, yaw, roll and time.</source>
+        <translation>Los puntos sirven de área a los demás algoritmos: elija allí sus campos como los de alturas, guiñadas, alabeos y horas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>A mission file written by “Plan a mission”. All parameters above are then ignored.</source>
+        <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>Box to cover. Give this, a layer, coordinates, or a mission file.</source>
+        <translation>Recuadro que se ha de cubrir. Dar esto, una capa, coordenadas o un archivo de misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>Polygons (with holes) to cover, each with separate rows; those that touch are merged. Or points, each one capture. In any CRS.</source>
+        <translation>Polígonos (con huecos) que se cubren, cada uno con sus propias pasadas; los que se tocan son uno solo. O puntos, cada uno de los cuales es una captura. En cualquier SRC.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>Polygons over which no image is taken: images planned inside are left out.</source>
+        <translation>Polígonos donde no puede haber ninguna cámara: las imágenes planificadas dentro se omiten.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>Without a chosen camera; such as 4:3, 16:9 or 1.5.</source>
+        <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py" />
+        <source>{help} Without a chosen camera.</source>
+        <translation>{help} Donde no se elige ninguna cámara.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py" />
+        <source>Turns the rows along the longest side of the area or for the shortest flight, instead of by the row azimuth; the mission file has the azimuth found.</source>
+        <translation>Orienta las filas según el lado más largo del área, o de modo que el vuelo sea el más corto, en lugar del acimut de las filas; el archivo de misión tiene el acimut hallado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py" />
+        <source>In wind, it also reports how far the wind moves and turns the camera, and how that affects coverage and overlap.</source>
+        <translation>Con viento dice además cuánto desplaza y gira el viento la cámara, y cómo cambian con ello la cobertura y el solape.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py" />
+        <source>address: contains ? or #; must be that of the dataset's folder alone</source>
+        <translation>dirección: contiene ? o #; debe ser solo la de la carpeta del conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py" />
+        <source>address: contains a user name or password; enter these in QGIS's authentication instead</source>
+        <translation>dirección: contiene un nombre de usuario o una contraseña; introdúzcalos en la autenticación de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py" />
+        <source>{address}: has no {name}: it is not a dataset of a capture, or does not exist</source>
+        <translation>{address}: no tiene {name}, de modo que no es el conjunto de datos de una captura, o no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py" />
+        <source>{name} has its images in shards and is read-only</source>
+        <translation>{name} tiene sus imágenes en fragmentos y solo se puede ver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py" />
+        <source>{name} is remote and read-only: {address}</source>
+        <translation>{name} está en una dirección y solo se puede ver: {address}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/shots.py" />
+        <source>footprints {path}: {name} is not the name of an image</source>
+        <translation>huellas {path}: {name} no es un nombre de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py" />
+        <source>{title} has tiles in {crs}, which cannot be a background: add its layer with QGIS's Browser panel</source>
+        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añada su capa con el panel Navegador de QGIS</translation>
+    </message>
+    </context>
 <context>
     <name>TerrAInav core</name>
     <message>

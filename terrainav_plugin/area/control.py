@@ -443,7 +443,7 @@ class AreaControl(QObject):
         area = entered_area(self._editing.state())
         found = None if area is None else as_polygons(area)
         if found is None:
-            raise InvalidInput(tr("there is no area of polygons"))
+            raise InvalidInput(tr("the area has no polygons"))
         return found
 
     def _take_hole(self, hole: Polygon) -> None:

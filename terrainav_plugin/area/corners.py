@@ -47,7 +47,7 @@ def insert_corner(area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_
     """Area with a new corner on the edge after ``corner``."""
 
     def add(ring: list[Position]) -> None:
-        ring.insert(corner.at + 1, pointed(_nearest_turn(lon_deg, ring[corner.at][0]), lat_deg))
+        ring.insert(corner.at + 1, pointed(nearest_turn(lon_deg, ring[corner.at][0]), lat_deg))
 
     return _changed(area, corner, add)
 
@@ -168,10 +168,10 @@ def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[l
 
 def _on_turn_of(rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]) -> list[list[Position]]:
     """Rings with their longitudes on the same turn as those of another polygon."""
-    turn = _nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
+    turn = nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
 
 
-def _nearest_turn(lon_deg: float, other_deg: float) -> float:
+def nearest_turn(lon_deg: float, other_deg: float) -> float:
     """Longitude on the turn nearest to another longitude."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)

@@ -91,8 +91,8 @@ class LayerDialog(QDialog):
 
     def _words(self, layer: QgsMapLayer) -> str:
         return tr(
-            "The smallest box of longitudes and latitudes around it ({crs}); its own rectangle, as a polygon, where "
-            "the box would be much larger."
+            "The smallest box of longitudes and latitudes around it ({crs}), or its rectangle, as a "
+            "polygon, if the box would be much larger."
         ).format(crs=layer.crs().authid() or tr("no CRS"))
 
 
@@ -236,7 +236,7 @@ class PointsDialog(LayerDialog):
         self.tilt_is = combo(
             "tilt_is",
             (("tilt", tr("tilt: 0 looks down")), ("gimbal_pitch", tr("gimbal pitch: -90 looks down"))),
-            tr("What the field counts the angle from: straight down, or the horizon"),
+            tr("Where the angle is 0: straight down, or at the horizon"),
         )
         self.tilt_is.setMinimumContentsLength(max(map(len, map(self.tilt_is.itemText, range(2)))))
         self.roll_field = _fields("roll_field", tr("Degrees, right side down; empty: the mission's own roll"))
@@ -310,7 +310,7 @@ class LineDialog(LayerDialog):
             _MOST_INTERVAL,
             3,
             "",
-            tr("From image to image, the first at the beginning"),
+            tr("Interval between images; the first is at the beginning"),
         )
         self.interval_in = combo(
             "interval_in",
@@ -485,13 +485,13 @@ class PosesDialog(QDialog):
         nadir = field_named(PoseFile, "nadir")
         self.nadir = tick("nadir", field_label(nadir), field_tip(nadir))
         self.interval: NumberBox = spin(
-            "interval", 0.001, _MOST_INTERVAL, 3, "", tr("From image to image, the first at the beginning")
+            "interval", 0.001, _MOST_INTERVAL, 3, "", tr("Interval between images; the first is at the beginning")
         )
         self.interval.setValue(_INTERVAL_S)
         self.interval_in = combo(
             "interval_in",
             (("", tr("all positions")), ("every_s", tr("seconds")), ("every_m", tr("metres"))),
-            tr("All positions of the file, or one each so much time or way"),
+            tr("All positions of the file, or one per interval of time or distance"),
         )
         self.interval_in.setMinimumContentsLength(len(self.interval_in.itemText(0)))
         self.interval_in.currentIndexChanged.connect(self._show_interval)
@@ -515,12 +515,14 @@ class PosesDialog(QDialog):
     @staticmethod
     def _words(file_format: str) -> str:
         if file_format in LOCAL_FORMATS:
-            return tr("Poses in metres of a local frame. Where that lies, the file does not say.")
+            return tr("Poses in metres in a local frame, whose place is not in the file.")
         if file_format == "gpx":
-            return tr("Heights of GPX are above the sea, as a rule. The top of each image points along the way.")
+            return tr(
+                "Heights of GPX are usually above sea level. The top of each image points in the direction of travel."
+            )
         return tr(
-            "Heights are those above home, or above the first position. The camera is fixed to the aircraft and looks "
-            "down, the top of its image ahead."
+            "Heights are above home, or above the first position. The camera is fixed to the aircraft "
+            "and looks down, with the top of its image ahead."
         )
 
 

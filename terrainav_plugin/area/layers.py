@@ -45,8 +45,9 @@ from ...core.text.plain import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr, translate
-from ..map.canvas import LON_LAT, check_earthly, rectangle_box
+from ..map.canvas import LON_LAT, check_crs, rectangle_box
 from ..tasks import Task, required_crs
+from .corners import nearest_turn
 from .xml import xml_elements
 
 #: Deviation in metres allowed when an edge or curve of a layer becomes straight lines in degrees: about a pixel of the
@@ -123,7 +124,7 @@ def read_polygons(
         if geometry.isEmpty():
             raise InvalidInput(tr("{feature} has no geometry: select one that has").format(feature=name))
         if geometry.type() != POLYGON:
-            raise InvalidInput(tr("{feature} is no polygon: select one that is").format(feature=name))
+            raise InvalidInput(tr("{feature} is not a polygon: select one that is").format(feature=name))
         _refuse_invalid(geometry, name)
         found.append(geometry)
         shapes += _polygon_rings(geometry)
@@ -339,7 +340,7 @@ def pose_file(path: str, how: PoseFile) -> Reading:
     """Reader of the poses in a trajectory or flight log."""
 
     def read(task: Task) -> Found:
-        found = read_poses_file(path, how, xml_elements, task.go_on)
+        found = read_poses_file(path, how, xml_elements, task.report_progress)
         note = tr("{count} of {total} positions are left out, {reason}.")
         total = number_text(found.positions)
         notes = (
@@ -418,7 +419,7 @@ class _Places:
     ) -> None:
         self._transform = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), context)
         self._crs, self._feature = crs.authid() or crs.description(), feature
-        check_earthly(self._transform)
+        check_crs(self._transform)
         self.looked_at_m = _LOOKED_AT_SHARE * tolerance_m
 
     def __call__(self, point: QgsPointXY) -> Position:
@@ -481,7 +482,7 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
     corners = [first]
     for start, end in zip(ring, ring[1:]):
         for lon, lat in _edge(start, end, place, name):
-            corners.append((_nearest_turn(lon, corners[-1][0]), lat))
+            corners.append((nearest_turn(lon, corners[-1][0]), lat))
     if abs(corners[-1][0] - first[0]) > _HALF_TURN_DEG:
         if is_hole:
             raise InvalidInput(
@@ -531,27 +532,22 @@ def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iter
 
 
 def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Position, place: _Places) -> bool:
-    dlon, dlat = _nearest_turn(there[0], here[0]) - here[0], there[1] - here[1]
+    dlon, dlat = nearest_turn(there[0], here[0]) - here[0], there[1] - here[1]
     for share in (0.25, 0.5, 0.75):
         lon, lat = place(QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y())))
         wanted = here[0] + share * dlon
-        east = (_nearest_turn(lon, wanted) - wanted) * math.cos(math.radians(lat))
+        east = (nearest_turn(lon, wanted) - wanted) * math.cos(math.radians(lat))
         north = lat - (here[1] + share * dlat)
         if math.hypot(east, north) * _M_PER_DEG > place.looked_at_m:
             return False
     return True
 
 
-def _nearest_turn(lon_deg: float, other_deg: float) -> float:
-    """Longitude on the turn nearest to another longitude."""
-    return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)
-
-
 def _points(geometry: QgsGeometry, name: str) -> list[QgsPointXY]:
     if geometry.isEmpty():
         raise InvalidInput(tr("{feature} has no geometry: give it a point, or leave it out").format(feature=name))
     if geometry.type() != POINT:
-        raise InvalidInput(tr("{feature} is no point: take a layer of points").format(feature=name))
+        raise InvalidInput(tr("{feature} is not a point: choose a layer of points").format(feature=name))
     return geometry.asMultiPoint() if geometry.isMultipart() else [geometry.asPoint()]
 
 
@@ -559,7 +555,7 @@ def _line_parts(geometry: QgsGeometry, name: str) -> list[list[QgsPointXY]]:
     if geometry.isEmpty():
         raise InvalidInput(tr("{feature} has no geometry: give it a line, or leave it out").format(feature=name))
     if geometry.type() != LINE:
-        raise InvalidInput(tr("{feature} is no line: take a layer of lines").format(feature=name))
+        raise InvalidInput(tr("{feature} is not a line: choose a layer of lines").format(feature=name))
     return geometry.asMultiPolyline() if geometry.isMultipart() else [geometry.asPolyline()]
 
 

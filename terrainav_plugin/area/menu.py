@@ -187,8 +187,8 @@ class AreaMenu(MenuButton):
                     "/mIconLineLayer.svg",
                     tr("Trajectory or &flight log…"),
                     tr(
-                        "The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC trajectory: an "
-                        "image from each, or one each so many seconds or metres"
+                        "The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC "
+                        "trajectory: one image from each pose, or one every so many seconds or metres"
                     ),
                 ),
                 (

@@ -19,7 +19,7 @@ class NoFlyMenu(MenuButton):
         super().__init__(
             tr("No-fly areas"),
             "no_fly",
-            tr("Ground that no image is taken over: drawn, of a layer or of a file"),
+            tr("Ground over which no image is taken: drawn, from a layer or from a file"),
             (
                 (
                     (

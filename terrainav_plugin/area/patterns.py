@@ -252,8 +252,8 @@ class RandomDialog(QDialog):
         form.addRow(tr("&Height above ground, from and to"), row(self.low, self.high))
         form.addRow(tr("&Tilt up to"), self.tilt)
         tip = tr(
-            "Draw only poses whose camera, that of the panel, sees no ground without imagery: images that show some, "
-            "as at the edge of a raster, fail"
+            "Draw only poses from which the panel's camera sees no ground without imagery: other images, "
+            "such as those at the edge of a raster, fail"
         )
         self.inside = tick("inside", tr("&Within the selected imagery"), tip)
         form.addRow(self.inside)

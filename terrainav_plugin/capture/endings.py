@@ -74,7 +74,7 @@ class Endings(QObject):
 
     def warn_of_mosaic(self, run: BackgroundRun, reason: str) -> None:
         """Warn before a capture that there will be no mosaic."""
-        with self._messages.about(str(run.folder)):
+        with self._messages.topic(str(run.folder)):
             self._messages.warning(
                 tr("{name}: there will be no mosaic: {reason}. Its images are captured all the same.").format(
                     name=run.name, reason=reason.rstrip(".")
@@ -88,7 +88,7 @@ class Endings(QObject):
 
     def tell(self, run: BackgroundRun) -> None:
         """Show the results of a run and report its outcome."""
-        with self._messages.about(str(run.folder)):
+        with self._messages.topic(str(run.folder)):
             self._tell(run)
 
     def _tell(self, run: BackgroundRun) -> None:
@@ -189,9 +189,9 @@ class Endings(QObject):
                 name=run.name, places=number_text(repeat.places), images=number_text(images)
             )
             details = tr(
-                "Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, "
-                "“Treat as missing” removes the images with it and asks for its places again; the options list what is "
-                "treated so."
+                "Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it "
+                "shows no imagery, “Treat as missing” removes the images with it and requests its places "
+                "again; the options list such tiles."
             ).format(digest=repeat.sha256, image=next(iter(repeat.images), ""))
             missing = partial(self.missing_wanted.emit, run, repeat.sha256, images)
             self._messages.warning(text, details, (tr("Treat as missing"), missing))

@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 from ...core.errors import TerrAInavError
 from ..i18n import tr, translate
 from ..paths import entered_folder, next_folder, path_key
-from ..remote.copies import why_unchangeable
+from ..remote.copies import read_only_reason
 from ..settings import Settings
 from ..sources import credentials_problem, terms_problem
 
@@ -55,7 +55,7 @@ class Questions:
         """Whether a writable folder is chosen; shows the problem at the field otherwise."""
         if not text.strip():
             message = tr("no folder: choose where to save the images")
-        elif not (message := why_unchangeable(entered_folder(text))):
+        elif not (message := read_only_reason(entered_folder(text))):
             return True
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
@@ -91,7 +91,7 @@ class Questions:
         if found.mission == mission:
             self._messages.info(tr("{name} is already being captured.").format(name=folder.name))
             return True
-        text = tr("{folder}: a capture into it is already running; a second mission needs its own folder.")
+        text = tr("{folder}: a capture into it is already running; a second mission needs another folder.")
         self._offer_other(folder, text, may_count_on=True)
         return True
 

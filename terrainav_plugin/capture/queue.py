@@ -22,7 +22,7 @@ from ..sources import grid_finder, mission_grid, source_key
 from .endings import Endings
 from .questions import Questions
 from .run import BackgroundRun
-from .unfinished import FindTask, Left, PlanTask, Unfinished
+from .unfinished import FindTask, PlanTask, Unfinished, UnfinishedCapture
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
@@ -96,7 +96,7 @@ class Runs(QObject):
         self._endings.missing_wanted.connect(self.treat_as_missing)
         self._unfinished = Unfinished()
         self._finding: FindTask | None = None
-        self._planning: dict[PlanTask, Left] = {}
+        self._planning: dict[PlanTask, UnfinishedCapture] = {}
         self._was_idle = True
         self._closed = False
 
@@ -149,14 +149,14 @@ class Runs(QObject):
                     name=left.name, there=number_text(left.there), total=total
                 )
             # Removed once the folder is captured into: "Forget" would then apply to that capture.
-            with self._messages.about(str(left.folder)):
+            with self._messages.topic(str(left.folder)):
                 self._messages.warning(
                     text,
-                    action=(tr("Resume"), partial(self.resume_left, left)),
+                    action=(tr("Resume"), partial(self.resume_unfinished, left)),
                     other=(tr("Forget (files are kept)"), left.forget),
                 )
 
-    def resume_left(self, left: Left) -> None:
+    def resume_unfinished(self, left: UnfinishedCapture) -> None:
         """Plan a capture of an earlier session again, and put it into the queue."""
         if not self.questions.has_usable_key(left.mission.imagery.source):
             return
@@ -202,13 +202,13 @@ class Runs(QObject):
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
         """Capture one image above a point, with camera, height and source as entered."""
-        from ..sources import worked_out
+        from ..sources import plan_mission
 
         if not self.idle:
             return
         try:
             mission = mission_form.test_shot(state, lat_deg, lon_deg)
-            steps = worked_out(mission, lambda: mission_grid(mission))
+            steps = plan_mission(mission, lambda: mission_grid(mission))
         except FormError as wrong:
             self.refused.emit(wrong.messages)
             self._messages.refused(translate(wrong), tr("No test shot."))

@@ -234,4 +234,4 @@ class CaptureTask(Task):
         self.failed = len(self._failures)
 
     def _mosaic_progress(self, share: float) -> bool:
-        return self.go_on(self._capture_share + (1.0 - self._capture_share) * share)
+        return self.report_progress(self._capture_share + (1.0 - self._capture_share) * share)

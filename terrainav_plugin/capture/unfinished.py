@@ -18,7 +18,7 @@ from ...core.text.safe_json import parse_json
 from ..i18n import tr
 from ..messages import log
 from ..paths import UNFINISHED, is_remote, path_key
-from ..sources import worked_out
+from ..sources import plan_mission
 from ..tasks import Task
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class Unfinished:
         self._locks.clear()
 
 
-class Left:
+class UnfinishedCapture:
     """An unfinished capture of an earlier session.
 
     Attributes
@@ -114,12 +114,12 @@ class FindTask(Task):
 
     Attributes
     ----------
-    found : list of Left
+    found : list of UnfinishedCapture
     """
 
     def __init__(self) -> None:
         super().__init__(tr("Looking for captures that have not ended"))
-        self.found: list[Left] = []
+        self.found: list[UnfinishedCapture] = []
 
     def work(self) -> None:
         """Read the notes, and count the images of each capture; changes nothing."""
@@ -152,15 +152,15 @@ class PlanTask(Task):
 
     def work(self) -> None:
         """Plan."""
-        self.plan = worked_out(self._mission, self._find_grid)
+        self.plan = plan_mission(self._mission, self._find_grid)
 
 
-def _read(path: Path) -> Left | None:
+def _read(path: Path) -> UnfinishedCapture | None:
     """Content of a note; None if it cannot be read."""
     try:
         note = parse_json(read_limited(path, MAX_MISSION_BYTES))
         mission = Mission.from_dict(note["mission"])
-        return Left(path, Path(note["folder"]), mission, int(note["images"]), bool(note["only_failed"]))
+        return UnfinishedCapture(path, Path(note["folder"]), mission, int(note["images"]), bool(note["only_failed"]))
     except (OSError, KeyError, TypeError, ValueError, TerrAInavError) as wrong:
         log(tr("{path}: a note of a capture cannot be read ({error})").format(path=path, error=wrong))
         return None

@@ -32,7 +32,7 @@ from ...core.mosaic.orthomosaic import mosaic_raster
 from ...core.storage.files import open_foreign, partial_file, read_limited, write_whole
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
-from .shown import ImageRendering, how_shown, open_image, open_shown
+from .shown import ImageRendering, image_rendering, open_image, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -123,9 +123,9 @@ class MosaicRaster(NamedTuple):
         OutputError
             The file cannot be replaced, for instance because a program on Windows has it open.
         """
-        overviews = _with(self.path, _OVERVIEWS)
+        overviews = _add_ending(self.path, _OVERVIEWS)
         with _replacing(self.path):
-            _with(overviews, _NOTES).unlink(missing_ok=True)
+            _add_ending(overviews, _NOTES).unlink(missing_ok=True)
             if _made(overviews).is_file():
                 os.replace(_made(overviews), overviews)
             else:
@@ -258,9 +258,9 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
     first = open_image(placed.paths[0])
     if first is None:
         raise _failed(placed.paths[0])
-    shown = how_shown(first)
+    shown = image_rendering(first)
     channels = len(shown.bands)
-    made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
+    made, overviews = _made(target), _made(_add_ending(target, _OVERVIEWS))
     try:
         build_overviews(inside, size, channels, overviews, progress)
         text = _virtual_raster(plan, inside, origin, size, shown, target.parent)
@@ -385,12 +385,12 @@ def _placed(plan: Plan, pictures: dict[int, Path], turn_px: float) -> Placed:
     return Placed(list(pictures.values()), left - turn_px, np.asarray(top, np.float64), width, height)
 
 
-def _with(path: Path, ending: str) -> Path:
+def _add_ending(path: Path, ending: str) -> Path:
     return path.with_name(path.name + ending)
 
 
 def _made(path: Path) -> Path:
-    return _with(path, _MADE)
+    return _add_ending(path, _MADE)
 
 
 @contextmanager
@@ -478,7 +478,7 @@ def _pictures(folder: Path, image_format: str) -> set[str]:
 
 def _made_s(mosaic: Path) -> float:
     """Time when a mosaic was made: that of its overviews, as GDAL may have rewritten the virtual raster."""
-    overviews = _with(mosaic, _OVERVIEWS)
+    overviews = _add_ending(mosaic, _OVERVIEWS)
     return (overviews if overviews.is_file() else mosaic).stat().st_mtime
 
 

@@ -44,7 +44,7 @@ class ImageRendering(NamedTuple):
         return not self.ranges and self.bands == tuple(range(1, 1 + len(self.bands)))
 
 
-def how_shown(image: gdal.Dataset) -> ImageRendering:
+def image_rendering(image: gdal.Dataset) -> ImageRendering:
     """Display parameters of an open image."""
     bands = [image.GetRasterBand(1 + i) for i in range(image.RasterCount)]
     kinds = [band.GetColorInterpretation() for band in bands]
@@ -85,7 +85,7 @@ def open_shown(path: str | Path) -> gdal.Dataset | None:
     image = open_image(path)
     if image is None:
         return None
-    shown = how_shown(image)
+    shown = image_rendering(image)
     count = len(shown.bands) + (shown.mask is not None)
     if shown.is_plain and image.RasterCount == count:
         return image

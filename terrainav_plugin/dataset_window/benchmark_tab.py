@@ -40,8 +40,9 @@ class BenchmarkTab(Tab):
         for text, button in (
             (
                 tr(
-                    "A benchmark holds images of one imagery, the queries, that are to be found in another one, the "
-                    "reference, with the right answers. The queries are the images of the mission in the panel."
+                    "A benchmark has images from one imagery, the queries, to find in another, the "
+                    "reference, with the right answers. The queries are the images of the mission in the "
+                    "panel."
                 ),
                 self.make,
             ),
@@ -86,7 +87,7 @@ class BenchmarkTab(Tab):
     def _show(self, queries: int | None) -> None:
         self._is_benchmark = queries is not None
         self.hint.setText(
-            tr("This folder is no benchmark.")
+            tr("This folder is not a benchmark.")
             if queries is None
             else tr("This folder is a benchmark of {count} queries.").format(count=number_text(queries))
         )

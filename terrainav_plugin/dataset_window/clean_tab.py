@@ -223,8 +223,8 @@ class CleanTab(QWidget):
             return
         self.threshold.setValue(found.suggested)
         text = tr(
-            "The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). "
-            "The lower group has {rejected} of {count} images ({percent} %)."
+            "The entropies form two groups with few images between them; {bits} bits separate them best "
+            "(Otsu's method). The lower group has {rejected} of {count} images ({percent} %)."
         ).format(**figures)
         # More than a few images without detail.
         if share > 0.25:

@@ -115,11 +115,11 @@ class Cleaning(QObject):
         self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
 
         def read(overtaken: Callable[[], bool]) -> dict[str, Entropies]:
-            def go_on(share: float) -> bool:
+            def report(share: float) -> bool:
                 self._read_so_far.emit(number, 100.0 * share)
                 return not overtaken()
 
-            return read_entropies(folder, go_on)
+            return read_entropies(folder, report)
 
         self._reader.ask(read, self._show)
 

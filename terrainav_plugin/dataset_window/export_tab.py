@@ -30,7 +30,7 @@ from .tasks import DatasetExportTask, Work
 _COLUMNS = 2
 
 
-class Possible(NamedTuple):
+class ExportFormats(NamedTuple):
     """Formats to which a folder can be exported.
 
     Parameters
@@ -45,7 +45,7 @@ class Possible(NamedTuple):
     map_types: tuple[str, ...]
 
 
-def read_possible(folder: Path) -> Possible:
+def read_possible(folder: Path) -> ExportFormats:
     """Determine the possible formats of a folder; on any thread."""
     from ...core.dataset.folder import map_type_folders
     from ...core.exports.kinds import refusals
@@ -55,7 +55,7 @@ def read_possible(folder: Path) -> Possible:
         map_types = tuple(map_type_folders(folder))
     except TerrAInavError:
         map_types = ()
-    return Possible(reasons, map_types)
+    return ExportFormats(reasons, map_types)
 
 
 class ExportTab(Tab):
@@ -64,7 +64,7 @@ class ExportTab(Tab):
     def __init__(self, work: Work) -> None:
         super().__init__("export_tab")
         self._work = work
-        self._possible: Possible | None = None
+        self._possible: ExportFormats | None = None
         self._suggested = ""
         self._read_folder: Path | None = None
         self._written: Path | None = None
@@ -75,7 +75,7 @@ class ExportTab(Tab):
         self.target = folder_entry(
             "export_folder",
             tr("TerrAInav: folder of the export"),
-            tr("Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."),
+            tr("New or empty; if left out, parquet, croissant and stac are written into the dataset's folder."),
         )
         self.target.fileChanged.connect(lambda _path: self.enable())
         self.export = push_button("export", tr("E&xport"), tr("Write the dataset in this format"))
@@ -120,7 +120,7 @@ class ExportTab(Tab):
         chosen = kind in reasons and reasons[kind] is None
         self.export.setEnabled(chosen and has_place and not self.working)
 
-    def _show(self, possible: Possible) -> None:
+    def _show(self, possible: ExportFormats) -> None:
         self._possible = possible
         self.hint.hide()
         for kinds, note in zip((VIEWS, DATASETS, BENCHMARKS), self.notes):
@@ -131,7 +131,7 @@ class ExportTab(Tab):
             if None in reasons:
                 note.setText("")
             elif kinds is BENCHMARKS:
-                note.setText(tr("This folder is no benchmark."))
+                note.setText(tr("This folder is not a benchmark."))
             else:
                 note.setText(translate(reasons[0]))
             note.setVisible(None not in reasons)

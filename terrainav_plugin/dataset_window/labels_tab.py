@@ -15,7 +15,7 @@ from ..dataset.splitting import parts
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..widgets import combo, named, push_button, wrapped_label
-from .previews import ALL, REJECTED_ONES, ImagePreview, Learned
+from .previews import ALL, REJECTED_ONES, DatasetTables, ImagePreview
 from .tab import Tab, no_folder
 
 #: Images per page.
@@ -29,7 +29,7 @@ class LabelsTab(Tab):
 
     def __init__(self) -> None:
         super().__init__("labels_tab")
-        self.learned: Learned | None = None
+        self.learned: DatasetTables | None = None
         self.first = 0
         self.map_type = combo("labels_map_type", [], tr("Map type shown here"))
         self.map_type.activated.connect(lambda _index: self._choose_map_type())
@@ -53,7 +53,7 @@ class LabelsTab(Tab):
             self.hint.setText(no_folder())
         else:
             self.hint.setText(tr("Reading {name}…").format(name=folder.name))
-            self.reader.ask(lambda _: Learned(folder), self._show_learned)
+            self.reader.ask(lambda _: DatasetTables(folder), self._show_learned)
         self.hint.show()
         self.enable()
 
@@ -70,7 +70,7 @@ class LabelsTab(Tab):
             return 0
         return self.learned.counts(self.map_type.currentData()).get(self.of.currentData(), 0)
 
-    def _show_learned(self, learned: Learned) -> None:
+    def _show_learned(self, learned: DatasetTables) -> None:
         self.learned = learned
         self.hint.setText(self._describe_labels(learned))
         with QSignalBlocker(self.map_type):
@@ -81,7 +81,7 @@ class LabelsTab(Tab):
             self.map_type.setCurrentIndex(max(self.map_type.findData(before), 0))
         self._choose_map_type()
 
-    def _describe_labels(self, learned: Learned) -> str:
+    def _describe_labels(self, learned: DatasetTables) -> str:
         if learned.fault is not None:
             return translate(learned.fault)
         if learned.labels is None:
@@ -124,7 +124,7 @@ class LabelsTab(Tab):
         self.reader.ask(lambda _: learned.previews(*chosen, COUNT, longest_px), partial(self._show_cards, learned))
         self.enable()
 
-    def _show_cards(self, learned: Learned, previews: list[ImagePreview]) -> None:
+    def _show_cards(self, learned: DatasetTables, previews: list[ImagePreview]) -> None:
         for at, card in enumerate(self.cards):
             card.setVisible(at < len(previews))
             if at < len(previews):

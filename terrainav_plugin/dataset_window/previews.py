@@ -51,7 +51,7 @@ class ImagePreview(NamedTuple):
     rejected: str
 
 
-class Learned:
+class DatasetTables:
     """The tables of a dataset, and the scaler of its labels.
 
     Attributes

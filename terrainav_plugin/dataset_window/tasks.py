@@ -115,9 +115,9 @@ class CleanTask(Task):
         from ...core.dataset.clean import clean, undo
 
         if self.action == UNDO:
-            self.cleaned = undo(self.folder, progress=self.go_on)
+            self.cleaned = undo(self.folder, progress=self.report_progress)
         else:
-            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.go_on)
+            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.report_progress)
 
     def text(self) -> str:
         """Sentence or two on the results of all map types."""
@@ -198,7 +198,7 @@ class SplitTask(Task):
         """Split."""
         from ...core.dataset.split import split
 
-        self.made = split(self.folder, self.shares, **self.options, progress=self.go_on)
+        self.made = split(self.folder, self.shares, **self.options, progress=self.report_progress)
 
 
 class DatasetExportTask(Task):
@@ -230,4 +230,4 @@ class DatasetExportTask(Task):
         """Export."""
         from ...core.exports.kinds import export_as
 
-        self.done = export_as(self.folder, self.target, self.kind, self.map_type, self.go_on)
+        self.done = export_as(self.folder, self.target, self.kind, self.map_type, self.report_progress)

@@ -4,31 +4,31 @@ from __future__ import annotations
 
 from ...core.fields import Field, field_named
 from ...core.mission.parts import Imagery
-from ..i18n import begun, translate
+from ..i18n import capitalized, translate
 
 
 def field_label(field: Field) -> str:
     """Title at the beginning of a row, with its mnemonic."""
-    return begun(translate(field.label or field.title))
+    return capitalized(translate(field.label or field.title))
 
 
 def field_title(field: Field) -> str:
     """Title without mnemonic, with the unit of numbers as typed."""
     unit = translate(field.unit.typed_words or field.unit.words)
-    title = begun(translate(field.title))
+    title = capitalized(translate(field.title))
     return f"{title} ({unit})" if unit else title
 
 
 def field_sentence(field: Field) -> str:
     """Help of a field, as a sentence."""
-    return begun(translate(field.help)) + "."
+    return capitalized(translate(field.help)) + "."
 
 
 def field_tip(field: Field) -> str:
     """Help of a field with its unit and range; only the unit if numbers are typed in another."""
     numbers = field.kind in (float, int)
     beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
-    text = begun(translate(field.help))
+    text = capitalized(translate(field.help))
     shown = ", ".join(map(translate, filter(None, beside))) if numbers else ""
     return f"{text} ({shown})" if shown else text
 

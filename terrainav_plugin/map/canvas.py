@@ -87,7 +87,7 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
 def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
     """Rectangle of the canvas around a box; raises InvalidInput outside the domain of the CRS."""
     transform = to_lon_lat(crs, project)
-    check_earthly(transform)
+    check_crs(transform)
     rectangle = QgsRectangle(*box.edges_deg)
     try:
         return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
@@ -219,17 +219,21 @@ def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
     ]
 
 
-def check_earthly(transform: QgsCoordinateTransform) -> None:
-    """Refuse a CRS of another body than the Earth: QGIS takes its numbers for degrees; raises InvalidInput."""
+def check_crs(transform: QgsCoordinateTransform, name: str = "") -> None:
+    """Refuse a CRS without a transformation to degrees, as which QGIS would read its numbers; raises InvalidInput.
+
+    Parameters
+    ----------
+    name : str
+        The CRS as entered, which may be unknown. Without it, a missing CRS is accepted, as in a new project.
+    """
     crs = transform.sourceCrs()
-    if crs.isValid() and not transform.isValid():
-        raise InvalidInput(
-            tr("CRS {crs}: must be one of the Earth that can be transformed to degrees").format(crs=_named(crs))
-        )
+    if not transform.isValid() and (name or crs.isValid()):
+        raise InvalidInput(tr("CRS {crs}: must be one of the Earth, such as EPSG:4326").format(crs=name or _named(crs)))
 
 
 def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[float, float]:
-    check_earthly(transform)
+    check_crs(transform)
     try:
         there = transform.transform(point)
     except QgsCsException as wrong:

@@ -29,9 +29,9 @@ from ..map.mission_group import SavedMission, addresses, mission_layers, saved_m
 from ..paths import entered_folder, exists, is_folder, next_folder
 from ..plain import shown_plain
 from ..remote.address import DatasetAddress
-from ..remote.copies import copied_address, copy_dataset, copy_folder, has_images_elsewhere, why_unchangeable
+from ..remote.copies import copied_address, copy_dataset, copy_folder, has_images_elsewhere, read_only_reason
 from ..remote.store import Store
-from ..remote.trust import agree, source_names, strangers
+from ..remote.trust import agree, source_names, unagreed_places
 from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from ..tasks import Task
@@ -109,17 +109,17 @@ class DatasetTask(Task):
             return None
 
     def _made_mosaics(self, folder: Path, mission: Mission) -> list[MosaicRaster]:
-        from ..sources import mission_heights, worked_out
+        from ..sources import mission_heights, plan_mission
 
-        places = strangers(source_names(mission))
+        places = unagreed_places(source_names(mission))
         if places:
             self.left_out = tr("{place} would be asked, which you have not used in this QGIS").format(
                 place=one_line(places[0], _MOST_TITLE)
             )
             return []
         try:
-            steps = worked_out(mission, self._find_grids[folder])
-            return build_any_mosaics(steps, folder, mission_heights, self.go_on)
+            steps = plan_mission(mission, self._find_grids[folder])
+            return build_any_mosaics(steps, folder, mission_heights, self.report_progress)
         except TerrAInavError as wrong:
             # The footprints need no source.
             self.left_out = translate(wrong)
@@ -143,7 +143,7 @@ class AddressTask(DatasetTask):
 
     def work(self) -> None:
         """Copy and open."""
-        self.folder, self.mission = copy_dataset(self._store, self.go_on)
+        self.folder, self.mission = copy_dataset(self._store, self.report_progress)
         self._missions = _missions_inside(self.mission, self.folder)
         super().work()
 
@@ -277,7 +277,7 @@ class Missions(QObject):
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
         failed.setEnabled(file_exists(self._folder() / FAILED_FILE))
-        unchangeable = why_unchangeable(self._folder())
+        unchangeable = read_only_reason(self._folder())
         clean = menu.addAction(tr("&Dataset…"), self.clean)
         clean.setToolTip(tr("Clean, split, export and look at the dataset of the panel's mission"))
         clean.setEnabled(file_exists(self._folder() / MISSION_FILE) and not unchangeable)
@@ -388,7 +388,7 @@ class Missions(QObject):
         folder = self._settings.missions / path.stem
         try:
             mission = Mission.load(path)
-            state = self._state_of(mission, self._suggested(next_folder(folder) if exists(folder) else folder))
+            state = self._form_state(mission, self._suggested(next_folder(folder) if exists(folder) else folder))
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
@@ -409,12 +409,12 @@ class Missions(QObject):
         try:
             if not file_exists(folder / MISSION_FILE):
                 raise InvalidInput(
-                    tr("folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder").format(
+                    tr("folder {folder}: has no {name}, so it is not a dataset of a capture; choose its folder").format(
                         folder=folder, name=MISSION_FILE
                     )
                 )
             mission = Mission.load(folder / MISSION_FILE)
-            state = self._state_of(mission, folder)
+            state = self._form_state(mission, folder)
             missions = _missions_inside(mission, folder)
             finders = {path: grid_finder(one) for path, one in missions.items()}
             task = DatasetTask(folder, mission, missions, finders)
@@ -507,7 +507,7 @@ class Missions(QObject):
     def _folder(self) -> Path:
         return entered_folder(self._read().folder)
 
-    def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
+    def _form_state(self, mission: Mission, folder: Path) -> mission_form.FormState:
         return mission_form.mission_state(mission, str(folder), like=self._read())
 
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
@@ -515,9 +515,9 @@ class Missions(QObject):
 
         try:
             if not saved.folder:
-                raise InvalidInput(tr("its folder is no path"))
+                raise InvalidInput(tr("its folder is not a path"))
             mission = Mission.from_json(saved.text)
-            state = self._state_of(mission, Path(saved.folder))
+            state = self._form_state(mission, Path(saved.folder))
         except TerrAInavError as wrong:
             self._messages.warning(tr("The project's mission cannot be read: {error}").format(error=translate(wrong)))
             return
@@ -537,7 +537,7 @@ class Missions(QObject):
 
         Until then nothing is requested, and a project keeps its contents.
         """
-        places = strangers(texts)
+        places = unagreed_places(texts)
         self._unagreed.pop(topic, None)
         if not places:
             act()
@@ -548,11 +548,11 @@ class Missions(QObject):
             return
         named = dict.fromkeys(one_line(place, _MOST_TITLE) for one, _ in self._unagreed.values() for place in one)
         shown = ", ".join([*named][:_MOST_PLACES]) + (" …" if len(named) > _MOST_PLACES else "")
-        with self._messages.about(_UNAGREED):
+        with self._messages.topic(_UNAGREED):
             self._messages.warning(
                 tr(
-                    "What you opened takes imagery, heights or datasets from {places}, which you have not used in this "
-                    "QGIS. Nothing is asked there until you allow it."
+                    "What you opened takes imagery, heights or datasets from {places}, which you have "
+                    "not used in this QGIS. Nothing is requested there until you allow it."
                 ).format(places=shown),
                 action=(tr("Allow"), self._allow),
             )
@@ -582,7 +582,7 @@ class Missions(QObject):
             return
         if at_address is not None:
             try:
-                state = None if at_address.again else self._state_of(task.mission, task.folder)
+                state = None if at_address.again else self._form_state(task.mission, task.folder)
             except TerrAInavError as wrong:
                 self._tell_broken(task.folder.name, wrong)
                 return

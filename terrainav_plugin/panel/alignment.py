@@ -99,4 +99,6 @@ class AlignTask(Task):
         from ..sources import mission_heights
 
         mission = self._planned.mission
-        self.found = align_rows(mission, self._planned.plan.grid, mission_heights(mission), self._way, self.go_on)
+        self.found = align_rows(
+            mission, self._planned.plan.grid, mission_heights(mission), self._way, self.report_progress
+        )

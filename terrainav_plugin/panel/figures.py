@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxL
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
 from ..dataset.mosaic import MOST_PICTURES
-from ..i18n import begun, number_text, tr, translate
+from ..i18n import capitalized, number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from ..widgets import named, tool_button
 
@@ -236,7 +236,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
         )
     lines += [
         (tr("Flight"), flight),
-        *((begun(translate(label)), translate(text)) for label, text in summary.piloting()),
+        *((capitalized(translate(label)), translate(text)) for label, text in summary.piloting()),
         (tr("Download"), _download(summary)),
         (tr("Time"), _time(plan, summary)),
     ]

@@ -320,7 +320,7 @@ class CacheDialog(QDialog):
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
         self._cache = Settings().tile_cache()
-        self.notice = wrapped_label("told")
+        self.notice = wrapped_label("notice")
         self.table = QTableWidget(0, 5)
         self.table.setHorizontalHeaderLabels([tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")])
         self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)

@@ -109,7 +109,7 @@ class Planning(QObject):
                 # An empty form is not an error.
                 messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
             self._form.show_messages(messages)
-            unseen = self._form.marks.out_of_sight(messages)
+            unseen = self._form.marks.hidden_messages(messages)
             self._dock.show_problem(unseen) if unseen or state.has_box else self._dock.show_nothing()
             return False
         self._form.show_messages({})
@@ -174,7 +174,7 @@ class Planning(QObject):
         self._stop_waiting()
         if isinstance(error, FormError):
             self._form.show_messages(error.messages)
-            self._dock.show_problem(self._form.marks.out_of_sight(error.messages))
+            self._dock.show_problem(self._form.marks.hidden_messages(error.messages))
         elif isinstance(error, TerrAInavError):
             messages = mission_form.refused_fields(error)
             self._form.show_messages(messages)

@@ -137,7 +137,7 @@ class AddSourceDialog(QDialog):
         self.layers = named(QListWidget(), "layers", tr("Layers that the service offers"))
         self.layers.setMaximumHeight(_LAYERS_ROOM_PX)
         self.system = combo("system", (), tr("Coordinate reference system of the images"))
-        self.notice = wrapped_label("told")
+        self.notice = wrapped_label("notice")
         self.test = push_button("test", tr("&Test"), tr("Fetch one tile and show it"))
         self.tile = named(QLabel(), "tile")
         self.tile.setFixedSize(_TILE_ROOM_PX, _TILE_ROOM_PX)
@@ -152,7 +152,7 @@ class AddSourceDialog(QDialog):
             "placeholders",
             tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them"),
         )
-        self.max_zoom = whole_spin("max_zoom", 0, 30, tr("Highest zoom with detail of its own, 0 to 30"))
+        self.max_zoom = whole_spin("max_zoom", 0, 30, tr("Highest zoom with native detail, 0 to 30"))
         self.max_zoom.setValue(19)
         self.tile_px = combo("tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile"))
         tip = tr("Requests under way at once, as many as the provider allows")
@@ -532,7 +532,7 @@ class ServiceDialog(QDialog):
         self.search = line_edit("search", tr("Part of a layer's title or name"), tr("Search"))
         self.search.setClearButtonEnabled(True)
         self.list = named(QListWidget(), "layers", tr("Layers that the service offers"))
-        self.notice = wrapped_label("told")
+        self.notice = wrapped_label("notice")
         self.buttons = ok_and_cancel(self)
         add_help_button(self.buttons, tr("sources"))
         layout = QVBoxLayout(self)

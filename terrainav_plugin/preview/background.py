@@ -188,7 +188,7 @@ class WorldTask(Task):
             if not (self._folder / self.coarse.file_name).is_file():
                 render(self.coarse, self._folder / self.coarse.file_name, lambda _: not self.isCanceled())
             self.coarse_drawn.emit()
-        render(self.picture, self.path, self.go_on)
+        render(self.picture, self.path, self.report_progress)
 
     def remove_coarse(self) -> None:
         """Remove the coarse image, which the map no longer shows."""

@@ -340,7 +340,7 @@ def _checked(work: Callable[[], Result]) -> Result:
     except (TerrAInavError, FormError) as wrong:
         text = translate(wrong)
     except OSError as wrong:
-        text = tr("cannot go on ({error})").format(error=one_line(str(wrong)))
+        text = tr("cannot continue ({error})").format(error=one_line(str(wrong)))
     # Raise outside `except`: the error is released, with everything its traceback refers to.
     raise QgsProcessingException(text)
 

@@ -19,6 +19,7 @@ from ...core.errors import InvalidInput
 from ...core.text.plain import one_line
 from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
+from ..map.canvas import check_crs
 from ..tasks import required_crs
 
 if TYPE_CHECKING:
@@ -38,14 +39,14 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
     """Ground under an extent, as for a rectangle drawn on the map; raises InvalidInput."""
     from ..area.layers import rectangle_area
 
-    check_crs(run, "EXTENT", tr("extent"))
+    check_parameter_crs(run, "EXTENT")
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
     extent = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context)
     try:
         in_degrees = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context, geographic)
     except QgsCsException as wrong:
         raise InvalidInput(
-            tr("extent: has no place in latitude and longitude ({error})").format(error=wrong)
+            tr("extent: cannot be transformed to latitude and longitude ({error})").format(error=wrong)
         ) from wrong
     if extent.isNull() or not in_degrees.isFinite():
         raise InvalidInput(
@@ -62,19 +63,13 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
     return rectangle_area(extent, crs, run.context)
 
 
-def check_crs(run: AlgorithmRun, name: str, what: str) -> None:
-    """Refuse numbers of an unknown CRS or one of another planet, which QGIS takes for degrees; raises InvalidInput."""
-    text = str(run.parameters.get(name))
-    named = _NUMBERS_OF_CRS.fullmatch(text)
-    if named is None:
-        return
-    crs, degrees = QgsCoordinateReferenceSystem(named[1].strip()), QgsCoordinateReferenceSystem(_GEOGRAPHIC)
-    if not QgsCoordinateTransform(crs, degrees, run.context.transformContext()).isValid():
-        raise InvalidInput(
-            tr("{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]").format(
-                what=what, text=one_line(text)
-            )
-        )
+def check_parameter_crs(run: AlgorithmRun, name: str) -> None:
+    """Check the CRS of an extent or a point with `check_crs`, if it has one; raises InvalidInput."""
+    named = _NUMBERS_OF_CRS.fullmatch(str(run.parameters.get(name)))
+    if named is not None:
+        crs, degrees = QgsCoordinateReferenceSystem(named[1].strip()), QgsCoordinateReferenceSystem(_GEOGRAPHIC)
+        transform = QgsCoordinateTransform(crs, degrees, run.context.transformContext())
+        check_crs(transform, f"[{one_line(named[1].strip())}]")
 
 
 def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
@@ -101,7 +96,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
                     tr("area {name}: has no field {field}").format(name=source.sourceName(), field=field)
                 )
         if fields["tilt_field"] and fields["gimbal_pitch_field"]:
-            raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
+            raise InvalidInput(tr("fields for tilt and gimbal pitch given: needs one of the two"))
         crs, context = layer_crs(source), run.context.transformContext()
         points = read_points(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
@@ -110,7 +105,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     if len(polygons) == 1:
         return polygons[0], agl_m
     run.feedback.pushInfo(
-        tr("The area has {count} polygons: each has rows of its own.").format(count=number_text(len(polygons)))
+        tr("The area has {count} polygons: each gets separate rows.").format(count=number_text(len(polygons)))
     )
     return _together(polygons), agl_m
 

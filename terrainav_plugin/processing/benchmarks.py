@@ -28,7 +28,7 @@ from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
 from ...core.numbers import real_number
 from ...core.storage.files import file_exists
-from ..i18n import begun, number_text, tr, translate
+from ..i18n import capitalized, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .capture import tell_result
@@ -76,12 +76,13 @@ class MakeBenchmark(WithImagery):
         """Return the texts of the algorithm."""
         return Words(
             tr("Make a benchmark"),
-            tr("Queries of one imagery that are to be found in another, with exact labels."),
+            tr("Queries from one imagery to find in another, with exact labels."),
             tr("benchmark,localization,geolocalization,retrieval,query,reference,dataset,navigation,gnss"),
             (
                 tr(
-                    "Captures queries, the views of the mission, and the reference that they are to be found in: one "
-                    "mosaic, and tiles of it. Tables say where each query was taken and which tiles are right."
+                    "Captures queries, the views of the mission, and the reference in which to find "
+                    "them: one mosaic, and tiles of it. Tables give the position of each query and the "
+                    "right tiles."
                 ),
                 tr(
                     "Take the queries and the reference from imagery of different dates, sources or kinds, as rasters "
@@ -90,8 +91,9 @@ class MakeBenchmark(WithImagery):
                     "is given, it is that of the mission."
                 ),
                 tr(
-                    "“Only count” says how many images and requests it takes. Run it again into the same folder to go "
-                    "on with an interrupted run. “Score a benchmark” then runs a baseline, or judges your own answers."
+                    "“Only count” says how many images and requests it takes. Run it again into the same "
+                    "folder to resume an interrupted run. “Score a benchmark” then runs a baseline, or "
+                    "scores your own answers."
                 ),
             ),
         )
@@ -114,7 +116,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterFolderDestination("FOLDER", tr("Benchmark folder")),
-            tr("A new folder, or one that holds this benchmark, to go on with it."),
+            tr("A new folder, or the folder of this benchmark, to resume it."),
         )
         self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Reference")))
         self.add_numbers(
@@ -147,7 +149,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterRasterLayer("REFERENCE_LAYER", tr("Reference: raster"), optional=True),
-            tr("What the queries are to be found in; needed is this, or an imagery by name."),
+            tr("The imagery in which to find the queries; give this, or an imagery by name."),
         )
         self.add(
             QgsProcessingParameterString("REFERENCE", tr("Reference: imagery by name"), optional=True),
@@ -158,7 +160,7 @@ class MakeBenchmark(WithImagery):
         real = QgsProcessingParameterNumber.Type.Double
         self.add(
             QgsProcessingParameterString("TILES", tr("Widths of tiles (metres)"), optional=True),
-            tr("With spaces between them. If empty, that of a square as large as what a query shows."),
+            tr("With spaces between them. If empty, that of a square with the area of a query's ground."),
         )
         self.add(
             QgsProcessingParameterNumber(
@@ -170,14 +172,14 @@ class MakeBenchmark(WithImagery):
                 0.0,
                 _MOST_OVERLAP,
             ),
-            tr("How much of a tile its neighbour shows again."),
+            tr("Share of a tile that its neighbour repeats."),
             advanced=True,
         )
         self.add(
             QgsProcessingParameterNumber(
                 "MARGIN", tr("Margin of the reference (metres)"), real, None, True, 0.0, 1_000_000.0
             ),
-            tr("Ground around that of the queries. If empty, as much as the widest tile is wide."),
+            tr("Ground around that of the queries. If empty, the width of the widest tile."),
             advanced=True,
         )
         for name, title, usual, text in (
@@ -185,13 +187,13 @@ class MakeBenchmark(WithImagery):
                 "POSITIVE",
                 tr("Intersection over union of right tiles"),
                 POSITIVE_IOU,
-                tr("From which a tile is right: ground that tile and query share, over ground of both."),
+                tr("Minimum for a right tile: the ground shared by tile and query, over the ground of both."),
             ),
             (
                 "SEMI_POSITIVE",
                 tr("Intersection over union of nearly right tiles"),
                 SEMI_POSITIVE_IOU,
-                tr("From which a tile is nearly right."),
+                tr("Minimum for a nearly right tile."),
             ),
         ):
             self.add(QgsProcessingParameterNumber(name, title, real, usual, False, 0.0, 1.0), text, advanced=True)
@@ -200,13 +202,13 @@ class MakeBenchmark(WithImagery):
         self.add(
             ChoiceParameter("SPLIT", tr("Parts"), {split: split for split in SPLITS}, SPLITS[0]),
             tr(
-                "cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared "
-                "out over one reference; none: no parts."
+                "cross-area: no ground is in two of the parts training, validation and test; same-area: "
+                "all parts share one reference; none: no parts."
             ),
         )
         self.add(
             QgsProcessingParameterBoolean("INSIDE", tr("Leave out queries beyond the imagery"), False),
-            tr("Queries that see beyond their own imagery or the reference's are left out: they would fail."),
+            tr("Queries that show ground beyond their imagery or the reference are left out: they would fail."),
         )
         add_shares(self)
         add_gap(self, tr("With cross-area only: minimum distance between the ground of two parts."))
@@ -259,7 +261,7 @@ class MakeBenchmark(WithImagery):
         tell_result(made.total, watch)
         warning = None if made.benchmark is None else made.benchmark.warning
         for words in filter(None, (warning, made.hint)):
-            watch.warn(begun(translate(words)))
+            watch.warn(capitalized(translate(words)))
         return made
 
     def _results(
@@ -300,21 +302,22 @@ class ScoreBenchmark(Algorithm):
         """Return the texts of the algorithm."""
         return Words(
             tr("Score a benchmark"),
-            tr("Runs a baseline or reads predictions, judges them, and shows the errors on the map."),
+            tr("Runs a baseline or reads predictions, scores them, and shows the errors on the map."),
             tr("benchmark,score,judge,recall,localization,error,predictions,baseline,sift,correlation"),
             (
                 tr(
-                    "Judges answers to the queries of a benchmark: those of a baseline, which it runs, or those in a "
-                    "file. Writes a page, the figures, and the error of every query."
+                    "Scores answers to the queries of a benchmark: those of a baseline, which it runs, "
+                    "or those in a file. Writes a page, the figures, and the error of every query."
                 ),
                 tr(
-                    "ncc correlates the query, seen straight from above, with every place of the reference. sift and "
-                    "orb match features; they need OpenCV (the Python package opencv-python-headless). middle always "
-                    "says the middle of the reference: what every method has to beat."
+                    "ncc correlates the query, seen straight from above, with every place of the "
+                    "reference. sift and orb match features; they need OpenCV (the Python package "
+                    "opencv-python-headless). middle always answers with the middle of the reference, "
+                    "which every method has to beat."
                 ),
                 tr(
-                    "The map shows where each query was taken in the colour of its error, with a line to where the "
-                    "answer puts it. To show scores again, choose their file of predictions."
+                    "The map shows the position of each query in the colour of its error, with a line to "
+                    "the position of the answer. To show scores again, choose their file of predictions."
                 ),
                 tr(
                     "A file of predictions is a CSV with the column query, and references (the best tile first, with "
@@ -331,11 +334,11 @@ class ScoreBenchmark(Algorithm):
         )
         self.add(
             ChoiceParameter("METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))),
-            tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
+            tr("Its answers are scored unless a file of predictions is given. sift and orb need OpenCV."),
         )
         self.add(
             QgsProcessingParameterFile("PREDICTIONS", tr("Predictions"), extension="csv", optional=True),
-            tr("Judged instead of the baseline's answers."),
+            tr("Scored instead of the baseline's answers."),
         )
         self.add(
             ChoiceParameter("PART", tr("Part"), {part: part for part in PARTS}),

@@ -161,9 +161,9 @@ class Capture(_Capturing):
                     "each, the footprints, and a journal. Each tile is fetched once."
                 ),
                 tr(
-                    "An image is whole or it is not written; what could not be fetched is named in the log, the "
-                    "journal and the table with its reason. Run it again into the same folder to go on with an "
-                    "interrupted capture."
+                    "Images are written completely or not at all; the log, the journal and the table "
+                    "give the reason for each that could not be fetched. Run it again into the same "
+                    "folder to resume an interrupted capture."
                 ),
                 tr(
                     "The mission is that of the parameters or, in advanced parameters, of a file that the plan has "
@@ -178,7 +178,7 @@ class Capture(_Capturing):
         self._add_run()
         self.add(
             QgsProcessingParameterFolderDestination("FOLDER", tr("Dataset folder")),
-            tr("A new folder, or one that holds this mission, to go on with it."),
+            tr("A new folder, or the folder of this mission, to resume it."),
         )
         self._add_results()
 

@@ -64,13 +64,14 @@ class Clean(_OfDataset):
                     "entropy decides for all map types; otherwise each image's own entropy does."
                 ),
                 tr(
-                    "Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move "
-                    "also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo "
-                    "puts all back. A later capture into the folder knows what was moved."
+                    "Nothing is deleted. mark notes in the table's column “rejected” why an image is "
+                    "rejected; move also moves it, with the files that belong to it, to a folder "
+                    "“rejected” beside the others; undo puts all back. A later capture into the folder "
+                    "takes moved images into account."
                 ),
                 tr(
-                    "The suggested threshold parts the entropies by Otsu's method. Where they form one group, nothing "
-                    "stands out, and the log says so."
+                    "The suggested threshold separates the entropies by Otsu's method. If they form one "
+                    "group, nothing stands out, and the log says so."
                 ),
             ),
         )
@@ -322,7 +323,7 @@ class Export(Algorithm):
             QgsProcessingParameterFolderDestination(
                 "FOLDER", tr("Folder of the export"), optional=True, createByDefault=False
             ),
-            tr("Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."),
+            tr("New or empty; if left out, parquet, croissant and stac are written into the dataset's folder."),
         )
         self.add_numbers({"COUNT": tr("Images, files or queries written")})
 
@@ -387,8 +388,8 @@ class MakeMosaic(Algorithm):
                     "image is taken from another that sees it."
                 ),
                 tr(
-                    "Images that look straight down with north at the top keep their own pixels. Failed and rejected "
-                    "images are left out. What no image shows is transparent."
+                    "Images that look straight down with north at the top keep their pixels. Failed and "
+                    "rejected images are left out. Ground that no image shows is transparent."
                 ),
             ),
         )

@@ -72,9 +72,9 @@ class MissionSource:
 
     def planned(self) -> Plan:
         """Plan the mission; raises InvalidInput or SourceError."""
-        from ..sources import worked_out
+        from ..sources import plan_mission
 
-        return worked_out(self._mission, self._grid)
+        return plan_mission(self._mission, self._grid)
 
     @contextmanager
     def opened(self) -> Iterator[Source]:
@@ -158,8 +158,9 @@ class WithImagery(Algorithm):
         self.add(
             QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
             tr(
-                "SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for "
-                "many places. Images that show one are captured again. Those of TerrAInav's options count as well."
+                "SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles "
+                "received for many places. Images that show one are captured again. The tiles in "
+                "TerrAInav's options count as well."
             ),
             advanced=True,
         )
@@ -178,7 +179,7 @@ class WithImagery(Algorithm):
             _keeper().release_source(key)
 
 
-def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bool) -> None:
+def check_terms(plan_mission: Plan, source: Source, requests: int, *, accepted: bool) -> None:
     """Raise SourceError if the source's terms do not allow a run."""
     from ...core.imagery.catalogue import check_policy
 
@@ -186,6 +187,6 @@ def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bo
         source,
         requests,
         accept_terms=accepted,
-        map_types=worked_out.mission.imagery.map_types,
-        bounds_deg=worked_out.mission.area.bounds.edges_deg,
+        map_types=plan_mission.mission.imagery.map_types,
+        bounds_deg=plan_mission.mission.area.bounds.edges_deg,
     )

@@ -47,13 +47,13 @@ class PosesAlongLine(Algorithm):
             tr("uav,drone,line,trajectory,flight,speed,turn,bank,yaw,points,poses"),
             (
                 tr(
-                    "Flies lines at a speed, one after the other, and gives points at intervals of time or distance. "
-                    "Corners become turns whose radius follows from the speed and the bank; between short legs they "
-                    "are tighter, and flown slower."
+                    "Flies lines at a speed, one after another, and gives points at intervals of time or "
+                    "distance. Corners become turns whose radius follows from speed and bank angle; "
+                    "between short legs they are tighter and slower."
                 ),
                 tr(
-                    "The points are an area for the other algorithms: choose their fields there as those of heights, "
-                    "yaws, rolls and times."
+                    "The points are an area for the other algorithms: choose their fields there for "
+                    "height, yaw, roll and time."
                 ),
             ),
         )

@@ -30,7 +30,7 @@ from ...core.resources import read_json
 from ..form.fields import field_sentence, field_title
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr, translate
-from .areas import area_of_extent, area_of_layer, check_crs, no_fly_of_layer
+from .areas import area_of_extent, area_of_layer, check_parameter_crs, no_fly_of_layer
 from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     mission = QgsProcessingParameterFile(_FILE, tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
-        tr("A mission file written by the plan. All parameters above are then ignored."),
+        tr("A mission file written by “Plan a mission”. All parameters above are then ignored."),
         advanced=True,
     )
 
@@ -171,7 +171,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
 def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(
         QgsProcessingParameterExtent("EXTENT", tr("Area: extent"), optional=True),
-        tr("Box to be covered. Give this, a layer, coordinates, or a mission file."),
+        tr("Box to cover. Give this, a layer, coordinates, or a mission file."),
     )
     algorithm.add(
         QgsProcessingParameterFeatureSource(
@@ -181,8 +181,8 @@ def _add_area(algorithm: Algorithm) -> None:
             optional=True,
         ),
         tr(
-            "Polygons (with holes) to be covered, each with rows of its own; those that touch are one. Or points, each "
-            "of which is one capture. In any CRS."
+            "Polygons (with holes) to cover, each with separate rows; those that touch are merged. Or "
+            "points, each one capture. In any CRS."
         ),
     )
     algorithm.add(
@@ -196,7 +196,7 @@ def _add_area(algorithm: Algorithm) -> None:
         QgsProcessingParameterFeatureSource(
             "NO_FLY", tr("No-fly areas"), [QgsProcessing.SourceType.TypeVectorPolygon], optional=True
         ),
-        tr("Polygons where no camera may stand: images planned inside are left out."),
+        tr("Polygons over which no image is taken: images planned inside are left out."),
     )
     field = field_named(Flight, "agl_m")
     algorithm.add(number_parameter("AGL", field, field.initial_value), field_sentence(field))
@@ -238,11 +238,11 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     field = field_named(Lens, "fov_deg")
     algorithm.add(
         number_parameter("FOV", field, field.default),
-        tr("{help} Where no camera is chosen.").format(help=field_sentence(field)),
+        tr("{help} Without a chosen camera.").format(help=field_sentence(field)),
     )
     algorithm.add(
         QgsProcessingParameterString("ASPECT", tr("Aspect ratio, width:height"), aspect_text(Lens.aspect_ratio)),
-        tr("Where no camera is chosen; such as 4:3, 16:9 or 1.5."),
+        tr("Without a chosen camera; such as 4:3, 16:9 or 1.5."),
     )
 
 
@@ -348,7 +348,7 @@ def _takeoff(run: AlgorithmRun) -> tuple[float, float] | None:
     """Latitude and longitude of a point in any CRS; None without a point."""
     if not run.is_given("TAKEOFF"):
         return None
-    check_crs(run, "TAKEOFF", tr("take-off"))
+    check_parameter_crs(run, "TAKEOFF")
     wgs84 = QgsCoordinateReferenceSystem("EPSG:4326")
     place = run.algorithm.parameterAsPoint(run.parameters, "TAKEOFF", run.context, wgs84)
     return place.y(), place.x()

@@ -90,8 +90,8 @@ class PlanAlgorithm(Algorithm):
         self.add(
             ChoiceParameter("ALIGN", tr("Align rows"), {way: way for way in ALIGNMENTS}),
             tr(
-                "Turns the rows along the longest side of the area, or so that the flight is shortest, instead of the "
-                "row azimuth; the mission file has the azimuth found."
+                "Turns the rows along the longest side of the area or for the shortest flight, instead "
+                "of by the row azimuth; the mission file has the azimuth found."
             ),
         )
         kinds = QgsProcessing.SourceType
@@ -128,8 +128,8 @@ class PlanAlgorithm(Algorithm):
         """Plan, and write the outputs asked for."""
         from ...core.mission.estimate import estimate
         from ..settings import Settings
+        from ..sources import plan_mission as planned
         from ..sources import request_costs
-        from ..sources import worked_out as planned
 
         def work(watch: WorkFeedback) -> tuple[PlanAlgorithm, Summary]:
             if self._align is not None:

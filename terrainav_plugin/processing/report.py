@@ -37,8 +37,8 @@ class AccuracyReport(WithImagery):
                     "page with diagrams, and the numbers as tables."
                 ),
                 tr(
-                    "In wind it also says how far the wind moves and turns the camera, and what that does to coverage "
-                    "and overlap."
+                    "In wind, it also reports how far the wind moves and turns the camera, and how that "
+                    "affects coverage and overlap."
                 ),
             ),
         )

@@ -68,10 +68,10 @@ class DatasetAddress(NamedTuple):
         bare = re.split(r"[?#]", text)[0]
         if "@" in parts.netloc or holds_credentials(bare):
             raise InvalidInput(
-                tr("address: holds a user's name or password; it must not, as QGIS's authentication is for these")
+                tr("address: contains a user name or password; enter these in QGIS's authentication instead")
             )
         if parts.query or parts.fragment:
-            raise InvalidInput(tr("address: holds ? or #; it must be that of the dataset's folder alone"))
+            raise InvalidInput(tr("address: contains ? or #; must be that of the dataset's folder alone"))
         if not host:
             raise InvalidInput(tr("address {address}: names no server or bucket").format(address=text))
         path = parts.path.rstrip("/")

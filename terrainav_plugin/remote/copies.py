@@ -53,7 +53,7 @@ def copy_folder(address: DatasetAddress) -> Path:
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
 
 
-def found_copy(source: str) -> str:
+def local_copy(source: str) -> str:
     """Path on this machine of the copy that a layer shows, as its project may be from another machine.
 
     Without a copy, write an invisible footprint in its place until the dataset is copied again: for a
@@ -96,15 +96,13 @@ def has_images_elsewhere(folder: Path) -> bool:
     return is_folder(folder) and any(folder.glob(f"*/{SHARDS_FILE}"))
 
 
-def why_unchangeable(folder: Path) -> str:
+def read_only_reason(folder: Path) -> str:
     """Reason why a dataset's images cannot be added, cleaned or split here; empty if they can."""
     address = copied_address(folder)
     if address is not None:
-        return tr("{name} is at an address and can be looked at only: {address}").format(
-            name=folder.name, address=address.url
-        )
+        return tr("{name} is remote and read-only: {address}").format(name=folder.name, address=address.url)
     if has_images_elsewhere(folder):
-        return tr("{name} has its images in shards and can be looked at only").format(name=folder.name)
+        return tr("{name} has its images in shards and is read-only").format(name=folder.name)
     return ""
 
 
@@ -149,7 +147,7 @@ def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
         if place:
             raise
         raise InvalidInput(
-            tr("{address}: has no {name}, so it is no dataset of a capture, or is not there").format(
+            tr("{address}: has no {name}: it is not a dataset of a capture, or does not exist").format(
                 address=store.address.url, name=MISSION_FILE
             )
         ) from wrong

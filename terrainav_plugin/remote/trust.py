@@ -56,7 +56,7 @@ def elevation_names(mission: Mission) -> tuple[str, ...]:
     return (*mission.terrain.elevation, *mission.terrain.surface)
 
 
-def strangers(texts: Iterable[str]) -> tuple[str, ...]:
+def unagreed_places(texts: Iterable[str]) -> tuple[str, ...]:
     """Servers and files of sources that the user has not agreed to; makes no request.
 
     Parameters
@@ -77,8 +77,8 @@ def strangers(texts: Iterable[str]) -> tuple[str, ...]:
 
 
 def agree(texts: Iterable[str]) -> None:
-    """Record that the user has chosen sources, or has agreed to those from `strangers`."""
-    new = [one for one in strangers(texts) if len(one) <= MAX_PLACE_CHARACTERS]
+    """Record that the user has chosen sources, or has agreed to those from `unagreed_places`."""
+    new = [one for one in unagreed_places(texts) if len(one) <= MAX_PLACE_CHARACTERS]
     if new:
         Settings().agreed = json.dumps([*_agreed(), *new][-MAX_AGREED_PLACES:])
 

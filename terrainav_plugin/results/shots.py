@@ -67,7 +67,7 @@ class CapturedImage(NamedTuple):
     outline: QgsGeometry
 
 
-class Seen(NamedTuple):
+class ViewedImage(NamedTuple):
     """An image with all that is shown of it.
 
     Parameters
@@ -156,12 +156,14 @@ class Finder:
         # Foreign footprints may name files in their folder only.
         if not (is_name(name) and name.isprintable()):
             raise InvalidInput(
-                tr("footprints {path}: {name} is no name of an image").format(path=file.path, name=one_line(repr(name)))
+                tr("footprints {path}: {name} is not the name of an image").format(
+                    path=file.path, name=one_line(repr(name))
+                )
             )
         return CapturedImage(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
-def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> Seen:
+def view_image(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> ViewedImage:
     """Read image and depth, at most at the size shown, and the row in the table.
 
     Parameters
@@ -192,7 +194,7 @@ def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetche
     except Cancelled:
         raise
     except TerrAInavError as wrong:
-        return Seen(
+        return ViewedImage(
             shot,
             mission.imagery.map_types,
             map_type,
@@ -206,7 +208,7 @@ def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetche
     else:
         picture = read_picture(rejected if moved else path, longest_px)
         depth = read_depth(depth_path, longest_px)
-    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved, depth, fetched)
+    return ViewedImage(shot, mission.imagery.map_types, map_type, picture, row, moved, depth, fetched)
 
 
 def _row(table: Path, name: str) -> dict[str, str]:

@@ -28,7 +28,7 @@ from ..i18n import number_text, tr, translate
 from ..plain import plain_label
 from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
-from .shots import CapturedImage, Seen
+from .shots import CapturedImage, ViewedImage
 
 _LEAST_PX = 160
 _USUAL_PX = (400, 300)
@@ -126,7 +126,7 @@ class Viewer(QgsDockWidget):
         """Clear the images under the click, which no longer contain the one shown."""
         self.under_click.setCurrentIndex(-1)
 
-    def show_seen(self, seen: Seen) -> None:
+    def show_seen(self, seen: ViewedImage) -> None:
         """Show an image."""
         self.view.show_image(seen.picture.image, seen.picture.problem)
         self.depth.show_depth(seen.depth)
@@ -382,7 +382,7 @@ class Legend(QWidget):
         QPainter(self).drawImage(self.rect(), legend_image(max(self.width(), 2)))
 
 
-def details_html(seen: Seen) -> str:
+def details_html(seen: ViewedImage) -> str:
     """Details of an image as an HTML table."""
     rows = "".join(
         f"<tr><td style='padding-right: 8px'><b>{html.escape(name)}</b></td><td>{html.escape(value)}</td></tr>"
@@ -392,7 +392,7 @@ def details_html(seen: Seen) -> str:
     return f"<table>{rows}</table>"
 
 
-def details(seen: Seen) -> Iterator[tuple[str, str]]:
+def details(seen: ViewedImage) -> Iterator[tuple[str, str]]:
     """Names and values, the most important first."""
     pose, row, metadata = seen.shot.pose, seen.row, seen.picture.metadata
     yield tr("Image"), seen.shot.name
@@ -465,7 +465,7 @@ def _time(pose: dict[str, Any]) -> str:
     return text if text != "NULL" else ""
 
 
-def _gsd(seen: Seen) -> str:
+def _gsd(seen: ViewedImage) -> str:
     """Ground sample distance of the file, with a hint if that of the source is coarser."""
     detail_m = _float(seen.picture.metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
     if math.isnan(detail_m):
@@ -479,7 +479,7 @@ def _gsd(seen: Seen) -> str:
     return f"{text} ({hint.format(source=gsd_text(detail_m, METRES))})"
 
 
-def _own_gsd_m(seen: Seen) -> float | None:
+def _own_gsd_m(seen: ViewedImage) -> float | None:
     """Ground sample distance straight down, in metres; None if neither footprint nor file gives it."""
     from ...core.geodesy.camera import Camera
     from ...core.geodesy.mercator import PixelGrid

@@ -27,7 +27,7 @@ from ..map.mission_group import CAPTURED, ROLE, MissionGroup
 from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
-from ..remote.trust import elevation_names, strangers
+from ..remote.trust import elevation_names, unagreed_places
 from ..tasks import LatestWorker, failure_reason
 from ..widgets import add_docked
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.relief.ground import Heights
     from ..remote.images import ImageFetcher
-    from .shots import CapturedImage, Finder, FootprintLayer, Seen
+    from .shots import CapturedImage, Finder, FootprintLayer, ViewedImage
     from .viewer import Viewer
 
 _BAND_COLOUR = QColor(240, 140, 30)
@@ -45,7 +45,7 @@ def _agreed_heights(mission: Mission) -> Heights | None:
     """Heights of a dataset's mission; raises InvalidInput for a foreign one that the user has not agreed to."""
     from ..sources import mission_heights
 
-    places = strangers(elevation_names(mission))
+    places = unagreed_places(elevation_names(mission))
     if places:
         raise InvalidInput(
             tr(
@@ -67,7 +67,7 @@ class Viewing(QObject):
         self.tool.clicked.connect(self._clicked)
         self.tool.refused.connect(messages.warning)
         self.viewer: Viewer | None = None
-        self.seen: Seen | None = None
+        self.seen: ViewedImage | None = None
         self._shots: list[CapturedImage] = []
         self._finder: Finder | None = None
         self._images: ImageFetcher | None = None
@@ -156,7 +156,7 @@ class Viewing(QObject):
     def _show_shot(self, shot: CapturedImage | None, map_type: str = "") -> None:
         from ..remote.copies import has_images_elsewhere
         from ..remote.images import ImageFetcher
-        from .shots import see
+        from .shots import view_image
 
         if shot is None:
             return
@@ -166,7 +166,7 @@ class Viewing(QObject):
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
         # Longest side at which images are read: sharp on any screen, and quick to read.
-        self._ask(lambda _: see(shot, wanted, 1600, images), self._show)
+        self._ask(lambda _: view_image(shot, wanted, 1600, images), self._show)
 
     def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
         """Run work in the background, and drop an image being fetched."""
@@ -174,7 +174,7 @@ class Viewing(QObject):
             self._images.interrupt()
         self._worker.ask(work, answer)
 
-    def _show(self, seen: Seen) -> None:
+    def _show(self, seen: ViewedImage) -> None:
         self.seen = seen
         viewer = self._shown_viewer()
         viewer.show_seen(seen)
@@ -182,10 +182,10 @@ class Viewing(QObject):
 
     # --- the image on the map
 
-    def _mission_group(self, seen: Seen) -> MissionGroup:
+    def _mission_group(self, seen: ViewedImage) -> MissionGroup:
         return MissionGroup(self._project, seen.shot.footprints.folder)
 
-    def _find_layer(self, seen: Seen) -> QgsMapLayer | None:
+    def _find_layer(self, seen: ViewedImage) -> QgsMapLayer | None:
         """Layer of a single image, if any."""
         return self._mission_group(seen).layer(_layer_role(seen))
 
@@ -212,7 +212,7 @@ class Viewing(QObject):
 
         self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
 
-    def _laid(self, seen: Seen, path: Path) -> None:
+    def _laid(self, seen: ViewedImage, path: Path) -> None:
         group = self._mission_group(seen)
         if group.find() is None:
             return
@@ -323,7 +323,7 @@ class Viewing(QObject):
             self.viewer.on_map.setChecked(self._find_layer(self.seen) is not None)
 
 
-def _layer_role(seen: Seen) -> str:
+def _layer_role(seen: ViewedImage) -> str:
     """Role of the layer of a single image."""
     return f"image/{seen.map_type}/{seen.shot.name}"
 

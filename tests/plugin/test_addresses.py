@@ -18,7 +18,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
-from terrainav.terrainav_plugin.remote.copies import copied_address, copy_folder, found_copy
+from terrainav.terrainav_plugin.remote.copies import copied_address, copy_folder, local_copy
 from terrainav.terrainav_plugin.remote.images import ImageFetcher
 
 from tests.plugin.test_project import choose_in_menu
@@ -229,7 +229,7 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
     entries = {action.text().replace("&", ""): action for action in missions.menu.actions()}
     for name in ("Dataset…", "Capture only the failed images"):
         assert not entries[name].isEnabled()
-        assert entries[name].toolTip().endswith(f"can be looked at only: {address}")
+        assert entries[name].toolTip().endswith(f"is remote and read-only: {address}")
     desk.wait_planned()
     desk.click(desk.dock.capture)
     assert address in desk.message("folder")
@@ -242,17 +242,17 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
     ("text", "said"),
     [
         ("", "is missing"),
-        ("s3://KEY:Sesame77@data/run", "holds a user's name or password"),
-        ("s3://KEY:a/Sesame77@data/run", "holds a user's name or password"),
-        ("s3://KEY:Sesame77/run", "holds a user's name or password"),
-        ("s3://KEY%3ASesame77%40data/run", "holds a user's name or password"),
-        ("https://host/run?sig=Sesame77", "holds ? or #"),
+        ("s3://KEY:Sesame77@data/run", "contains a user name or password"),
+        ("s3://KEY:a/Sesame77@data/run", "contains a user name or password"),
+        ("s3://KEY:Sesame77/run", "contains a user name or password"),
+        ("s3://KEY%3ASesame77%40data/run", "contains a user name or password"),
+        ("https://host/run?sig=Sesame77", "contains ? or #"),
         ("ftp://u:a/Sesame77@host/run", "must begin with https://, http:// or s3://"),
         ("az://data/run;AccountKey=Sesame77", "must begin with https://, http:// or s3://"),
         ("ftp://host/run", "must begin with https://, http:// or s3://"),
         ("no such folder", "must begin with https://, http:// or s3://"),
-        ("https://me:Sesame77@host/run", "QGIS's authentication is for these"),
-        ("https://host/run?X-Amz-Signature=Sesame77", "holds ? or #"),
+        ("https://me:Sesame77@host/run", "QGIS's authentication instead"),
+        ("https://host/run?X-Amz-Signature=Sesame77", "contains ? or #"),
         ("s3://", "names no server or bucket"),
         ("ftp://me:Sesame77@host/run", "must begin with"),
     ],
@@ -474,16 +474,16 @@ def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside)
     outside.mkdir()
     rest = inside.format(outside=str(outside).lstrip("/"))
     source = f"/home/other/TerrAInav/addresses/{rest}footprints.geojson"
-    found = found_copy(source)
+    found = local_copy(source)
     assert not list(outside.iterdir())
     if inside:
         assert found == source
     # QGIS reads halves of characters in a project's XML.
     for name in ("a\ud800", "a\0b", "a" * 300):
-        assert found_copy(f"/TerrAInav/addresses/{name}/footprints.geojson").endswith("/footprints.geojson")
+        assert local_copy(f"/TerrAInav/addresses/{name}/footprints.geojson").endswith("/footprints.geojson")
         assert copied_address(copy_folder(DatasetAddress("s3://b/run")).parent / name) is None
     # A project of another profile leads to this one's copy, with its options.
-    ours = found_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
+    ours = local_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
     assert (
         ours
         == f"{copy_folder(DatasetAddress('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"

@@ -270,7 +270,7 @@ def test_polygon_across_the_antimeridian_runs_on():
             r"feature 7 is not a valid polygon \(.*intersection.* \(5, 5\)\): repair it first",
         ),
         ("EPSG:32616", "Polygon EMPTY", "feature 7 has no geometry"),
-        ("EPSG:32616", "Point (1 1)", "feature 7 is no polygon"),
+        ("EPSG:32616", "Point (1 1)", "feature 7 is not a polygon"),
         (
             "EPSG:3031",
             "Polygon ((-9 -9, 9 -9, 9 9, -9 9, -9 -9), (-2 -2, 2 -2, 2 2, -2 2, -2 -2))",
@@ -686,7 +686,7 @@ def test_sides_of_lines_stay_where_they_are_in_the_layer():
     [
         ("LineString", [], "no lines to fly: select some, or use all lines of the layer"),
         ("LineString", [""], "feature 1 has no geometry"),
-        ("Point", ["Point (1 1)"], "feature 1 is no line"),
+        ("Point", ["Point (1 1)"], "feature 1 is not a line"),
     ],
 )
 def test_what_is_no_line_is_named(kind, wkts, words):

@@ -146,14 +146,14 @@ def test_a_split_is_stopped_and_changes_nothing(desk, window, dataset, monkeypat
 
     tab = go_to(desk, window, dataset, "split")
     tables = {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")}
-    go_on = SplitTask.go_on
+    go_on = SplitTask.report_progress
 
     def stop(task, share):
         # As the button does while the task is at work.
         task.cancel()
         return go_on(task, share)
 
-    monkeypatch.setattr(SplitTask, "go_on", stop)
+    monkeypatch.setattr(SplitTask, "report_progress", stop)
     press(desk, window, tab.split)
     assert tab.result.text() == "Stopped: nothing was changed."
     assert {path: path.read_bytes() for path in dataset.rglob("meta_data.csv")} == tables
@@ -182,7 +182,7 @@ def test_only_what_a_dataset_can_become_is_offered(desk, window, dataset, tmp_pa
     for kind in ("university-1652", "ortholoc"):
         assert not tab.kinds[kind].isEnabled()
         assert "is not a benchmark" in tab.kinds[kind].toolTip()
-    assert tab.notes[2].text() == "This folder is no benchmark."
+    assert tab.notes[2].text() == "This folder is not a benchmark."
     target = tmp_path / "out"
     choose(tab.kinds["nerfstudio"])
     assert tab.target.filePath() == str(dataset.with_name("tilted-nerfstudio"))
@@ -217,7 +217,7 @@ def test_a_stopped_export_leaves_nothing(desk, window, dataset, tmp_path, monkey
     from terrainav.terrainav_plugin.dataset_window.tasks import DatasetExportTask
 
     tab = go_to(desk, window, dataset, "export")
-    monkeypatch.setattr(DatasetExportTask, "go_on", lambda task, share: share < 0.5)
+    monkeypatch.setattr(DatasetExportTask, "report_progress", lambda task, share: share < 0.5)
     choose(tab.kinds["huggingface"])
     desk.type_text(tab.target.lineEdit(), str(tmp_path / "hf"))
     press(desk, window, tab.export)

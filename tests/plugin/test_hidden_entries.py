@@ -103,9 +103,9 @@ def test_folded_groups_are_asked_for_all_the_same(desk):
 def test_what_is_said_of_an_entry_out_of_sight_stands_with_the_figures(desk):
     messages = {"date": "the date is wrong", "nowhere": "so is this"}
     assert not desk.form.date.isVisibleTo(desk.form)
-    assert desk.form.marks.out_of_sight(messages) == "the date is wrong\nso is this"
+    assert desk.form.marks.hidden_messages(messages) == "the date is wrong\nso is this"
     desk.choose(desk.form.source, DATED)
-    assert desk.form.marks.out_of_sight(messages) == "so is this"
+    assert desk.form.marks.hidden_messages(messages) == "so is this"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
-from terrainav.terrainav_plugin.widgets import free_of_menus, mnemonic_key
+from terrainav.terrainav_plugin.widgets import mnemonic_key, remove_menu_mnemonics
 
 #: Entries of the panel that have a letter: as many as there are letters that no menu has.
 IN_THE_PANEL = {
@@ -107,5 +107,5 @@ def test_letters_that_a_plugin_s_menu_takes_are_given_back(qtbot):
     qtbot.addWidget(menus)
     menus.addMenu(QMenu("&Zebra", menus))
     buttons = [QPushButton(text, panel) for text in ("&Zoo", "&Yak", "E&yot", "Plain")]
-    free_of_menus(panel, menus)
+    remove_menu_mnemonics(panel, menus)
     assert [button.text() for button in buttons] == ["Zoo", "&Yak", "Eyot", "Plain"]

@@ -15,7 +15,7 @@ from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
 from terrainav.terrainav_plugin.remote.copies import copy_folder
-from terrainav.terrainav_plugin.remote.trust import agree, source_names, strangers
+from terrainav.terrainav_plugin.remote.trust import agree, source_names, unagreed_places
 from terrainav.terrainav_plugin.settings import Settings, recent
 
 from tests.plugin.test_addresses import open_address, serve
@@ -242,9 +242,9 @@ def test_a_mission_file_asks_its_source_once_that_is_allowed(desk, monkeypatch, 
     ],
 )
 def test_what_a_text_leads_to(text, places):
-    assert strangers([text]) == places
+    assert unagreed_places([text]) == places
     agree([text])
-    assert strangers([text]) == ()
+    assert unagreed_places([text]) == ()
 
 
 def test_another_host_or_scheme_is_not_agreed_to():
@@ -261,16 +261,16 @@ def test_another_host_or_scheme_is_not_agreed_to():
         *(f"/vsicurl/https:\\\\host{space}@evil/x.tif" for space in "\x85\xa0\u2003\u2028\u3000"),
         "https://{host}/x",
     )
-    assert [text for text in others if not strangers([text])] == []
-    assert strangers(["https://host/x.tif"]) == ()
+    assert [text for text in others if not unagreed_places([text])] == []
+    assert unagreed_places(["https://host/x.tif"]) == ()
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1, null]", '"x"', "[" * 10_000])
 def test_a_broken_record_agrees_to_nothing(text):
     Settings().agreed = text
-    assert strangers(["https://host/x.tif"]) == ("https://host",)
+    assert unagreed_places(["https://host/x.tif"]) == ("https://host",)
     agree(["https://host/x.tif"])
-    assert strangers(["https://host/x.tif"]) == ()
+    assert unagreed_places(["https://host/x.tif"]) == ()
 
 
 def test_the_record_is_bounded():
@@ -282,7 +282,7 @@ def test_the_record_is_bounded():
 
 @pytest.mark.parametrize("piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/", "ab:/b&@", "ab:\\b&"])
 def test_the_work_of_a_long_text_grows_with_its_length(piece):
-    assert growth(lambda count: strangers([piece * count]), 20_000) < PROPORTIONAL
+    assert growth(lambda count: unagreed_places([piece * count]), 20_000) < PROPORTIONAL
 
 
 # --- values of other types

@@ -38,7 +38,7 @@ def contents(folder):
     return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in folder.rglob("*") if path.is_file()}
 
 
-def begun(prepared, server, least):  # noqa: F811
+def capitalized(prepared, server, least):  # noqa: F811
     server.latency_s = SLOW_S
     run = press_capture(prepared)
     prepared.wait(lambda: len(pictures(prepared.folder)) >= least)
@@ -57,7 +57,7 @@ def offers(desk):
 
 
 def test_capture_is_noted_while_it_goes_on_and_no_longer(prepared, server):  # noqa: F811
-    run = begun(prepared, server, 1)
+    run = capitalized(prepared, server, 1)
     assert len(notes()) == 1
     # What this session has in its hands is no crash's.
     start_again(prepared)
@@ -69,7 +69,7 @@ def test_capture_is_noted_while_it_goes_on_and_no_longer(prepared, server):  # n
 
 
 def test_capture_that_did_not_end_is_offered_and_resumed(prepared, server, screenshot):  # noqa: F811
-    run = begun(prepared, server, 2)
+    run = capitalized(prepared, server, 2)
     total = len(run.plan)
     note = crash(prepared, run)
     before = contents(prepared.folder)
@@ -94,7 +94,7 @@ def test_capture_that_did_not_end_is_offered_and_resumed(prepared, server, scree
 
 
 def test_waiting_capture_is_offered_though_it_has_no_folder_yet(prepared, server, tmp_path):  # noqa: F811
-    first = begun(prepared, server, 1)
+    first = capitalized(prepared, server, 1)
     prepared.click(prepared.dock.capture)
     second = press_capture(prepared, tmp_path / "mission-2")
     assert len(notes()) == 2
@@ -111,7 +111,7 @@ def test_waiting_capture_is_offered_though_it_has_no_folder_yet(prepared, server
 
 
 def test_capture_that_is_forgotten_is_offered_no_more(prepared, server):  # noqa: F811
-    crash(prepared, begun(prepared, server, 1))
+    crash(prepared, capitalized(prepared, server, 1))
     before = contents(prepared.folder)
     start_again(prepared)
     prepared.buttons_in_message_bar()["Forget (files are kept)"].click()
@@ -120,13 +120,13 @@ def test_capture_that_is_forgotten_is_offered_no_more(prepared, server):  # noqa
 
 
 def test_folder_of_another_machine_is_asked_nothing(prepared, server, monkeypatch):  # noqa: F811
-    crash(prepared, begun(prepared, server, 1))
+    crash(prepared, capitalized(prepared, server, 1))
     monkeypatch.setattr(unfinished, "is_remote", lambda _folder: True)
 
     def refuse(_left):
         raise AssertionError("it was looked into")
 
-    monkeypatch.setattr(unfinished.Left, "count", refuse)
+    monkeypatch.setattr(unfinished.UnfinishedCapture, "count", refuse)
     start_again(prepared)
     assert offers(prepared) == ["mission: its capture did not end."]
 

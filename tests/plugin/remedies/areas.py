@@ -76,7 +76,7 @@ def _empty(case: Case) -> None:
     case.follow("select one that has", lambda: area(SQUARE))
 
 
-@remedy("area/layers.py", "{feature} is no polygon: select one that is")
+@remedy("area/layers.py", "{feature} is not a polygon: select one that is")
 def _no_polygon(case: Case) -> None:
     case.refused(lambda: area("Point (1 1)"))
     case.follow("select one that is", lambda: area(SQUARE))
@@ -127,7 +127,7 @@ def _no_place(case: Case) -> None:
     case.follow("leave it out", lambda: points("Point (1 1)"))
 
 
-@remedy("area/layers.py", "{feature} is no point: take a layer of points")
+@remedy("area/layers.py", "{feature} is not a point: choose a layer of points")
 def _no_point(case: Case) -> None:
     case.refused(lambda: points(SQUARE))
     case.follow("take a layer of points", lambda: points("Point (1 1)"))
@@ -147,7 +147,7 @@ def _no_way(case: Case) -> None:
     case.follow("leave it out", lambda: lines(LINE))
 
 
-@remedy("area/layers.py", "{feature} is no line: take a layer of lines")
+@remedy("area/layers.py", "{feature} is not a line: choose a layer of lines")
 def _no_line(case: Case) -> None:
     case.refused(lambda: lines(SQUARE))
     case.follow("take a layer of lines", lambda: lines(LINE))

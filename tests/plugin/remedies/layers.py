@@ -254,7 +254,7 @@ def _other_zooms(case: Case) -> None:
 
 @remedy(
     "sources.py",
-    "{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel",
+    "{title} has tiles in {crs}, which cannot be a background: add its layer with QGIS's Browser panel",
 )
 def _tiles_of_another_crs(case: Case) -> None:
     case.fixture("desk")

@@ -46,7 +46,7 @@ def open_by_menu(case, desk, folder):
 
 @remedy(
     "missions/missions.py",
-    "folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder",
+    "folder {folder}: has no {name}, so it is not a dataset of a capture; choose its folder",
 )
 def _no_dataset(case: Case) -> None:
     desk, folder = case.fixture("desk"), case.tmp_path / "out"
@@ -223,7 +223,7 @@ def _cleaning_stopped(case: Case) -> None:
         return read(desk, cleaning)
 
     def press_and_stop():
-        go_on = CleanTask.go_on
+        go_on = CleanTask.report_progress
 
         def stop(task, share):
             if share > 0.5:
@@ -231,7 +231,7 @@ def _cleaning_stopped(case: Case) -> None:
             return go_on(task, share)
 
         with case.monkeypatch.context() as patch:
-            patch.setattr(CleanTask, "go_on", stop)
+            patch.setattr(CleanTask, "report_progress", stop)
             press("move")
 
     cleaning.open(folder)

@@ -51,7 +51,7 @@ def _no_configuration(case: Case) -> None:
     case.follow("press “+” and enter it as password", lambda: has_key(configured("the key", "new", "")))
 
 
-@remedy("credentials.py", "authentication configuration {id} is not there (any more): choose another")
+@remedy("credentials.py", "authentication configuration {id} does not exist (any more): choose another")
 def _configuration_gone(case: Case) -> None:
     configured = case.fixture("configured")
     gone = configured("the key")
