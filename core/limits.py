@@ -1,7 +1,7 @@
 """Limits on servers, files and missions that protect this machine.
 
-Input beyond a limit is refused with a one-line message, before memory, time or disk is spent on it. Limits of methods and
-formats are in their modules.
+Input beyond a limit is refused with a one-line message, before memory, time or disk is spent on it. Limits of methods
+and formats are in their modules.
 """
 
 from __future__ import annotations
@@ -87,7 +87,8 @@ MAX_XML_ATTRIBUTES = 200
 MAX_XML_NAMES = 10_000
 #: Layers of a service and styles of layers: OWSLib takes 0.1 ms and 7 kB for each. The largest services have thousands.
 MAX_SERVICE_LAYERS = 50_000
-#: Properties inherited by all layers of a service together: 6,000 coordinate systems for 1,000 layers at depth 2 are 12 million.
+#: Properties inherited by all layers of a service together: 6,000 coordinate systems for 1,000 layers at depth 2 are 12
+#: million.
 MAX_XML_INHERITED = 40_000_000
 #: Largest VRT, with some 50,000 files.
 MAX_VRT_BYTES = 64 << 20
