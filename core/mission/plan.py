@@ -1,4 +1,4 @@
-"""The plan: a mission worked out on a source's pixel grid, as arrays. No I/O."""
+"""The plan of a mission on a source's pixel grid, as arrays. No I/O."""
 
 from __future__ import annotations
 
@@ -32,43 +32,43 @@ from .views import CameraViews
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A mission worked out: n captures in flight order, as arrays.
+    """The n captures of a mission in flight order, as arrays.
 
     Attributes
     ----------
     grid : PixelGrid
-        Pixel grid of the source the plan is for.
+        Pixel grid of the source.
     zoom : int
-        Of map frames, that of all pictures; of camera frames, the one that suits the ground below.
+        Zoom of all map frames; for camera frames, the zoom that suits the ground below.
     column, row : array (n,) of int64
-        Grid indices; each pair once.
+        Grid indices; each pair is unique.
     poses : Poses
-        As they are flown, (n,); longitudes are continuous across the antimeridian.
+        Poses as flown, (n,); longitudes are continuous across the antimeridian.
     windows : Windows
-        In the global pixel grid at ``zoom``, north-up: what each map frame shows, and a rectangle inside what each
-        camera frame shows.
+        Windows of the north-up global pixel grid at ``zoom``, (n,): those that map frames show, and rectangles inside
+        the ground that camera frames show.
     corners : Corners
         Ground corners that the camera sees, (n, 4).
     frames : MapFrames or CameraFrames
-        Of the pictures, (n,).
+        Frames of the pictures, (n,).
     accuracy : ChosenMethods
         The methods that were chosen, and their bounds.
     nominal : Poses or None
-        As they were meant to be, where wind has moved them.
+        Planned poses, if wind has moved them.
     passes : tuple of Pass
-        Of turned or crossed rows; empty for rows along parallels and for points.
+        Passes of turned or crossed rows; empty for rows along parallels and for points.
     level_m : float
-        Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
+        Height of the level ground that captures are planned over, above the WGS 84 ellipsoid.
     relief : Relief
-        The ground that they are flown over.
+        The ground that captures are flown over.
     flown : Flown or None
-        How high they are over that.
+        Heights of captures over the relief; None over level ground.
     parts : tuple of int
-        Of an area of several polygons, the index of the first capture of each in flight order; empty for one.
+        Index of the first capture of each polygon of several; empty for one polygon.
     left_out : int
-        Captures that no-fly areas have cost.
+        Number of captures that no-fly areas exclude.
 
-    Everything else is worked out when first asked for, and kept.
+    Everything else is computed on first access, and cached.
     """
 
     mission: Mission
@@ -93,10 +93,10 @@ class Plan:
         return len(self.column)
 
     def part(self, which: Numbers) -> Plan:
-        """Plan of some captures alone, by their indices (k,), whose images are those of this one.
+        """Plan of some captures alone, by their indices (k,).
 
-        Its images are the same, also where they depend on all captures; its flight, rows and coverage are not. Heights
-        are left out when it is pickled: see `Relief.load`.
+        Its images equal those of the whole plan, also where they depend on all captures; its flight, rows and coverage
+        do not. Pickling leaves out the heights, see `Relief.load`.
         """
         part = replace(
             self,
@@ -133,7 +133,7 @@ class Plan:
 
     @property
     def meant(self) -> Poses:
-        """Poses as they were meant to be, before wind moved them."""
+        """Planned poses, before wind moves them."""
         return self.poses if self.nominal is None else self.nominal
 
     @property
@@ -143,19 +143,19 @@ class Plan:
 
     @property
     def ground_m(self) -> Floats:
-        """Heights of the ground below the poses over the WGS 84 ellipsoid, (n,)."""
+        """Heights of the ground below the poses above the WGS 84 ellipsoid, (n,)."""
         if self.flown is None:
             return np.broadcast_to(np.float64(self.level_m), len(self))
         return self.flown.ground_m
 
     @property
     def height_m(self) -> Floats:
-        """Heights of the poses over the WGS 84 ellipsoid, (n,)."""
+        """Heights of the poses above the WGS 84 ellipsoid, (n,)."""
         return self.ground_m + self.agl_m
 
     @property
     def rows(self) -> int:
-        """Rows of captures."""
+        """Number of rows."""
         return int(self.row.max()) + 1
 
     @cached_property
@@ -184,7 +184,7 @@ class Plan:
 
     @cached_property
     def masked(self) -> bool:
-        """Whether a picture may have pixels without ground, or with ground that no map of the source shows."""
+        """Whether pictures may have pixels without ground, or with ground that the source has no imagery of."""
         return self.frames.has_masks(self)
 
     @cached_property
@@ -194,7 +194,7 @@ class Plan:
 
     @cached_property
     def names(self) -> list[str]:
-        """Name of each picture without its ending, as the published dataset has them."""
+        """File name of each picture without its ending, as in the published dataset."""
         columns = (self.column, self.row, *self.frame_centres, self.frames.named_zooms(self))
         return [
             f"{column}_{row}_{lat_deg:.8f}_{lon_deg:.8f}_{zoom}"
@@ -211,8 +211,8 @@ class Plan:
     def coverage(self) -> Coverage | None:
         """Share of the area outside no-fly areas that the windows show; None for points.
 
-        Of turned rows it is the share that the rectangles show that are turned with them. Cameras that do not see the
-        ground below them show the lower ground of relief elsewhere: points of it are looked for in their images.
+        Turned rows count by rectangles turned with them. Cameras that do not look at the ground below them show low
+        ground of relief elsewhere, so sample points of the relief are searched for in their images.
         """
         if not self.mission.area.covers_ground:
             return None
@@ -229,7 +229,7 @@ class Plan:
 
     @cached_property
     def imagery(self) -> ImageryShare:
-        """How much of the area and of the pictures lies on the source's imagery, where its grid states an extent."""
+        """Share of the area, and pictures, on the source's imagery, where its grid states an extent."""
         own, extent = self.grid.own, self.grid.extent
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
         if own is None or extent is None or not self.mission.area.covers_ground:
@@ -238,7 +238,7 @@ class Plan:
 
     @cached_property
     def overlap(self) -> Overlap:
-        """Shares that neighbouring pictures have in common; all None for points."""
+        """Overlap of neighbouring pictures; all None for points."""
         if not self.mission.area.covers_ground:
             return Overlap(None, None, None, None)
         if self.passes:
@@ -248,52 +248,53 @@ class Plan:
 
     @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
-        """Ground that the images of each pass show, in its plane."""
+        """Ground that the images of each pass show, in the plane of the pass."""
         ends = [*(part.first for part in self.passes[1:]), len(self)]
         return tuple(self.frames.rectangles(self, part, slice(part.first, end)) for part, end in zip(self.passes, ends))
 
     @cached_property
     def requests(self) -> int:
-        """Parts to fetch for one map type, each once: tiles, or whole pictures by their centre."""
+        """Number of distinct tiles, or whole pictures by their centre, to fetch for one map type."""
         if self.grid.centre_decimals is not None:
             return len(np.unique(np.stack([np.asarray(part, np.float64) for part in self.windows]), axis=1).T)
         return self.frames.tile_count(self)
 
     @cached_property
     def path(self) -> FlightPath:
-        """Path of the aircraft: through the captures, and what the mission's route has between and around them."""
+        """Path of the aircraft through the captures, with the turns and ways of the mission's route."""
         return flight_path(self)
 
     @cached_property
     def times_s(self) -> Floats:
-        """Seconds of each exposure after the first one, (n,): the points' own, or along the path as it was meant.
+        """Seconds of each exposure after the first one, (n,): stated by points, or along the planned path.
 
-        So turns count where the mission has a route, and ways to the take-off and back between sorties.
+        The path includes turns and, between sorties, the ways to the take-off and back.
         """
         path = self.path
         return self.direct.exposures_s if path.is_captures else path.time_s[path.capture >= 0]
 
 
 def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> Plan:
-    """Work out a mission on a source's pixel grid, by the cheapest methods that fit its error budget.
+    """Plan a mission on a source's pixel grid, by the cheapest methods that fit its error budget.
 
     Parameters
     ----------
     mission : Mission
     grid : PixelGrid
     heights : Heights or None
-        Those of the mission's elevation (`elevation.relief.heights_of`), where it has one.
+        Heights of the mission's elevation (`elevation.relief.heights_of`), if it has one.
 
     Raises
     ------
     InvalidInput
-        Where an area or a no-fly area is no polygon (`check_rings`), or the mission cannot be flown: too many captures,
-        an area or pictures beyond Web Mercator, a camera that sees nothing of the Earth, a zoom the source does not
-        have, pictures under one pixel; where no methods fit the error budget and the mission does not accept that.
+        A polygon of the area or of a no-fly area is invalid (`check_rings`). The mission cannot be flown: too many
+        captures, an area or pictures beyond Web Mercator, a camera that sees nothing of the Earth, a zoom that the
+        source does not have, pictures under one pixel. No methods fit the error budget and the mission does not accept
+        that.
     """
     if mission.imagery.imageries:
         raise InvalidInput(
-            "imagery {0}: a mission of several imageries has a plan for each, and not one",
+            "imagery {0}: a mission of several imageries needs a plan for each of them",
             " ".join(mission.imagery.imageries),
             remedy="choose one of them as the source",
             field="imageries",
@@ -337,17 +338,17 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
 
 
 def _relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Relief]:
-    """Ground below a mission, and the mission over the level ground that lies lowest in it."""
+    """Relief below a mission, and the mission over level ground at the relief's lowest height."""
     if not mission.terrain.elevation:
         return mission, level_ground(mission)
-    # Over level ground nothing that traces rays is loaded.
+    # Imported here, as level ground needs no ray tracing.
     from .relief.modelled import relief_below
 
     return relief_below(mission, heights)
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
-    """Poses that are flown: moved and turned by the wind."""
+    """Poses as flown, moved and turned by the wind."""
     if mission.wind is None:
         return nominal
     from .flight.motion import fly

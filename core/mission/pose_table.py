@@ -1,4 +1,4 @@
-"""Poses as people have them: a table whose header names the columns, in any order and by any of their usual names."""
+"""Read poses from a table whose header names the columns, in any order and by any usual name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .areas.area import ANGLES, Points
 from .clock import check_column
 from .litchi_table import is_litchi, read_litchi
 
-#: What columns of a table of poses may be headed, in lower case; of several heights the first named here is taken.
+#: Usual names of the columns, in lower case; of several columns of heights, the one listed first counts.
 _HEADERS = {
     "lat": ("lat", "latitude", "lat_deg", "latitude_deg", "y"),
     "lon": ("lon", "lng", "long", "longitude", "lon_deg", "longitude_deg", "x"),
@@ -43,26 +43,14 @@ _HEADERS = {
     "roll": ("roll", "roll_deg", "gimbal_roll", "gimbal_roll_deg"),
     "time": ("time", "time_utc", "timestamp", "datetime", "date_time", "utc", "t"),
 }
-#: First line by which spreadsheets know what separates cells.
+#: First line that gives spreadsheets the separator of cells.
 _SEPARATOR = re.compile(r'\ufeff?"?sep=(.)"?\s*', re.IGNORECASE)
-#: The table of a dataset, where Lat, Lon and Alt are those of the image, and its zoom.
-_OF_DATASET = {
-    "lat": ("pose_lat_deg",),
-    "lon": ("pose_lon_deg",),
-    "agl": ("agl_m",),
-    "yaw": ("yaw_deg",),
-    "tilt": ("tilt_deg",),
-    "roll": ("roll_deg",),
-    "time": ("time_utc",),
-}
-#: Characters of a line that a message shows.
-_SHOWN = 80
-#: What texts have in the place of a hyphen.
+#: Characters that stand for a hyphen in typeset text.
 UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
 
 class _Row(NamedTuple):
-    """A row of a table: the line that it begins on, from 1, that line, its cells, and whether commas are decimal."""
+    """A row of a table: number (from 1) and text of its first line, its cells, and whether commas are decimal."""
 
     number: int
     line: str
@@ -71,7 +59,7 @@ class _Row(NamedTuple):
 
 
 def read_header(lines: Iterable[str], where: str = Message("coordinates")) -> list[str]:
-    """Names of the columns of a table; none where the first line names no column that poses have, or has numbers."""
+    """Return the names of a table's columns; none if its first line has numbers or no usual name."""
     row = next(_rows(lines, where), None)
     cells = [] if row is None else [cell.lower() for cell in row.cells]
     known = {name for names in _HEADERS.values() for name in names}
@@ -80,22 +68,26 @@ def read_header(lines: Iterable[str], where: str = Message("coordinates")) -> li
 
 
 def states_separator(line: str) -> bool:
-    """Whether a line, the first of a file, is for spreadsheets: ``sep=;``."""
+    """Whether the first line of a file gives spreadsheets the separator: ``sep=;``."""
     return _SEPARATOR.fullmatch(line) is not None
 
 
 def usual_names(columns: Sequence[str]) -> dict[str, list[str]]:
-    """Which columns say what of a pose, by their usual names: `lat`, `lon`, `agl`, `yaw`, `tilt` and so on.
+    """Find the columns of `lat`, `lon`, `agl`, `yaw`, `tilt` and so on by their usual names.
 
-    Of several, the one that comes first is to be taken. What no column says is left out.
+    Of several columns for one quantity, the first counts. Quantities without a column are left out.
     """
     lower = [column.lower() for column in columns]
-    kinds = _OF_DATASET if "pose_lat_deg" in lower else _HEADERS
+    headers: Mapping[str, Sequence[str]] = _HEADERS
+    if "pose_lat_deg" in lower:
+        # In the table of a dataset, Lat, Lon and Alt are the image's, not the pose's.
+        pose_columns = {"lat": "pose_lat_deg", "lon": "pose_lon_deg", "agl": "agl_m", "time": "time_utc"}
+        headers = {name: (pose_columns.get(name, f"{name}_deg"),) for name in ("lat", "lon", "agl", *ANGLES, "time")}
     found = {
-        kind: [column for name in names for column, own in zip(columns, lower) if own == name]
-        for kind, names in kinds.items()
+        quantity: [column for name in names for column, low in zip(columns, lower) if low == name]
+        for quantity, names in headers.items()
     }
-    return {kind: there for kind, there in found.items() if there}
+    return {quantity: matches for quantity, matches in found.items() if matches}
 
 
 def read_poses(
@@ -105,31 +97,32 @@ def read_poses(
     agl_m: float | None = None,
     most: int | None = None,
 ) -> Points:
-    """Points of a table, or images of a mission of Litchi's.
+    """Read points from a table, or from a Litchi mission.
 
-    Columns of other names are left out, and so are empty lines and those that begin with #.
+    The columns ``lat`` and ``lon`` are needed, and ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks
+    straight down) or ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` are optional. Other usual names, such as
+    ``longitude``, ``heading`` or ``timestamp``, are understood; columns of other names are ignored, as are empty lines
+    and lines that begin with #.
 
-    ``lat`` and ``lon`` are needed, ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks straight down) or
-    ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` may be there. They go by other usual names, too, such as
-    ``longitude``, ``heading`` or ``timestamp``. Cells are separated by commas, semicolons, tabs or spaces, or by what a
-    first line ``sep=;`` says; with semicolons and tabs, numbers may have decimal commas. Cells in quotation marks may
-    go over several lines. Times are ISO 8601, in UTC where no zone is stated, or seconds after 1970 or after a start.
+    Cells are separated by commas, semicolons, tabs or spaces, or as a first line ``sep=;`` states; with semicolons and
+    tabs, numbers may have decimal commas. Quoted cells may span lines. Times are ISO 8601, in UTC unless they state a
+    zone, or seconds after 1970 or after a start.
 
     Parameters
     ----------
     where : str
-        What the lines are of, for messages.
+        Name of the table, for messages.
     agl_unit : str
-        m or ft, of the column of heights.
+        Unit of the column of heights, m or ft.
     agl_m : float or None
-        Height of all in metres, instead of the column.
+        Height of all points in metres, instead of the column.
     most : int or None
-        How many rows are read; None for all.
+        Greatest number of rows to read; None for all.
 
     Raises
     ------
     InvalidInput
-        Names the column that is missing or said twice, or the line that cannot be read. Times that no flight has.
+        A column is missing or given twice, a line cannot be read, or no flight has these times.
     """
     rows = _rows(lines, where)
     headers = [cell.lower() for cell in next(rows).cells]
@@ -148,7 +141,7 @@ def read_poses(
             raise InvalidInput(
                 "{0} {1!r} has {2} cells; its header names {3}",
                 there,
-                row.line.strip()[:_SHOWN],
+                row.line.strip()[:80],
                 len(row.cells),
                 len(headers),
             )
@@ -159,7 +152,7 @@ def read_poses(
                 values[name].append(real_number(number))
             except ValueError as wrong:
                 if name != "time":
-                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell[:_SHOWN]) from wrong
+                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell[:80]) from wrong
                 values[name].append(time_s(cell, there))
                 dated = True
     m_per_unit = LENGTHS_M[agl_unit]
@@ -181,9 +174,9 @@ def _line(where: str, number: int) -> Message:
 
 
 def _points(values: Mapping[str, list[float]], rows: slice) -> Points:
-    own = {f"{name}s_deg": tuple(values[name][rows]) for name in ANGLES if name in values}
+    angles = {f"{name}s_deg": tuple(values[name][rows]) for name in ANGLES if name in values}
     poses = tuple(zip(*(values[name][rows] for name in ("lat", "lon", "agl"))))
-    return Points(poses, **own, times_s=tuple(values.get("time", [])[rows]))
+    return Points(poses, **angles, times_s=tuple(values.get("time", [])[rows]))
 
 
 def _check_point(values: Mapping[str, list[float]], at: int, where: str) -> None:
@@ -194,7 +187,7 @@ def _check_point(values: Mapping[str, list[float]], at: int, where: str) -> None
 
 
 def _rows(lines: Iterable[str], where: str) -> Iterator[_Row]:
-    """Rows of a table, its header first; empty lines and those that begin with # are none."""
+    """Yield the rows of a table, its header first, without empty lines and comments (#)."""
     numbered = enumerate(lines, 1)
     separator: str | None = ""
     for number, line in numbered:
@@ -212,7 +205,7 @@ def _rows(lines: Iterable[str], where: str) -> Iterator[_Row]:
 
 
 def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, where: str) -> list[str] | None:
-    """Cells of a line, and of those after it that its cells go on in; None where the csv module reads no such cell."""
+    """Cells of a line and the lines after it that its quoted cells span; None if the csv module cannot read them."""
     ended, taken = False, 0
 
     def lines() -> Iterator[str]:
@@ -227,7 +220,7 @@ def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, whe
     try:
         cells = next(csv.reader(lines(), delimiter=separator))
     except csv.Error:
-        # Lines that were taken for a cell's are read no more.
+        # Lines already consumed cannot be read again.
         ended = taken > 0
     if ended:
         raise InvalidInput("{0} has a quotation mark without another one that ends the cell", where)
@@ -235,7 +228,7 @@ def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, whe
 
 
 def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, int]:
-    """Where each thing that a table says of a pose stands."""
+    """Index of the column of each quantity."""
     at = {}
     for name, there in usual_names(headers).items():
         if there.count(there[0]) > 1 or (len(there) > 1 and name != "agl"):
@@ -259,7 +252,7 @@ def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, in
 
 
 def table_text(points: Points) -> str:
-    """Text of a table that `read_poses` reads as the same points."""
+    """Write points as a table that `read_poses` reads back."""
     columns: dict[str, Sequence[object]] = dict(zip(("lat", "lon", "agl"), zip(*points.poses)))
     columns.update((name, points.stated_deg(name)) for name in ANGLES if points.stated_deg(name))
     if points.times_s:

@@ -1,6 +1,6 @@
-"""Presets: values of a mission's fields for what its images are for, the starting points of command and panel.
+"""Presets: values of a mission's fields that suit a purpose, as a start for command and panel.
 
-A preset is no part of a mission: it fills in fields, each of which stays open to change.
+A preset fills in fields, each of which may still be changed; the mission does not keep its name.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from ..errors import InvalidInput, Message
 from ..map_types import ROADMAP, SATELLITE
 from .parts import AUTO, NORTH, TRACK
 
-#: Overlaps at which structure from motion finds every point in several images, also of the rows beside.
+#: Front and side overlap at which structure from motion finds every point in several images and rows.
 _MAPPING_OVERLAPS = (0.75, 0.65)
-#: Each place is seen from two captures of its row and of the next.
+#: Two captures of each row and two rows see each place.
 _NAVIGATION_OVERLAP = 0.5
-#: Side of the images that networks are commonly trained with, and of the tiles that map imagery comes in.
+#: Usual image side in training networks, and that of map tiles.
 _LEARNING_PX = 256
 
 
@@ -30,12 +30,11 @@ class Preset:
     ----------
     name : str
     title : Message
-        What people choose.
+        Label in menus.
     note : Message
-        What it sets, in one line.
+        One line about the values.
     values : mapping
-        By fields of a mission, ``aspect_ratio`` of its camera among them. Fields that a preset does not name stay as
-        they are.
+        Values by field of a mission, or ``aspect_ratio`` of its camera. Other fields stay as they are.
     """
 
     name: str
@@ -101,12 +100,12 @@ PRESET_NAMES = tuple(preset.name for preset in PRESETS)
 
 
 def preset_named(name: str) -> Preset:
-    """Preset of a name.
+    """Find a preset by its name.
 
     Raises
     ------
     InvalidInput
-        No such preset; names those there are.
+        No such preset; lists the names.
     """
     found = next((preset for preset in PRESETS if preset.name == name), None)
     if found is None:

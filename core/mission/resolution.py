@@ -1,4 +1,4 @@
-"""Ground sample distances of a plan: asked for, planned, written, and those of the source and of the camera."""
+"""Ground sample distances of a plan: requested, planned, written, of the source, and of the camera."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .mission import Mission
 
 @dataclass(frozen=True, eq=False)
 class Resolution:
-    """Ground sample distances of captures, medians over them.
+    """Median ground sample distances of the captures.
 
     Attributes
     ----------
-    poses, meant : Poses
-        As they are flown, and as they were meant to be, (n,).
     zoom : int
-        Of the plan.
+        Zoom of the plan.
+    poses, meant : Poses
+        Poses as flown, and as planned, (n,).
     """
 
     mission: Mission
@@ -34,7 +34,7 @@ class Resolution:
 
     @cached_property
     def requested_m_per_px(self) -> float:
-        """The one asked for, or else that of the camera's own image straight down."""
+        """Requested by the mission, else that of the camera's image looking straight down."""
         pixels = self.mission.pixels
         if pixels.gsd_m_per_px is not None:
             return pixels.gsd_m_per_px
@@ -42,12 +42,12 @@ class Resolution:
 
     @cached_property
     def picture_m_per_px(self) -> float:
-        """That of the planned pictures: of the zoom's pixels, or of camera frames straight down."""
+        """Of the planned pictures: of the zoom's pixels, or of camera frames looking straight down."""
         return self.frames.gsd_m_per_px(self.mission, self.poses, self.grid, self.zoom)
 
     @cached_property
     def delivered_m_per_px(self) -> float:
-        """That of the files along their pictures' longer side, after any resizing."""
+        """Of the written images along their longer side, after any resizing."""
         size, frames = self.mission.output.img_size, self.frames
         if size is None:
             return self.picture_m_per_px
@@ -57,11 +57,11 @@ class Resolution:
 
     @cached_property
     def source_m_per_px(self) -> float:
-        """That of the finest pixels that the source has."""
+        """Of the finest pixels that the source has."""
         grid, poses = self.grid, self.poses
         return float(np.median(grid.ground_m_per_px(poses.lat_deg, poses.lon_deg, grid.native_zoom)))
 
     @cached_property
     def camera_m_per_px(self) -> float:
-        """That of the exact camera with as many pixels as its picture."""
+        """Of the exact camera with as many pixels as its picture."""
         return camera_gsd_m_per_px(self.mission, self.poses, self.frames)

@@ -1,7 +1,7 @@
-"""Where the values of a mission's options come from.
+"""Values of a mission's options: from command line, environment, configuration file, preset and defaults.
 
-The command line comes first, then the environment (``TERRAINAV_FOV=75``), then ``config.json``, then the preset,
-then the defaults. That holds for what several options can state, too: ``--hfov`` comes before a ``fov`` of the file.
+The command line precedes the environment (``TERRAINAV_FOV=75``), ``config.json``, the preset and the defaults, in this
+order. Options that state the same count as one: ``--hfov`` precedes a ``fov`` in the file.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from .presets import preset_named
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
-#: What several options can state: its ways, each of one option or of some that go together.
-_WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
+#: Alternatives that state the same, each of one option or of options that go together.
+_ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("coords",), ("area",)),
     (("camera",), ("fov",), ("hfov",), ("vfov",), ("sensor", "focal_length")),
     (("zoom",), ("gsd",)),
@@ -42,21 +42,21 @@ _WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
 def resolve(
     given: Mapping[str, Any], environment: Mapping[str, str] | None = None, config: str | None = None
 ) -> dict[str, Any]:
-    """Value of every option, by precedence.
+    """Find the value of every option, by precedence.
 
     Parameters
     ----------
     given : mapping
-        What the command line gave; None or absent where it gave nothing.
+        Values from the command line; None or absent for options that it does not give.
     environment : mapping
-        Of the process; ``TERRAINAV_<NAME>`` is read for every option.
+        Environment of the process, in which ``TERRAINAV_<NAME>`` gives an option.
     config : str or None
-        A JSON file of options that must exist; None for ``config.json`` in the current folder, if it is there.
+        JSON file of options, which must exist; None for ``config.json`` in the current folder, if any.
 
     Raises
     ------
     InvalidInput
-        An unknown name in the file, or a value that is not right.
+        An unknown name in the file, or an invalid value.
     """
     values = {option.name: option.default for option in OPTIONS}
     settled: set[str] = set()
@@ -68,7 +68,7 @@ def resolve(
 
 
 def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled: set[str]) -> None:
-    """Take the options that a place gives and no place before it has settled."""
+    """Take the options that a place gives, unless an earlier place has settled them."""
     chosen = [option for option in OPTIONS if option.name in place and option.name not in settled]
     for option in chosen:
         where, value = place[option.name]
@@ -77,7 +77,7 @@ def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled:
 
 
 def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
-    """What the preset gives, as a place: by option, what messages call it and its value."""
+    """Options of the preset: by name, a label for messages and the value."""
     name = values["preset"]
     fields = dict(preset_named(name).values)
     given: dict[str, Any] = {"overlap": (fields.pop("overlap_along"), fields.pop("overlap_across"))}
@@ -85,28 +85,28 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
         given["aspect_ratio"] = (fields.pop("aspect_ratio"), 1.0)
         shape = _own_shape(values)
         if shape is not None:
-            # Its images keep their shape.
+            # Images keep the shape of the camera.
             del given["aspect_ratio"]
             fields["img_size"] = _fitted(fields["img_size"], *shape)
     named = {one.name: one.name_of_option for one in flat_fields()}
     given.update({named[field]: value for field, value in fields.items() if value is not None})
     if settled & {"source", "imagery"}:
-        # Few sources have several map types; of one that has not, each would hold the same images.
+        # Most sources have one map type, of which two would hold the same images.
         del given["map_type"]
     return {option: (f"preset {name}, option", value) for option, value in given.items()}
 
 
 def _own_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
-    """Width and height of the images of the camera that is asked for; None where any shape will do."""
+    """Shape (width, height) of the requested camera's images; None if it is open."""
     if values["camera"] is not None:
         return camera_named(values["camera"]).camera.aspect_ratio, 1.0
     shape: tuple[float, float] | None = values["aspect_ratio"] or values["sensor"]
-    # What is wrong with it is said where the camera is made.
+    # Making the camera reports an invalid shape.
     return shape if shape is not None and min(shape) > 0.0 else None
 
 
 def _fitted(size: tuple[int, int, int], width: float, height: float) -> tuple[int, int, int]:
-    """Size of a shape whose longer side is that of ``size``; with as many channels."""
+    """Size of the given shape with the longer side and the channels of ``size``."""
     longer_px = max(size[:2])
     scale = longer_px / max(width, height)
     return max(round(scale * width), 1), max(round(scale * height), 1), size[2]
@@ -115,7 +115,7 @@ def _fitted(size: tuple[int, int, int], width: float, height: float) -> tuple[in
 def _places(
     given: Mapping[str, Any], environment: Mapping[str, str], config: str | None
 ) -> Iterator[dict[str, tuple[str, Any]]]:
-    """What each place gives, the first one first: by name what messages call it, and its value."""
+    """Yield the options of each place in order of precedence: by name, a label for messages and the value."""
     yield {name: ("option", value) for name, value in given.items() if value is not None}
     variables = {option.name: ENVIRONMENT_PREFIX + option.name.upper() for option in OPTIONS}
     yield {
@@ -128,10 +128,10 @@ def _places(
 
 
 def _settled_options(name: str) -> set[str]:
-    """Options that later places have no say in where one is given: itself, and other ways to state the same."""
-    # A camera by name has its shape and its pixels; these alone are no camera.
+    """Options that later places cannot change once one is given: itself, and its alternatives."""
+    # A named camera sets shape and pixels; these do not set a camera.
     found = {name, "aspect_ratio", "image_px"} if name == "camera" else {name}
-    for ways in _WAYS:
+    for ways in _ALTERNATIVES:
         if any(name in way for way in ways):
             found.update(other for way in ways if name not in way for other in way)
     return found
@@ -158,19 +158,19 @@ def _read_config(config: str | None) -> dict[str, Any]:
 
 
 def build_mission(values: Mapping[str, Any]) -> Mission:
-    """Mission from the values `resolve` gave.
+    """Build a mission from the values that `resolve` returns.
 
     Raises
     ------
     InvalidInput
-        No area, two of them, or any value outside its domain.
+        No area, two areas, or a value outside its domain.
     """
     area, agl_m = _area(values)
-    camera, own_px = build_camera(values)
+    camera, camera_px = build_camera(values)
     overlap = values["overlap"]
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
-        fields["image_px"] = own_px
+        fields["image_px"] = camera_px
     for name in ("bands", "imageries", "elevation", "surface", "products"):
         fields[name] = fields[name] or ()
     if isinstance(fields["stretch"], tuple):
@@ -206,21 +206,21 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
 
 
 def build_camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
-    """Camera of the options that say one, and the pixels along the longer side of its image; raises InvalidInput."""
+    """Build the camera, and find the pixels along its image's longer side; raises InvalidInput."""
     _check_one_camera(values)
     if values["camera"] is not None:
         preset = camera_named(values["camera"])
         return preset.camera, preset.image_px or Pixels.image_px
-    return _camera_of_numbers(values), Pixels.image_px
+    return _camera_by_numbers(values), Pixels.image_px
 
 
-def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
+def _camera_by_numbers(values: Mapping[str, Any]) -> Camera:
     shape = values["aspect_ratio"]
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
         raise InvalidInput("aspect ratio {0:g} {1:g}: width and height must be above 0", shape[0], shape[1])
     if values["sensor"] is not None:
-        own = None if shape is None else shape[0] / shape[1]
-        return Camera.from_sensor(values["sensor"], values["focal_length"], own)
+        stated = None if shape is None else shape[0] / shape[1]
+        return Camera.from_sensor(values["sensor"], values["focal_length"], stated)
     ratio = Camera.aspect_ratio if shape is None else shape[0] / shape[1]
     if values["hfov"] is not None:
         return Camera.from_horizontal_fov(values["hfov"], ratio)
@@ -230,7 +230,7 @@ def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
 
 
 def _check_one_camera(values: Mapping[str, Any]) -> None:
-    """Refuse a camera that is given in two ways, or by half."""
+    """Refuse a camera that is given in two ways, or incompletely."""
     ways = ["camera", "fov", "hfov", "vfov", "sensor"]
     if values["camera"] is not None:
         ways.append("aspect_ratio")
@@ -243,5 +243,5 @@ def _check_one_camera(values: Mapping[str, Any]) -> None:
 
 
 def _shown(value: Any) -> str:
-    """Value of an option as a person gives it."""
+    """Value of an option as users write it."""
     return " ".join(f"{one:g}" for one in value) if isinstance(value, tuple) else repr(value)

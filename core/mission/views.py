@@ -1,4 +1,4 @@
-"""How the cameras of a plan see the ground: outlines of footprints, views of camera frames, rays over relief."""
+"""Ground that the cameras of a plan see: outlines of footprints, views of camera frames, rays over relief."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from .relief.ground import Relief
 
 Kept = TypeVar("Kept")
 
-#: Views and outlines kept of the captures looked at last: those of one row share one.
+#: Views, outlines or blocks of outlines kept, those last asked for; captures of one row share a view.
 _KEPT = 16
-#: Captures over relief whose outlines are worked out together.
-_OUTLINED = 128
+#: Captures over relief whose outlines are computed together.
+_BLOCK = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,15 +41,15 @@ class CameraViews:
     Attributes
     ----------
     poses : Poses
-        (n,).
+        Poses as flown, (n,).
     height_m : array (n,)
-        Heights of the poses over the WGS 84 ellipsoid.
+        Heights of the poses above the WGS 84 ellipsoid.
     level_m : float
-        Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
+        Height of the level ground that captures are planned over, above the WGS 84 ellipsoid.
     relief : Relief
-        The ground that they are flown over.
+        The ground that captures are flown over.
     tolerance_px : float
-        Error that the placing of a picture's pixels may have.
+        Error that placing a picture's pixels may have.
     """
 
     mission: Mission
@@ -72,21 +72,21 @@ class CameraViews:
 
     @cached_property
     def poles(self) -> NDArray[np.int64]:
-        """For each capture 1 or -1 where it sees the north or south pole, else 0; (n,)."""
+        """1 for each capture that sees the north pole, -1 for the south pole, else 0; (n,)."""
         first, run = self._runs
         return poles_seen(self.mission.camera, self.poses.take(first), self.ground)[run]
 
     def centres(self) -> tuple[Floats, Floats]:
         """Latitude and longitude (wrapped) where the cameras' axes meet the ground, degrees, (n,) each.
 
-        `image_centres` has those of cameras whose axis misses it.
+        See `Relief.image_centres` for cameras whose axis misses the ground.
         """
         poses = self.poses._replace(lon_deg=wrap_lon_deg(self.poses.lon_deg))
         lat, lon = self.relief.image_centres(poses, self.height_m)
         return lat, wrap_lon_deg(lon)
 
     def outline(self, index: int) -> Outline:
-        """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
+        """Outline of the ground that a capture sees; longitudes are relative to the camera, so that rows share one."""
         if not self.relief.is_level:
             found = self._outline_on_relief(index)
             if found is not None:
@@ -100,27 +100,27 @@ class CameraViews:
         return self._kept("outlines", index, made)
 
     def seen(self, index: int, points: ImagePoints) -> tuple[Corners, Floats]:
-        """Ground that a capture sees at image points (k,), and its heights, (1, k); its longitude is wrapped."""
+        """Ground that a capture sees at image points (k,), from its wrapped longitude, and its heights, (1, k)."""
         pose = self.poses.take(np.array([index]))
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
         return self.relief.seen(pose, self.height_m[index : index + 1], points)
 
     def view(self, index: int) -> View:
-        """How the picture of a camera frame is made; captures of one row share it.
+        """View that makes the picture of a camera frame; captures of one row share it.
 
         Raises
         ------
         InvalidInput
-            Of a map frame, which is a window of the source as it is.
+            A map frame, which has no view.
         """
         if self.relief.is_level:
             return self._level_view(index)
         return self.traced_view(self.tracing(index))
 
     def traced_view(self, tracing: Tracing) -> View:
-        """How the picture of a camera frame over relief is made, whose rays are traced.
+        """View that makes the picture of a camera frame over relief from traced rays.
 
-        Where level ground moves no pixel by more than half of what it may, the other half is left to its view.
+        Where level ground displaces no pixel by more than half the tolerance, a level view with the other half.
         """
         zooms, level_m = sampled_zooms(self.mission, self.grid), tracing.level_m
         if level_m is None:
@@ -130,7 +130,7 @@ class CameraViews:
         return self._view_of_level(scene, tracing.tolerance_px / 2.0)
 
     def tracing(self, index: int, size_px: tuple[int, int] | None = None) -> Tracing:
-        """Rays of one capture to the relief, of its picture or of one of another size.
+        """Trace the rays of a capture to the relief, for its picture or one of another size.
 
         Raises
         ------
@@ -139,7 +139,7 @@ class CameraViews:
         """
         heights, size = self.relief.heights, size_px or self.size_px(index)
         scene = ImageGeometry(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
-        # Share of the tolerance that is left to the rounding of the camera's pose.
+        # Share of the tolerance for the rounding of the camera's pose.
         settling = 2.0**-7
         return Tracing(
             *settled(scene, float(self.height_m[index]), self.tolerance_px * settling),
@@ -153,19 +153,19 @@ class CameraViews:
         return int(self.frames.width_px[index]), int(self.frames.height_px[index])
 
     def tile_count(self, passes: tuple[Pass, ...]) -> int:
-        """Tiles of all zooms that the camera frames see, each counted once.
+        """Number of distinct tiles, of all zooms, that the camera frames see.
 
-        Exact for rows of captures that share their view; nearly so where wind or a grid in UTM gives each capture a
-        view of its own, and there are more than a few hundred.
+        Exact where captures of a row share a view. Where wind or a grid in UTM gives each of many captures a different
+        view, some views stand for those of their neighbours.
         """
         first, _ = self._runs
-        # Views of turned rows in still air differ by the plane's convergence and by latitude alone: fewer will do.
+        # In still air, views of turned rows differ only by convergence and latitude, so that fewer suffice.
         most = 60 if passes and self.mission.wind is None else 500
         starts, count = first, len(self.poses.lat_deg)
         if len(first) > most:
             starts = np.arange(0, count, -(-count // most))
             starts = np.union1d(starts, [part.first for part in passes]).astype(np.intp)
-        # A pole is infinitely far up or down the map, and no other place lies by a distance from there.
+        # The map shows poles at infinity, from which no distance counts.
         u, v = self.grid.plane.forward(self.poses.lat_deg, self.poses.lon_deg)
         moved = (
             np.zeros(count) if self.grid.plane.wraps else u,
@@ -179,7 +179,7 @@ class CameraViews:
         return len(seen)
 
     def _level_view(self, index: int) -> View:
-        """View over the level ground that captures are planned over."""
+        """View over the level ground that captures are planned over, cached."""
         if self.frames.on_map:
             raise InvalidInput("view of a map frame: its image is a window of the source as it is")
         size = self.size_px(index)
@@ -196,26 +196,26 @@ class CameraViews:
         return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)
 
     def _outline_on_relief(self, index: int) -> Outline | None:
-        """Outline of a capture; those of its neighbours are worked out with it, and kept."""
-        block = index // _OUTLINED
+        """Outline of a capture over relief, computed and kept with those of its neighbours."""
+        block = index // _BLOCK
         kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
         if block not in kept:
-            part = slice(block * _OUTLINED, (block + 1) * _OUTLINED)
+            part = slice(block * _BLOCK, (block + 1) * _BLOCK)
             found = self.relief.outlines(self.poses.take(part), self.height_m[part])
-            # Replaced as a whole, as in `_kept`.
+            # Replaced as a whole, see `_kept`.
             kept = {**dict(list(kept.items())[1 - _KEPT :]), block: found}
             self.__dict__["_blocks_of_outlines"] = kept
-        return kept[block][index % _OUTLINED]
+        return kept[block][index % _BLOCK]
 
     def _kept(self, what: str, index: int, make: Callable[[Poses], Kept]) -> Kept:
-        """Value of a capture's run of poses, made when first asked for; the last few are kept."""
+        """Value for the run of poses that a capture belongs to; the last few are kept."""
         first, run = self._runs
         at = int(run[index])
         kept: dict[int, Kept] = self.__dict__.get(f"_kept_{what}", {})
         found = kept.get(at)
         if found is None:
             found = make(self.poses.take(first[at : at + 1]))
-            # Replaced as a whole, so that threads may share a plan: at worst one makes anew what another has made.
+            # Replaced as a whole, so that threads may share a plan; at worst, two make the same value.
             last = dict(list(kept.items())[1 - _KEPT :])
             self.__dict__[f"_kept_{what}"] = {**last, at: found}
         return found

@@ -15691,5 +15691,10 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>treatment of places in the area where the first source of heights has none: filled from the next source that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on all sides; or refused</source>
         <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan; o además se interpolan donde ninguna la tiene, a partir de alturas a menos de 100 píxeles por todos los lados; o se rechazan</translation>
     </message>
+    <message>
+        <location filename="../../core/mission/plan.py" />
+        <source>imagery {0}: a mission of several imageries needs a plan for each of them</source>
+        <translation>imágenes {0}: una misión de varias imágenes tiene un plan para cada una, y no uno solo</translation>
+    </message>
     </context>
 </TS>

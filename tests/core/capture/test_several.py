@@ -226,7 +226,7 @@ def test_what_no_imagery_can_be_is_refused():
         several(7)  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match="and source osm"):
         several("a=world", source="osm")
-    with pytest.raises(InvalidInput, match="has a plan for each, and not one"):
+    with pytest.raises(InvalidInput, match="needs a plan for each of them"):
         plan(several("a=world"), PixelGrid())
 
 

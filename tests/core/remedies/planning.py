@@ -433,7 +433,7 @@ def _too_wide(case: Case) -> None:
 
 planned(
     "plan.py",
-    "imagery {}: a mission of several imageries has a plan for each, and not one; choose one of them as the source",
+    "imagery {}: a mission of several imageries needs a plan for each of them; choose one of them as the source",
     Mission(SMALL, 120.0, imageries=("a=world",)),
     {"choose one of them as the source": {"imageries": (), "source": "world"}},
 )
