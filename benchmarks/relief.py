@@ -80,7 +80,7 @@ def march(surface: Surface, tracing: Tracing, height_m: float) -> np.ndarray:
     lat, lon = tracing.place
     paths, farthest, _ = surface.paths(lat, lon, height_m, rays, 0.05)
     x, y = np.meshgrid(np.arange(rays.width) + 0.5, np.arange(rays.height) + 0.5)
-    coefficients = paths.coefficients(rays.at(x.ravel(), y.ravel()))
+    coefficients = paths.coefficients(rays.directions(x.ravel(), y.ravel()))
     speed = np.hypot(coefficients[0, 0], coefficients[0, 1]) + 1e-9
     step = np.minimum(0.5 / speed, farthest / 32.0)
     found = np.full(x.size, np.nan)

@@ -136,7 +136,7 @@ class SceneGround:
         pose = pose._replace(agl_m=np.array([up_m - self.lowest_m]))
         scene = ImageGeometry(queries.camera(index), width, height, pose, WGS84.raised(self.lowest_m))
         if self.relief is None:
-            seen = ImageRays.of(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
+            seen = ImageRays.from_scene(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
             return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
         # To a hundredth of a pixel.

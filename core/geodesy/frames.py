@@ -69,10 +69,10 @@ class Sizes(NamedTuple):
     height_px: Numbers
 
     @classmethod
-    def of(cls, width: Floats, aspect_ratio: float) -> Sizes:
+    def from_widths(cls, width: Floats, aspect_ratio: float) -> Sizes:
         """Whole sizes of images by their widths, (n,); 0 where a side is under half a pixel."""
-        of = width[:1] if len(width) and width.min() == width.max() else width
-        sides = (np.rint(side).astype(np.int64) for side in (of, of / aspect_ratio))
+        widths = width[:1] if len(width) and width.min() == width.max() else width
+        sides = (np.rint(side).astype(np.int64) for side in (widths, widths / aspect_ratio))
         return cls(*(np.broadcast_to(side, width.shape) for side in sides))
 
     @property
@@ -176,7 +176,7 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pla
     return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
 
 
-def own_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floats:
+def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floats:
     """Bound of map frames on a plane of a source's own, and of leaving a small attitude out, (n,).
 
     What convergence, scale and the Earth's bend put wrong is found at the corners of the image, at the middles of its
@@ -188,7 +188,7 @@ def own_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floa
         sizes = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
         width, height = sizes
         parts = [
-            own_frame_px(
+            plane_frame_px(
                 ImageGeometry(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground),
                 own,
                 bend,
@@ -216,7 +216,7 @@ def own_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floa
     return np.where(np.isfinite(bound), bound, np.inf)
 
 
-def windows_of(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int) -> Windows:
+def frame_windows(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int) -> Windows:
     """Frames on a source's pixel grid, with rounded edges.
 
     Parameters
@@ -238,7 +238,7 @@ def windows_of(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: 
     return _centred(windows, grid, zoom, grid.centre_decimals)
 
 
-def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def plane_runs(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """`Poses.runs`, whose geometry differs by longitude alone: on a plane of a source's own each pose is one."""
     if grid.plane.wraps:
         return poses.runs()
@@ -248,8 +248,8 @@ def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np
 
 def map_windows(camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84) -> Windows:
     """Map frames of nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
-    first, run = runs_on(grid, poses)
-    return windows_of(map_frame_edges(camera, poses.take(first), ground, grid.plane), run, poses.lon_deg, grid, zoom)
+    first, run = plane_runs(grid, poses)
+    return frame_windows(map_frame_edges(camera, poses.take(first), ground, grid.plane), run, poses.lon_deg, grid, zoom)
 
 
 def _rounded(position_px: Floats) -> Numbers:

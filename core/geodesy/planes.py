@@ -242,9 +242,9 @@ class TurnedPlane:
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Positions in metres along the axes, of positions in degrees (any shape)."""
-        return self.of_crs(*self.plane.to_crs(lat_deg, lon_deg))
+        return self.from_crs(*self.plane.to_crs(lat_deg, lon_deg))
 
-    def of_crs(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    def from_crs(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Positions in metres along the axes, of eastings and northings in the CRS's unit (any shape)."""
         unit = self.plane.unit_m
         east, north = (x - self.x) * unit, (y - self.y) * unit

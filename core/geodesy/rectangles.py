@@ -285,7 +285,7 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
     return Sides(*left_bottom[:, np.newaxis], *right_top[:, np.newaxis])
 
 
-def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
+def image_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
     """Sides of the largest rectangle inside each image about its centre, in the plane, (n,).
 
     Empty where part of an image shows no ground.
@@ -293,7 +293,7 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
     count = len(poses.lat_deg)
     if count > _BATCH:
         parts = [
-            own_sides(camera, Poses(*(p[i : i + _BATCH] for p in poses)), plane, ground)
+            image_sides(camera, Poses(*(p[i : i + _BATCH] for p in poses)), plane, ground)
             for i in range(0, count, _BATCH)
         ]
         return Sides(*(np.concatenate(sides) for sides in zip(*parts)))
@@ -315,7 +315,7 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
 def _edges_in_plane(own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float) -> FrameEdges:
     """`inscribed_edges` on the plane of a source's CRS; empty where part of an image shows no ground."""
     plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
-    sides = own_sides(camera, poses, plane, ground)
+    sides = image_sides(camera, poses, plane, ground)
     place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg))
     left, right = (np.where(np.isfinite(side), side, place[0]) for side in (sides.left_m, sides.right_m))
     bottom, top = (np.where(np.isfinite(side), side, place[1]) for side in (sides.bottom_m, sides.top_m))

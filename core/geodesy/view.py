@@ -262,7 +262,7 @@ def view(
     by_rays : bool
         Trace every pixel though the mesh would do: for kernels that only single samples can have.
     """
-    rays = ImageRays.of(scene, grid.plane)
+    rays = ImageRays.from_scene(scene, grid.plane)
     by_rays = by_rays or tolerance_px == 0.0
     # Where rays give the positions, the mesh selects tiles and zooms only, for which 0.1 px will do.
     cells = mesh(rays, 0.1 if by_rays else tolerance_px)
@@ -333,7 +333,7 @@ def _loose(
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
         sky[top:bottom, left:right] = False
-    rows, columns = _within(cells.loose)
+    rows, columns = _box_pixels(cells.loose)
     found = []
     for start in range(0, len(rows), _BATCH):
         row, column = rows[start : start + _BATCH], columns[start : start + _BATCH]
@@ -345,7 +345,7 @@ def _loose(
     return found, sky, unmapped
 
 
-def _within(boxes: Numbers) -> tuple[Numbers, Numbers]:
+def _box_pixels(boxes: Numbers) -> tuple[Numbers, Numbers]:
     """Rows and columns of the pixels within boxes (m, 4), row by row and each once."""
     if not len(boxes):
         return np.empty(0, np.int64), np.empty(0, np.int64)
@@ -427,7 +427,7 @@ class ImageRays(NamedTuple):
     plane: Plane = MERCATOR
 
     @classmethod
-    def of(cls, scene: ImageGeometry, plane: Plane = MERCATOR) -> ImageRays:
+    def from_scene(cls, scene: ImageGeometry, plane: Plane = MERCATOR) -> ImageRays:
         """Rays of a scene of one pose, over a plane."""
         pose = scene.poses
         corner, right, below = scene.camera.rays_enu(
@@ -435,7 +435,7 @@ class ImageRays(NamedTuple):
         )
         return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, plane)
 
-    def at(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
+    def directions(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
         x, y = (np.asarray(values, np.float64)[..., np.newaxis] for values in (x_px, y_px))
         rays: Floats = self.origin + x * self.per_x + y * self.per_y
@@ -444,7 +444,7 @@ class ImageRays(NamedTuple):
     def ground(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> GroundPoints:
         """Ground seen at image points."""
         pose = self.scene.poses
-        return trace(pose.lat_deg[0], pose.agl_m[0], self.at(x_px, y_px), self.scene.ground)
+        return trace(pose.lat_deg[0], pose.agl_m[0], self.directions(x_px, y_px), self.scene.ground)
 
     def map_points(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
@@ -467,7 +467,7 @@ class ImageRays(NamedTuple):
     def clearance(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
         """As `ellipsoid.clearance`."""
         pose = self.scene.poses
-        return clearance(pose.lat_deg[0], pose.agl_m[0], self.at(x_px, y_px), self.scene.ground)
+        return clearance(pose.lat_deg[0], pose.agl_m[0], self.directions(x_px, y_px), self.scene.ground)
 
 
 def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
@@ -579,7 +579,7 @@ def _errors_px(
     tangent between angles and pixels.
     """
     scene = rays.scene
-    vectors = rays.at(box[:, _CORNER_X], box[:, _CORNER_Y])
+    vectors = rays.directions(box[:, _CORNER_X], box[:, _CORNER_Y])
     length = np.sqrt(np.sum(vectors * vectors, axis=-1))
     share = float(scene.height_share[0])
     lifted, grazed2 = grazing(-vectors[..., 2] / length, np.asarray(share))

@@ -12,7 +12,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
-from ..geodesy.frames import own_frame_px, runs_on
+from ..geodesy.frames import plane_frame_px, plane_runs
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import ImageRays, mesh_serves
@@ -209,7 +209,7 @@ def map_frame(scene: ImageGeometry, outside: str = "", own: ProjectedPlane | Non
     outside = outside or accuracy.outside_flat_domain(scene, bend)
     if outside:
         return Method(_PICTURE, "map", math.inf, math.inf, outside)
-    px = accuracy.map_frame_px(scene) if own is None or bend is None else own_frame_px(scene, own, bend)
+    px = accuracy.map_frame_px(scene) if own is None or bend is None else plane_frame_px(scene, own, bend)
     # Pixels span most ground at the corners of a level picture, where slanted rays stretch them by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
     return Method(_PICTURE, "map", float(np.max(px)), metres)
@@ -347,7 +347,7 @@ def _remaining_px(mission: Mission, others_px: float) -> float:
 
 def image_geometry(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
     """Geometry that the bounds of a framed mission depend on, one for each run of poses that share it."""
-    first, _ = flown.frames.runs(runs_on(grid, flown.poses))
+    first, _ = flown.frames.runs(plane_runs(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)
     return ImageGeometry(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
 
@@ -447,7 +447,7 @@ def _mesh_serves(scene: ImageGeometry, tolerance_px: float) -> bool:
     """Whether the mesh saves rays in the first image; from very high, every pixel needs a ray."""
     width, height = (float(np.ravel(side)[0]) for side in (scene.width_px, scene.height_px))
     one = ImageGeometry(scene.camera, width, height, scene.poses.take(slice(0, 1)), scene.ground)
-    return mesh_serves(ImageRays.of(one), tolerance_px)
+    return mesh_serves(ImageRays.from_scene(one), tolerance_px)
 
 
 def _rejection(bound_px: float, others_px: float, budget_px: float) -> str:

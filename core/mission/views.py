@@ -16,7 +16,7 @@ from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, ImagePoints, Outline, outline, poles_seen
-from ..geodesy.frames import runs_on
+from ..geodesy.frames import plane_runs
 from ..geodesy.mercator import PixelGrid, wrap_lon_deg
 from ..geodesy.raytracing.tracing import Tracing, settled
 from ..geodesy.view import View, view
@@ -68,7 +68,7 @@ class CameraViews:
 
     @cached_property
     def _runs(self) -> Runs:
-        return self.frames.runs(runs_on(self.grid, self.poses))
+        return self.frames.runs(plane_runs(self.grid, self.poses))
 
     @cached_property
     def poles(self) -> NDArray[np.int64]:

@@ -109,7 +109,7 @@ def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sightin
         ground_lat, ground_lon = (turned(at, turns) for at in plan.grid.plane.inverse(*np.meshgrid(u, v)))
         dlon, axis = wrap_lon_deg(ground_lon - lon), np.array([0.0, 0.0, -1.0])
     else:
-        rays = ImageRays.of(ImageGeometry(camera, width, height, pose, plan.ground))
+        rays = ImageRays.from_scene(ImageGeometry(camera, width, height, pose, plan.ground))
         seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
         ground_lat, dlon = seen.lat_deg, seen.dlon_deg
         axis = camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in pose.attitude))[0]

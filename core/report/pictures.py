@@ -19,7 +19,7 @@ from ..capture.records import image_job
 from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import ImageGeometry
-from ..geodesy.frames import map_windows, quarter_turns, runs_on
+from ..geodesy.frames import map_windows, plane_runs, quarter_turns
 from ..geodesy.view import View, view
 from ..imagery.source import Part, Source, Window, tile_parts
 from ..mission.layout.frames import sampled_zooms
@@ -134,7 +134,7 @@ class Bench:
         The captures of a row share their view, whose seconds count once a row.
         """
         plan = self.plan
-        rows = len(runs_on(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
+        rows = len(plane_runs(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
         # What ways have in common that differ by their kernels.
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
         looks = {kind: partial(self._view, kind) for kind in kinds}

@@ -14,7 +14,7 @@ from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Footprint, outline
-from ..geodesy.frames import in_image, map_frame_edges, quarter_turns, runs_on
+from ..geodesy.frames import in_image, map_frame_edges, plane_runs, quarter_turns
 from ..geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
@@ -47,7 +47,7 @@ def scene_of(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
 
 def bounds_scene(plan: Plan) -> ImageGeometry:
     """ImageGeometry whose bounds hold for all of a plan, as it was chosen by: every row once."""
-    first = np.asarray(runs_on(plan.grid, plan.poses)[0], np.intp)
+    first = np.asarray(plane_runs(plan.grid, plan.poses)[0], np.intp)
     sizes = plan.frames.scene_sizes_px(plan.windows, first)
     return ImageGeometry(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
 
@@ -117,7 +117,7 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
     found: list[float] = []
     for index in spread(len(plan), _IMAGES).tolist():
         scene = scene_of(plan, np.array([index], np.intp))
-        rays = ImageRays.of(scene, plan.grid.plane)
+        rays = ImageRays.from_scene(scene, plan.grid.plane)
         cells = mesh(rays, tolerance_px)
         if len(cells.loose):
             found += _traced(rays)
@@ -164,7 +164,7 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
 
 def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
     """Where image points see level ground, and how high the relief is there; NaN where neither is."""
-    seen = ImageRays.of(level).ground(x_px, y_px)
+    seen = ImageRays.from_scene(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
     height = np.full(len(x_px), np.nan)
     if not plan.relief.is_level and seen.hit.any():

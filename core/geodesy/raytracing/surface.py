@@ -59,7 +59,7 @@ class PixelRays(NamedTuple):
     width: int
     height: int
 
-    def at(self, x_px: Floats, y_px: Floats) -> Floats:
+    def directions(self, x_px: Floats, y_px: Floats) -> Floats:
         """Rays (n, 3) of image points (n,)."""
         parts = [o + x_px * per_x + y_px * per_y for o, per_x, per_y in zip(*self[:3])]
         rays: Floats = np.stack(parts).T
@@ -71,7 +71,7 @@ class PixelRays(NamedTuple):
         for degree in range(1, paths.degree + 1):
             x, y = (np.linspace(0.0, side, degree + 1) for side in (self.width, self.height))
             across, down = np.meshgrid(x, y)
-            values = paths.coefficients(self.at(across.ravel(), down.ravel()))[degree - 1]
+            values = paths.coefficients(self.directions(across.ravel(), down.ravel()))[degree - 1]
             grid = values.reshape(-1, degree + 1, degree + 1)
             inverse_x, inverse_y = (np.linalg.inv(np.vander(at, increasing=True)) for at in (x, y))
             found.append(inverse_y @ grid @ inverse_x.T)
@@ -154,7 +154,7 @@ class Surface:
     @cached_property
     def _tops(self) -> _Pyramid:
         h = np.where(np.isnan(self.heights_m), -np.inf, self.heights_m)
-        return _Pyramid.of(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
+        return _Pyramid.build(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
 
     @cached_property
     def _slopes(self) -> tuple[_Pyramid, _Pyramid]:
@@ -163,7 +163,7 @@ class Surface:
         across, down = np.abs(np.diff(h, axis=1)), np.abs(np.diff(h, axis=0))
         # Where a cell has no ground nothing is steep enough.
         first, second = (
-            _Pyramid.of(np.where(np.isnan(steep), np.inf, steep))
+            _Pyramid.build(np.where(np.isnan(steep), np.inf, steep))
             for steep in (np.maximum(across[:-1], across[1:]), np.maximum(down[:, :-1], down[:, 1:]))
         )
         return first, second
@@ -262,7 +262,7 @@ class Surface:
         x, y = (
             at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
         )
-        directions = rays.at(x, y)
+        directions = rays.directions(x, y)
         away = self.away_m(lat_deg, lon_deg, height_m)
 
         def ends(rays_enu: Floats) -> Floats:
@@ -274,7 +274,7 @@ class Surface:
         farthest = ends(directions)
         # The longest ways lie where rays reach the lowest ground and the edge at once, often between those points.
         all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
-        reach = float(ends(rays.at(all_x.ravel(), all_y.ravel())).max())
+        reach = float(ends(rays.directions(all_x.ravel(), all_y.ravel())).max())
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
         tolerances = tolerance_px * pixel / np.array([cell, cell, 1.0]) / 3.0
@@ -516,7 +516,7 @@ class Surface:
         t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
         t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
-        start = _of_rays(start, index)
+        start = _take_starts(start, index)
         s = None if spread is None else spread.take(index, axis=2)
         # Single rays begin near the ground, and so at a low level.
         level = np.full(len(index), tops.levels - 1 if s is not None else min(2, tops.levels - 1))
@@ -557,7 +557,7 @@ class Surface:
                 at, keep = np.flatnonzero(done), np.flatnonzero(~done)
                 t_found[index.take(at)], there[index.take(at)] = t.take(at), stuck.take(at)
                 index, t, end, level = _only(keep, index, t, end, level)
-                start, c = _of_rays(start, keep), c.take(keep, axis=2)
+                start, c = _take_starts(start, keep), c.take(keep, axis=2)
                 s = None if s is None else s.take(keep, axis=2)
         t_found[index], there[index] = t, True
         return t_found, there
@@ -594,7 +594,7 @@ class Surface:
                 t, there = self.clear(start, c, t, end, None, 0)
                 left = np.flatnonzero(there)
                 index, t, end, over = _only(left, index, t, end, over)
-                start, c = _of_rays(start, left), c.take(left, axis=2)
+                start, c = _take_starts(start, left), c.take(left, axis=2)
                 fresh = True
             else:
                 fresh = count == 0
@@ -633,7 +633,7 @@ class Surface:
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)
             index, t, end, over, x, y, h, j, i = _only(keep, index, t_next, end, over, x_next, y_next, h_next, j, i)
-            start, c = _of_rays(start, keep), c.take(keep, axis=2)
+            start, c = _take_starts(start, keep), c.take(keep, axis=2)
         # Rounding leads rays that meet the surface's outermost edge beyond it.
         for values, most in ((found.column, columns), (found.row, rows)):
             np.clip(values, 0, most, out=values)
@@ -675,7 +675,7 @@ def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:
     return [values.take(which) for values in arrays]
 
 
-def _of_rays(start: Floats, which: NDArray[Any]) -> Floats:
+def _take_starts(start: Floats, which: NDArray[Any]) -> Floats:
     """Starts of some rays: one for all, or (c, n) of each its own."""
     return start if start.ndim == 1 else start.take(which, axis=1)
 
@@ -736,7 +736,7 @@ class _Pyramid(NamedTuple):
     wide: Numbers
 
     @classmethod
-    def of(cls, cells: Floats) -> _Pyramid:
+    def build(cls, cells: Floats) -> _Pyramid:
         """Of values of cells (rows, columns); beyond them there is nothing."""
         block, parts, shapes = cells, [], []
         while True:

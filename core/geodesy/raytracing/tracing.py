@@ -172,7 +172,7 @@ class Tracing:
     @cached_property
     def rays(self) -> PixelRays:
         """Rays of the image."""
-        rays = ImageRays.of(self.scene)
+        rays = ImageRays.from_scene(self.scene)
         return PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
 
     @cached_property
@@ -184,7 +184,7 @@ class Tracing:
         rays = self.rays
         x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
-        pixel /= float((rays.at(x, y) ** 2).sum(axis=1).max())
+        pixel /= float((rays.directions(x, y) ** 2).sum(axis=1).max())
         low, high = np.inf, -np.inf
         for surface, _ in self._surfaces():
             if surface.has_holes:
@@ -236,7 +236,7 @@ class Tracing:
             height = self.height_m + after * (up + _CURVED * after * level**2 / (2.0 * WGS84.a_m))
             row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M))
             t = after[row, column]
-            at_column, at_row, height = paths.evaluate(self.rays.at(column + 0.5, row + 0.5), t)
+            at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
             below = surface.heights(at_column, at_row) >= height
         for whole, part in zip(hits, (t, at_column, at_row)):
             whole[row[below], column[below]] = part[below]
@@ -248,7 +248,7 @@ class Tracing:
         """
         lat, lon = self.place
         x, y = np.meshgrid(*(np.linspace(0.0, side, 9) for side in (self.rays.width, self.rays.height)))
-        directions = self.rays.at(x.ravel(), y.ravel())
+        directions = self.rays.directions(x.ravel(), y.ravel())
         level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
         ground = WGS84.raised(self.lowest_m)
         above_m = self.height_m - self.lowest_m
@@ -285,7 +285,7 @@ class Tracing:
         """Pixels whose rays miss the Earth, at its lowest, and meet no relief; (height, width)."""
         lat, _ = self.place
         x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
-        rays = self.rays.at(x.ravel(), y.ravel())
+        rays = self.rays.directions(x.ravel(), y.ravel())
         disc, half = clearance(
             np.array(lat), np.array(self.height_m - self.lowest_m), rays, WGS84.raised(self.lowest_m)
         )
@@ -330,7 +330,7 @@ class Tracing:
             slope_east, slope_north = one.slopes(at_column, at_row)
             slope = np.hypot(slope_east, slope_north)
             at = slope > STEEP
-            lat, lon = one.surface.places(*one.end_of_faces(at_column[at], at_row[at], 1.0))
+            lat, lon = one.surface.places(*one.follow_faces(at_column[at], at_row[at], 1.0))
             east, north = -slope_east[at] / slope[at], -slope_north[at] / slope[at]
             found.append(Faces(row[at], column[at], lat, lon, east, north))
         return Faces(*(np.concatenate(parts) for parts in zip(*found)))
@@ -363,7 +363,7 @@ class Tracing:
         slope_east, slope_north = one.slopes(at_column, at_row)
         steep = np.hypot(slope_east, slope_north) > STEEP
         faces = int(np.count_nonzero(steep))
-        ray_east, ray_north, ray_up = rays = self.rays.at(column + 0.5, row + 0.5).T
+        ray_east, ray_north, ray_up = rays = self.rays.directions(column + 0.5, row + 0.5).T
         # Where the plane of the ground, n·p = const, meets the neighbours' rays.
         # Rays that graze the tangent plane this flatly are not followed.
         facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
@@ -373,10 +373,10 @@ class Tracing:
             ahead[steep] = 0.0
             steps.append((t * (per[0] - ahead * rays[0]), t * (per[1] - ahead * rays[1])))
         if faces:
-            at_column[steep], at_row[steep] = one.beside_faces(at_column[steep], at_row[steep])
+            at_column[steep], at_row[steep] = one.face_edges(at_column[steep], at_row[steep])
         if one.surface.has_holes:
             # Where the model ends pixels that reach beyond it show nothing whole.
-            whole = one.is_ground_about(at_column, at_row, steps)
+            whole = one.has_ground_around(at_column, at_row, steps)
             steps = [(east[whole], north[whole]) for east, north in steps]
             row, column = row[whole], column[whole]
             at_column, at_row = at_column[whole], at_row[whole]
@@ -416,7 +416,7 @@ class _Seen(NamedTuple):
         per = self.per_metre
         return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
 
-    def is_ground_about(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
+    def has_ground_around(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
         """Whether there is ground all around points (n,), as far as pixels of these steps, in metres, have samples."""
         ways = [self.per_metre @ np.stack(step) for step in steps]
         # At the coarsest zoom, samples come from up to two pixels to either side.
@@ -429,16 +429,16 @@ class _Seen(NamedTuple):
             there &= np.isfinite(self.surface.heights(x, y))
         return there
 
-    def beside_faces(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+    def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Where steep faces end, above or below, whichever is nearer in height to points of them (n,)."""
         height = self.surface.heights(column, row)
-        above, below = (self.end_of_faces(column, row, sign) for sign in (1.0, -1.0))
+        above, below = (self.follow_faces(column, row, sign) for sign in (1.0, -1.0))
         with np.errstate(invalid="ignore"):
             to_above, to_below = (np.abs(self.surface.heights(*end) - height) for end in (above, below))
         upper = to_above <= to_below
         return np.where(upper, above[0], below[0]), np.where(upper, above[1], below[1])
 
-    def end_of_faces(self, column: Floats, row: Floats, sign: float) -> tuple[Floats, Floats]:
+    def follow_faces(self, column: Floats, row: Floats, sign: float) -> tuple[Floats, Floats]:
         """Where the steep faces of points (n,) end, uphill for a sign of 1 and downhill for -1."""
         surface = self.surface
         across, down = surface.slopes(column, row)

@@ -200,7 +200,7 @@ class MapFrames:
             left, top, right, bottom = (edge[at] / world for edge in plan.windows.bounds_px)
             return inner_rectangles(plane, u_to_lon(left), v_to_lat(bottom), u_to_lon(right), v_to_lat(top))
         west, south, east, north = (edge[at] for edge in plan.edges)
-        (x0, y0), (x1, y1) = plane.of_crs(west, south), plane.of_crs(east, north)
+        (x0, y0), (x1, y1) = plane.from_crs(west, south), plane.from_crs(east, north)
         return Rectangles(np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1))
 
 

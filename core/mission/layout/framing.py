@@ -20,11 +20,11 @@ from ...geodesy.frames import (
     FrameEdges,
     Sizes,
     Windows,
+    frame_windows,
     map_frame_edges,
+    plane_runs,
     quarter_turns,
-    runs_on,
     swapped,
-    windows_of,
 )
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, Plane, fitting_zoom, lat_to_v, wrap_lon_deg
 from ...geodesy.rectangles import inscribed_edges
@@ -284,9 +284,9 @@ def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: 
     if alike is not None:
         edges, run = _rounded_edges(framing, poses, pixel, alike), np.arange(len(poses.lat_deg))
     else:
-        first, run = runs_on(grid, poses)
+        first, run = plane_runs(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
-    return windows_of(edges, run, poses.lon_deg, grid, zoom)
+    return frame_windows(edges, run, poses.lon_deg, grid, zoom)
 
 
 def _grid_north_yaws(mission: Mission, plane: Plane, layout: Layout) -> Layout:
@@ -479,7 +479,7 @@ class MapFraming:
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         level = np.broadcast_to(np.float64(0.0), layout.lat_deg.shape)
         poses = Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, level, level)
-        first, run = runs_on(grid, poses)
+        first, run = plane_runs(grid, poses)
         edges = self.edges(poses.take(first), 0.0)
         if mission.output.img_size is not None:
             sizes = swapped(quarter_turns(poses.take(first), grid.plane), *edges.size)
@@ -498,7 +498,7 @@ class MapFraming:
         def fits(zoom: int) -> bool:
             if grid.centre_decimals is None and abs(most * grid.world_px(zoom) - limit) > _ROUNDED_PX:
                 return most * grid.world_px(zoom) < limit
-            windows = windows_of(edges, run, lon_deg, grid, zoom)
+            windows = frame_windows(edges, run, lon_deg, grid, zoom)
             return _largest_px(windows) <= limit
 
         while zoom > grid.min_zoom and not fits(zoom):
@@ -548,7 +548,7 @@ class CameraFraming:
         elif not mission.pixels.upsample:
             shown = ground_m / self._pixels_m(layout, highest_zoom(mission, grid))
             width = np.minimum(width, np.maximum(shown, max(1.0, aspect)))
-        sizes = Sizes.of(width, aspect)
+        sizes = Sizes.from_widths(width, aspect)
         least = float(width.min())
         if round(min(least, least / aspect)) < 1:
             raise self._under_one_pixel(least, least / aspect)

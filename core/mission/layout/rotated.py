@@ -15,7 +15,7 @@ from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane, geodesic_ends
-from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
+from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, image_sides
 from ..areas.area import (
     Area,
     Box,
@@ -429,7 +429,7 @@ def rotated_rectangles(
 ) -> Rectangles:
     """Rectangles that the images of a pass show, in its plane; the images' own where wind has moved them."""
     if own:
-        return _rounded(own_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
+        return _rounded(image_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
     x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
     # A row is level but for the noise that the rectangles leave room for.
     new = np.append(True, row[1:] != row[:-1])
@@ -513,7 +513,7 @@ def _part_share(area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[fl
     plane = own.turned(*_plane_middle(own, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T
-    x, y = plane.of_crs(own.west + u * own.width, own.north - v * own.height)
+    x, y = plane.from_crs(own.west + u * own.width, own.north - v * own.height)
     rectangle = np.array([[x.min(), y.min()], [x.max(), y.min()], [x.max(), y.max()], [x.min(), y.max()]])
     points = np.concatenate([np.stack(ring, axis=1) for ring in shape.rings])
     if (points >= rectangle[0]).all() and (points <= rectangle[2]).all():

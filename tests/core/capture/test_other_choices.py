@@ -68,7 +68,7 @@ def picture_error_px(worked_out, index):
         lat, dlon, wanted = map_frame_points(worked_out.mission.camera, pose)
         return max(away_px(worked_out, index, a, b, *c) for a, b, c in zip(lat[0], dlon[0], wanted))
     scene = ImageGeometry(worked_out.mission.camera, *worked_out.frames.largest_px, pose)
-    cells = mesh(ImageRays.of(scene), worked_out.accuracy.mesh_tolerance_px)
+    cells = mesh(ImageRays.from_scene(scene), worked_out.accuracy.mesh_tolerance_px)
     rng = np.random.default_rng(4)
     which = rng.integers(0, len(cells.box), 60)
     a, b = rng.random((2, 60))

@@ -204,7 +204,7 @@ def meshes(seed, draws, tolerance_px, widest=179.9, narrowest=0.01) -> tuple[Tal
         if one is None:
             continue
         scene = ImageGeometry(camera, width, height, one.poses)
-        cells = mesh(ImageRays.of(scene), tolerance_px)
+        cells = mesh(ImageRays.from_scene(scene), tolerance_px)
         if not len(cells.box):
             continue
         which = rng.integers(0, len(cells.box), POINTS_A_MESH)
@@ -256,7 +256,7 @@ def camera_frames(seed, draws, each) -> tuple[Tally, Tally]:
             scene = ImageGeometry(camera, width, height, some.poses.take(slice(at, at + 1)))
             column, row = (rng.uniform(0, size, POINTS_A_FRAME) for size in (width, height))
             lon = scene.poses.lon_deg
-            du, v, hit = ImageRays.of(scene).map_points(column, row)
+            du, v, hit = ImageRays.from_scene(scene).map_points(column, row)
             hit &= (v >= 0) & (v <= 1)
             if not hit.any():
                 continue

@@ -248,7 +248,7 @@ def judged(tracing, truth, cell_m, rng, looked_at):
     seen = np.union1d(some(~nothing), some(~nothing & (sum(shifted) > 0))).astype(int)
     at = np.concatenate([unseen, seen])
     row, column = np.divmod(at, rays.width)
-    directions, t = rays.at(column + 0.5, row + 0.5), depth.ravel()[at]
+    directions, t = rays.directions(column + 0.5, row + 0.5), depth.ravel()[at]
     across = 3.0 * SIDE * cell_m / np.maximum(np.hypot(*directions[:, :2].T), 1e-9)
     down = (tracing.height_m - tracing.lowest_m + 50.0) / np.maximum(-directions[:, 2], 1e-9)
     farthest = np.fmin(np.minimum(across, down), t)

@@ -129,7 +129,7 @@ def test_a_rectangle_stays_inside_what_the_horizon_leaves(pose):
 @pytest.mark.parametrize("tolerance", thinned(named([0.1, 0.003]), ["0.1"]))
 def test_every_pixel_is_a_cell_or_a_ray_or_sky(pose, tolerance):
     here = scene(**pose)
-    rays = ImageRays.of(here)
+    rays = ImageRays.from_scene(here)
     cells = mesh(rays, tolerance)
     times = np.zeros((480, 640), int)
     for left, top, right, bottom in np.concatenate([cells.box, cells.loose]).tolist():

@@ -9,7 +9,7 @@ import pyproj
 import pytest
 from terrainav.core.geodesy.accuracy import ImageGeometry, camera_frame_px
 from terrainav.core.geodesy.camera import Camera, Poses
-from terrainav.core.geodesy.frames import map_windows, own_frame_px
+from terrainav.core.geodesy.frames import map_windows, plane_frame_px
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.projections import NOISE_M
@@ -105,7 +105,7 @@ def test_map_frames_are_within_their_bound(crs, lat, lon, agl, draws):
     yaw = -plane.north_deg(np.array([lat]), np.array([lon]))
     pose = Poses(np.array([lat]), np.array([lon]), np.array([agl]), yaw, np.zeros(1), np.zeros(1))
     scene = ImageGeometry(CAMERA, *SIZE, pose)
-    bound = float(own_frame_px(scene, plane, plane.greatest_bend(pose.lat_deg, pose.lon_deg))[0])
+    bound = float(plane_frame_px(scene, plane, plane.greatest_bend(pose.lat_deg, pose.lon_deg))[0])
     # The window as it is before its edges are rounded: at a zoom of a millionth of a pixel.
     fine = PixelGrid(256, 0, 30, 30, plane=plane)
     window = [float(value[0]) / fine.world_px(30) for value in map_windows(CAMERA, pose, fine, 30)]
@@ -138,7 +138,7 @@ def test_cells_and_rays_of_camera_frames_are_within_their_bounds(crs, lat, lon, 
     attitude = 30.0, tilt, 3.0
     pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([120.0]), *attitude)
     scene = ImageGeometry(CAMERA, *SIZE, pose)
-    rays = ImageRays.of(scene, plane)
+    rays = ImageRays.from_scene(scene, plane)
     cells = mesh(rays, 0.1)
     assert len(cells.box) > 0
     rng = np.random.default_rng(7)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pyproj import Geod, Transformer
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.projections import NOISE_M, LocalPlane, UTMZone, utm_zone
-from terrainav.core.geodesy.rectangles import common_sides, own_sides
+from terrainav.core.geodesy.rectangles import common_sides, image_sides
 
 from tests.core.geodesy.inverse import image_points
 
@@ -106,7 +106,7 @@ def test_images_show_the_borders_of_their_rectangles(attitude):
     border = np.concatenate(
         [[share, 0 * share], [share, 0 * share + 1], [0 * share, share], [0 * share + 1, share]], axis=1
     )
-    common, own = common_sides(camera, poses, plane), own_sides(camera, poses, plane)
+    common, own = common_sides(camera, poses, plane), image_sides(camera, poses, plane)
     for left, bottom, right, top in (
         tuple(place + side for place, side in zip((x, y, x, y), common)),
         tuple(own),

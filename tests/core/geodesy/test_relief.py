@@ -132,7 +132,7 @@ def image_rays(yaw, tilt, roll, width=WIDTH, height=HEIGHT):
 
 def centres(rays):
     x, y = (at.ravel() for at in np.meshgrid(np.arange(rays.width) + 0.5, np.arange(rays.height) + 0.5))
-    return rays.at(x, y)
+    return rays.directions(x, y)
 
 
 def on_earth(surface, lat, lon, height, points):
@@ -297,7 +297,7 @@ def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
     surface = surface_about(crs, lat, lon, np.zeros((2, 2)))
     corners = image_rays(70.0, 80.0, 0.0)
     x, y = (at.ravel() for at in np.meshgrid(np.linspace(0, WIDTH, 6), np.linspace(0, HEIGHT, 6)))
-    directions = corners.at(x, y)
+    directions = corners.directions(x, y)
     directions /= np.linalg.norm(directions, axis=1)[:, np.newaxis]
 
     def coordinates(lat_deg, dlon, height):
@@ -306,7 +306,7 @@ def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
     tolerances = np.array([1e-6, 1e-6, 1e-6])
     paths, off = fit_paths(lat, 300.0, directions, np.full(len(directions), far), coordinates, tolerances)
     rng = np.random.default_rng(4)
-    inside = corners.at(rng.uniform(0, WIDTH, 200), rng.uniform(0, HEIGHT, 200))
+    inside = corners.directions(rng.uniform(0, WIDTH, 200), rng.uniform(0, HEIGHT, 200))
     inside /= np.linalg.norm(inside, axis=1)[:, np.newaxis]
     t = rng.uniform(0.0, far, 200)
     true = np.stack(on_earth(surface, lat, lon, 300.0, t[:, np.newaxis] * inside))

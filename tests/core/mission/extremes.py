@@ -209,7 +209,7 @@ def _picture_px(made: Plan, scene: ImageGeometry) -> float:
     tolerance = made.accuracy.mesh_tolerance_px
     if tolerance == 0.0:
         return 0.0
-    cells = mesh(ImageRays.of(one), tolerance)
+    cells = mesh(ImageRays.from_scene(one), tolerance)
     if not len(cells.box):
         return 0.0
     rng = np.random.default_rng(1)
