@@ -218,7 +218,7 @@ def rate_lines(rows: list[Row]) -> list[str]:
 
 def dataset_lines(folder: Path, threshold: float) -> list[str]:
     """What thresholds do to a dataset; writes its figures."""
-    from terrainav.core.dataset.entropy import entropies_of, otsu
+    from terrainav.core.dataset.entropy import image_entropies, otsu
     from terrainav.core.dataset.figures import save_figures
 
     paths = save_figures(folder, PICTURES, threshold)
@@ -226,7 +226,7 @@ def dataset_lines(folder: Path, threshold: float) -> list[str]:
         # Those of other map types show the roadmap's entropies once more.
         if "roadmap" not in path.name:
             path.unlink()
-    own = entropies_of(folder)
+    own = image_entropies(folder)
     lines = [
         f"| entropies of | images | 5 %, median, 95 % | Otsu's | below it | below {threshold:g} | between |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: |",

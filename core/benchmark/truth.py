@@ -40,7 +40,7 @@ def captured(folder: Path, plan: Plan) -> Captured:
     """Find the images of a plan in the folder of its capture."""
     (images,) = read_dataset(folder).image_sets.values()
     at = {name: index for index, name in enumerate(plan.names)}
-    rows = np.flatnonzero(images.there)
+    rows = np.flatnonzero(images.made)
     index = [at[Path(images.table.img_names[row]).stem] for row in rows.tolist()]
     return Captured(images, rows, np.array(index, np.int64))
 

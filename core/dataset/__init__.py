@@ -1,21 +1,21 @@
-"""What becomes of captures: datasets read, cleaned, split, labelled, loaded, converted.
+"""Read, clean, split, label, load and convert datasets of captured images.
 
-folder     what files and folders are called, and what commands choose among
-cells      cells of a table in CSV, and the numbers in them
-table      ``meta_data.csv``, in and out
-stored     images that are objects, or ranges of shards
-geotiff    images of other bands than 8-bit grey or colours
-dataset    a dataset as it is read: map types, tables, image files
-published  what names say beside the tables of the paper's published data
-vectors    GeoJSON of a dataset, checked before another program opens it
+folder     names of files and folders, and choices of the commands
+cells      cells of a CSV table and the numbers in them
+table      read and write ``meta_data.csv``
+stored     images that are objects of a store or ranges of shards
+geotiff    GeoTIFFs with bands other than 8-bit grey or colour
+dataset    read a dataset: map types, tables, image files
+published  positions and flights in the names of the paper's published data
+vectors    check a dataset's GeoJSON before another program opens it
 vbn        the paper's Night Vision supplement
-entropy    how much there is to see in an image, and which entropy decides over it
+entropy    entropies of images, and which of them decides
 figures    diagrams of entropies
-clean      images with too little to see are marked and moved
+clean      mark and move images with too little detail
 ground     the ground that images show, and blocks of it
-split      parts for training, validation and test
-labels     where images are, in metres of one frame, scaled
-convert    datasets of others as ours
+split      training, validation and test parts
+labels     scaled positions of images in metres
+convert    copy published datasets with TerrAInav's columns
 
-loading is a room of its own.
+``loading`` is a separate room.
 """

@@ -1,4 +1,4 @@
-"""Cells of a CSV table, read as the csv module reads them but much faster for tables that captures write."""
+"""Read cells of CSV tables: like the csv module, but much faster on tables that captures write."""
 
 from __future__ import annotations
 
@@ -16,25 +16,21 @@ from ..numbers import real_number
 Places = NDArray[np.int64]
 
 _COMMA, _QUOTE, _LINE_END, _MINUS, _DOT, _ZERO = b',"\n-.0'
-#: Digits of a whole number that 64 bits hold; a double holds these powers of ten exactly.
-_DIGITS = 19
-#: Characters of that many digits and a point; a sign is replaced by a zero.
-_PLACES = _DIGITS + 1
-_POWERS = np.array([float(f"1e{power}") for power in range(_DIGITS + 1)])
-_WHOLE_POWERS = np.array([10**power for power in range(_DIGITS + 1)], np.uint64)
-#: More than the relative error of what is left of a quotient, which two roundings make.
-_UNSURE = 2.0**-50
+#: Most characters of a number: 19 digits, which 64 bits hold, and a point; a sign is replaced by a zero.
+_PLACES = 20
+#: Powers of ten, which doubles hold exactly, too.
+_POWERS = np.array([10**power for power in range(_PLACES)], np.uint64)
 
 
 class ReadCells:
-    """Rows as the csv module has read them.
+    """Rows read by the csv module.
 
     Parameters
     ----------
     lines : sequence of int
         Lines (n,) on which the rows end, from 1.
     rows : sequence of sequence of str
-        Cells, as many in each row.
+        Cells of each row; all rows have equally many.
     """
 
     def __init__(self, lines: Sequence[int], rows: Sequence[Sequence[str]]) -> None:
@@ -51,16 +47,16 @@ class ReadCells:
 
 
 class CutCells:
-    """Rows whose cells are known by their places in a text.
+    """Rows whose cells are given by their positions in a text.
 
     Parameters
     ----------
     first_line : int
-        Of the text, from 1.
+        Line of the table on which the text begins, from 1.
     text : str
-        Of whole lines.
+        Whole lines.
     raw : array of uint8
-        The same in UTF-8, and as many bytes more as a number has places.
+        The text in UTF-8, padded with as many bytes as a number has characters.
     starts, ends : array (columns, n)
         Where cells begin and end in ``raw``.
     """
@@ -85,7 +81,7 @@ class CutCells:
         return [raw[start:end].decode("utf-8", "surrogatepass") for start, end in places]
 
     def numbers(self, column: int) -> Floats | None:
-        """Numbers (n,) of a column's cells by `real_number`, NaN for empty ones; None if one is no number."""
+        """Numbers (n,) of a column, read by `real_number`, NaN for empty cells; None if a cell is not a number."""
         count, lengths = len(self.lines), self._lengths[column]
         width = min(int(self._longest[column]), _PLACES)
         if width == 0:
@@ -94,7 +90,7 @@ class CutCells:
         if self._shortest[column] < width:
             found[np.arange(width) >= lengths[:, None]] = _ZERO
         elif self._longest[column] == width and _are_rows_equal(found):
-            # Flights have many figures in common with the image before.
+            # In a flight, many columns repeat one value.
             value = _parse_number(found[0].tobytes())
             return None if value is None else np.broadcast_to(value, count)
         values, sure = _parse_decimals(found, lengths)
@@ -109,10 +105,10 @@ class CutCells:
         return values
 
     def _gather(self, column: int, width: int) -> NDArray[np.uint8]:
-        """Bytes (n, width) from where the cells of a column begin."""
+        """First bytes (n, width) of the cells of a column; those of shorter cells run into what follows."""
         if width == 0:
             return np.empty((len(self.lines), 0), np.uint8)
-        # Of each place the bytes that follow, as one value, which are copied at once.
+        # View the bytes from each position on as one item: indexing then copies whole items.
         at_each: NDArray[np.void] = np.ndarray(len(self._raw) - width, f"V{width}", self._raw, 0, (1,))
         found: NDArray[np.uint8] = at_each[self._starts[column]].view(np.uint8).reshape(-1, width)
         return found
@@ -131,14 +127,14 @@ def _parse_number(cell: bytes) -> float | None:
 
 
 def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, NDArray[np.bool_]]:
-    """Numbers (n,) of their characters (n, places), and which of them are what ``float`` reads for sure.
+    """Parse decimal numbers (n,); also return which of them certainly equal what ``float`` reads.
 
     Parameters
     ----------
-    found : array
-        A sign, digits and a point, or anything else, which is not for sure; overwritten.
+    found : array (n, places)
+        Characters: a sign, digits and a point. Rows with any others are uncertain. Overwritten.
     lengths : array (n,)
-        Of the texts; the places behind are zeros.
+        Lengths of the texts; the characters behind them are zeros.
     """
     width = found.shape[1]
     negative = found[:, 0] == _MINUS
@@ -146,7 +142,7 @@ def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, 
     values, sure = np.zeros(len(found)), lengths <= width
     left = np.ones(len(found), np.bool_)
     while left.any():
-        # All rows, as a rule, have their point at the same place.
+        # Usually all rows have the point at the same place.
         first = found[int(left.argmax())] == _DOT
         point = int(first.argmax()) if first.any() else width
         chosen = left & (found[:, point] == _DOT if point < width else ~(found == _DOT).any(axis=1))
@@ -161,7 +157,7 @@ def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, 
 def _parse_fixed_point(
     point: int, found: NDArray[np.uint8], lengths: Places
 ) -> tuple[Floats, NDArray[np.bool_] | bool]:
-    """Numbers of characters that have their point at one place, or beyond the last one where they have none."""
+    """Parse numbers that all have the point at one place, or at the width if they have none."""
     width = found.shape[1]
     digits = (found - _ZERO).astype(np.uint8, copy=False)
     places = [place for place in range(width) if place != point]
@@ -170,15 +166,15 @@ def _parse_fixed_point(
     sure = ~is_other.any(axis=1) if is_other.any() else True
     whole = _join_digits(digits, places)
     if point == width:
-        behind = np.clip(width - lengths, 0, _DIGITS)
-        return (whole // _WHOLE_POWERS[behind]).astype(np.float64), sure & (width < _PLACES)
+        behind = np.clip(width - lengths, 0, _PLACES - 1)
+        return (whole // _POWERS[behind]).astype(np.float64), sure & (width < _PLACES)
     values, exact = _divide(whole, len(places) - point)
     return values, exact & sure
 
 
 def _join_digits(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np.uint64]:
-    """Whole numbers (n,) of the digits (n, …) at some places, the first one first."""
-    # Ten digits add up to a sum that a double holds exactly.
+    """Whole numbers (n,) of the digits (n, …) at some places, most significant first."""
+    # A double holds the sum of ten digits exactly.
     low = max(len(places) - 10, 0)
     halves = np.zeros((digits.shape[1], 2))
     for index, place in enumerate(places):
@@ -186,18 +182,18 @@ def _join_digits(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np
         halves[place, int(index >= low)] = _POWERS[power - (0 if index >= low else len(places) - low)]
     # Sums of whole numbers below 2^53 are exact in any order.
     high, rest = (digits @ halves).astype(np.uint64).T
-    whole: NDArray[np.uint64] = high * _WHOLE_POWERS[len(places) - low] + rest
+    whole: NDArray[np.uint64] = high * _POWERS[len(places) - low] + rest
     return whole
 
 
 def _divide(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """Doubles (n,) nearest to whole numbers over a power of ten, and which of them are so for sure.
+    """Divide whole numbers (n,) by a power of ten; also return which quotients are certainly the nearest doubles.
 
-    The quotient of what a double holds of the number is corrected by what is left: by the remainder, which is a double,
-    and the number's last digits. The sum is right wherever another one, further off than the correction's own error,
-    is the same: everywhere but within 2^-50 of the middle between two doubles.
+    The quotient of the rounded number is corrected by the remainder, which is a double, and by the digits lost in
+    rounding. It is certain if a slightly larger and a slightly smaller correction give the same double: everywhere but
+    within 2^-50 of the middle between two doubles.
     """
-    divisor = _POWERS[power]
+    divisor = _POWERS[power].astype(np.float64)
     held = whole.astype(np.float64)
     last = (whole - held.astype(np.uint64)).view(np.int64).astype(np.float64)
     quotient = held / divisor
@@ -206,7 +202,9 @@ def _divide(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.b
     error = ((left[0] * right[0] - product) + left[0] * right[1] + left[1] * right[0]) + left[1] * right[1]
     rest = (((held - product) - error) + last) / divisor
     nearest = quotient + rest
-    return nearest, (quotient + rest * (1.0 + _UNSURE)) == (quotient + rest * (1.0 - _UNSURE))
+    # More than the relative error of the correction, which two roundings make.
+    slack = 2.0**-50
+    return nearest, (quotient + rest * (1.0 + slack)) == (quotient + rest * (1.0 - slack))
 
 
 def _split_double(value: Floats) -> tuple[Floats, Floats]:
@@ -217,7 +215,7 @@ def _split_double(value: Floats) -> tuple[Floats, Floats]:
 
 
 class CsvRows:
-    """Rows of a table, some at a time, from texts of whole lines.
+    """Read rows of a table, some at a time, from texts of whole lines.
 
     Attributes
     ----------
@@ -227,8 +225,8 @@ class CsvRows:
     Raises
     ------
     InvalidInput
-        What is no CSV; messages call the table ``name``. Rows with more or fewer cells than headers are added to
-        ``faults`` with their lines, and left out.
+        The text is not CSV; messages call the table ``name``. Rows with more or fewer cells than headers are skipped
+        and added to ``faults`` with their lines.
     """
 
     def __init__(self, texts: Iterable[str], name: str, faults: list[tuple[int, str]]) -> None:
@@ -236,7 +234,7 @@ class CsvRows:
         self._line = 0
         #: Lines of a text that have not been read yet.
         self._left = io.StringIO()
-        # Takes a line when a row needs one, and no more.
+        # Takes a line only when a row needs it.
         self._reader = csv.reader(iter(self._next_line, None), strict=True)
         self.headers = self._next_row() or []
 
@@ -251,7 +249,7 @@ class CsvRows:
                 yield from self._read(len(text))
 
     def _read(self, length: int) -> Iterator[ReadCells]:
-        """Rows that begin in the text that is left."""
+        """Read the rows that begin in the current text."""
         lines, rows, begun = [], [], self._left
         while self._left is begun and begun.tell() < length and (row := self._next_row()) is not None:
             if len(row) == len(self.headers):
@@ -280,7 +278,7 @@ class CsvRows:
 
 
 def _split_cells(text: str, width: int, first_line: int) -> CutCells | None:
-    """Cells of whole lines, cut at commas; None where the csv module might read them otherwise."""
+    """Cut whole lines into cells at commas; None if the csv module might read them differently."""
     if "\r" in text or "\0" in text:
         return None
     text += "" if text.endswith("\n") else "\n"
@@ -300,7 +298,7 @@ def _split_cells(text: str, width: int, first_line: int) -> CutCells | None:
     starts[0], starts[1:] = 0, ends[:-1] + 1
     if quotes:
         quoted = (raw[starts] == _QUOTE) & (raw[ends - 1] == _QUOTE) & (ends - starts > 1)
-        # All quotes are around whole cells, and none is in them.
+        # All quotes enclose whole cells; none is inside one.
         if 2 * int(np.count_nonzero(quoted)) != quotes:
             return None
         starts += quoted

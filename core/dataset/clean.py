@@ -1,7 +1,7 @@
-"""Cleaning: images with too little to see are marked in the table, and moved out of the way where that is wanted.
+"""Clean datasets: mark images with too little detail in the table, and optionally move them away.
 
-Nothing is deleted. The table is written whole before a file is moved, and each file is in one of its two places at any
-time, so that a run that was interrupted can be finished by another one or taken back.
+Nothing is deleted. The table is written before any file is moved, and each file is always in one of its two places, so
+that another run can finish or undo an interrupted one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..external.drawing import check_matplotlib
 from ..storage.files import clear_partial, open_locked
 from ..storage.stores import is_address
 from .dataset import Images, Move
-from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu, parts_groups
+from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu, separates_groups
 from .figures import draw_all
 from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .table import REJECTED, Table
@@ -30,21 +30,21 @@ class Cleaned:
     Parameters
     ----------
     images, failed : int
-        Images that are there; rows of images that could not be made, which are left as they are.
+        Images that exist; rows of images that could not be made, which stay as they are.
     rejected : int
-        Images that are marked.
+        Images marked.
     by_roadmap : int
         Images for which the roadmap decided.
     moved, returned : int
-        Images moved out of the way, and back.
+        Images moved away, and back.
     suggested : float or None
-        Threshold that parts the deciding entropies best (see `otsu`); None where all are the same.
+        Threshold that separates the deciding entropies best (see `otsu`); None if all are equal.
     measure : str
-        One of `entropy.MEASURES`: which entropies the table holds that decides.
+        One of `entropy.MEASURES`: the kind of entropies in the deciding table.
     figures : tuple of str
-        Paths of the diagrams that were written.
+        Paths of the written diagrams.
     groups : bool
-        Whether the suggested threshold lies between two groups of entropies; else nothing stands out.
+        Whether the suggested threshold lies between two groups of entropies.
     """
 
     map_type: str
@@ -61,7 +61,7 @@ class Cleaned:
 
     @property
     def is_one_sided(self) -> bool:
-        """Whether the threshold separates hardly anything: it rejects nothing, or at least 95 %."""
+        """Whether the threshold rejects nothing, or at least 95 %."""
         return bool(self.images) and not 0 < self.rejected < self.images * 0.95
 
 
@@ -74,43 +74,42 @@ def clean(
     plot: str | os.PathLike[str] | None = None,
     progress: Report | None = None,
 ) -> tuple[Cleaned, ...]:
-    """Reject images with an entropy below a threshold, of every map type of a dataset.
+    """Reject the images of all map types of a dataset whose entropy is below a threshold.
 
-    The roadmap's entropies decide for the other map types too, where its images are there; elsewhere the image's own
-    do (see `deciding_entropies`). Rejected rows say why in the column ``rejected``. An image that is
-    no longer rejected is moved back from where an earlier run has put it.
+    The roadmap's entropies decide for all map types where the dataset has roadmap images, and each image's elsewhere
+    (see `deciding_entropies`). The column ``rejected`` gives the reason. Images that an earlier run moved away and that
+    are no longer rejected are moved back.
 
     Parameters
     ----------
     folder : path
-        Of a dataset, or of images with a ``meta_data.csv`` beside them.
+        Dataset, or images with a ``meta_data.csv`` beside them.
     threshold : float
         Bits, 0 to 8.
     move : bool
-        Move rejected images, with the files that belong to them, to the folder ``rejected`` beside them.
+        Move rejected images, with their sidecar files, to the folder ``rejected`` beside them.
     dry_run : bool
         Change nothing in the dataset.
     plot : path or None
-        Folder for the diagrams of the entropies (see `figures.save_figures`), which are written before anything is
-        changed, in a dry run too.
+        Folder for the diagrams of the entropies (see `figures.save_figures`). They are written before anything changes,
+        also in a dry run.
     progress : callable
         Called with the share done, 0 to 1; returning False stops the run.
 
     Returns
     -------
     tuple of Cleaned
-        By map type.
+        One for each map type.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, a table that cannot be read or says otherwise than the files, an image that
-        cannot be read: nothing is changed then.
+        The folder is not a dataset, a table cannot be read or disagrees with the files, or an image cannot be read.
+        Nothing is changed then.
     OutputError
-        Another run is at work in the folder, something cannot be written or moved, or matplotlib is not there to draw
-        with.
+        Another run works in the folder, something cannot be written or moved, or matplotlib is not installed.
     Cancelled
-        ``progress`` returned False; the next run finishes the work, and `undo` reverts it.
+        ``progress`` returned False. The next run finishes the work, and `undo` reverts it.
     """
     if not 0.0 <= threshold <= HIGHEST_ENTROPY:
         raise InvalidInput("entropy {0}: must be from 0 to {1:g} bits", threshold, HIGHEST_ENTROPY)
@@ -131,10 +130,10 @@ def clean(
 def undo(
     folder: str | os.PathLike[str], *, dry_run: bool = False, progress: Report | None = None
 ) -> tuple[Cleaned, ...]:
-    """Take cleaning back: images return to their places, and tables have no column ``rejected`` any more.
+    """Undo cleaning: move images back, and remove the column ``rejected`` from the tables.
 
-    Parameters, errors and result are those of `clean`; ``rejected`` counts the marks that were taken away. All that
-    lies in a folder ``rejected`` returns, also what no table names.
+    Parameters, errors and result are those of `clean`; ``rejected`` counts the marks removed. Everything in a folder
+    ``rejected`` is moved back, even files that no table names.
     """
     folders = map_type_folders(folder)
     with locked_folder(folder, only_read=dry_run):
@@ -142,7 +141,7 @@ def undo(
         for map_type, path in folders.items():
             table = Table.load(path / TABLE_FILE)
             images = Images(image_folder(path, table))
-            moves = images.all_back()
+            moves = images.moves_back()
             marks = table.other.get(REJECTED, ())
             failed = table.status.count("failed")
             marked, returned = sum(map(bool, marks)), len({move.stem for move in moves})
@@ -160,12 +159,12 @@ def undo(
 
 @contextmanager
 def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
-    """Keep captures and other runs out of a dataset's folder, unless it is only read; raises OutputError."""
+    """Lock a dataset's folder against captures and other runs unless it is only read; raises OutputError."""
     with ExitStack() as locks:
         # Object stores know no locks.
         folders = [] if only_read or is_address(folder) else [Path(folder)]
         for path in folders:
-            # Imageries beside each other have a journal each, below that of their folder.
+            # Where a dataset holds several imageries, each of them has a journal.
             for journal in (path / JOURNAL_FILE, *sorted(path.glob(f"*/{JOURNAL_FILE}"))):
                 if journal.is_file():
                     locks.enter_context(open_locked(journal))
@@ -173,14 +172,14 @@ def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterato
 
 
 def _half_progress(progress: Report | None, start: float) -> Report | None:
-    """Report progress of the half of the work that starts at a share."""
+    """Scale progress to the half of the work that starts at a share."""
     return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
 def _judge(map_type: str, deciding: Deciding, threshold: float, move: bool) -> tuple[Cleaned, Table | None, list[Move]]:
     """Plan the cleaning of a map type: counts, the table if it changes, and the files to move."""
-    names, there, decisive = deciding.names, deciding.there, deciding.entropies
-    # A row without an image compares as not below.
+    names, made, decisive = deciding.names, deciding.made, deciding.entropies
+    # NaN, of a row without an image, is not below.
     below = decisive < threshold
     marks = tuple(
         f"{'roadmap ' if by else ''}entropy {value:.3f} below {threshold:g}" if low else ""
@@ -193,18 +192,18 @@ def _judge(map_type: str, deciding: Deciding, threshold: float, move: bool) -> t
         [name for name, low in zip(names, below.tolist()) if low and move],
         [name for name, low in zip(names, below.tolist()) if not low],
     )
-    suggested = otsu(decisive[there])
+    suggested = otsu(decisive[made])
     cleaned = Cleaned(
         map_type,
-        int(there.sum()),
-        int((~there).sum()),
+        int(made.sum()),
+        int((~made).sum()),
         int(below.sum()),
         int(deciding.by_roadmap.sum()),
         len({one.stem for one in out}),
         len({one.stem for one in back}),
         suggested,
         deciding.measure,
-        groups=suggested is not None and parts_groups(decisive[there], suggested),
+        groups=suggested is not None and separates_groups(decisive[made], suggested),
     )
     return cleaned, table, [*out, *back]
 

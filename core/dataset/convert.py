@@ -15,7 +15,7 @@ from ..errors import InvalidInput, OutputError
 from ..storage.files import PARTIAL_ENDING, make_folder
 from .dataset import UNREADABLE, Dataset, ImageSet, first_names, open_bands, open_undecoded, read_dataset
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
-from .published import framed
+from .published import add_windows
 from .table import Table
 
 
@@ -26,9 +26,9 @@ class Converted:
     Parameters
     ----------
     images, failed : int
-        Images that were copied; rows without an image.
+        Images copied; rows without an image.
     framed : int
-        Images of which it is known what ground they show.
+        Images whose ground is known.
     """
 
     map_type: str
@@ -40,40 +40,40 @@ class Converted:
 def convert(
     folder: str | os.PathLike[str], target: str | os.PathLike[str], layout: str = "TerrAInav"
 ) -> tuple[Converted, ...]:
-    """Make a dataset of ours from one of another's; the source is only read.
+    """Convert a published dataset to TerrAInav's columns; the source is only read.
 
-    Images are copied as they are, those that cleaning has moved to ``rejected`` too. Tables get sizes of images;
-    published ones also poses straight down with the north up, heights where the name of the folder of images
-    has them, and windows: the image about ``Lat``, ``Lon`` at the zoom ``Alt``, in pixels of 256 px tiles. Published
-    images may be made of tiles of a higher zoom than ``Alt``, to be told from the flight's height and field of view;
-    where that gives no whole number of zooms, windows are left unknown.
+    Images are copied unchanged, including those that cleaning has moved to ``rejected``. Tables get the image sizes.
+    Tables in TerrAInav's layout also get poses that look straight down with north up, heights if the name of the image
+    folder states them, and windows: centred on ``Lat``, ``Lon`` at zoom ``Alt``, in pixels of 256 px tiles. Published
+    images may consist of tiles of a higher zoom than ``Alt``, which follows from the flight's height and field of view;
+    if these give no whole number of zooms, the windows stay unknown.
 
     Parameters
     ----------
     folder, target : path
-        The source; a folder that is not there yet, or empty.
+        Source; a new or empty folder.
     layout : str
-        Of the source, see `LAYOUTS`.
+        Layout of the source, one of `LAYOUTS`.
 
     Raises
     ------
     InvalidInput
-        As `read_dataset` does, for images that cannot be read, and a source that is a capture: nothing is written.
+        As `read_dataset`; an image cannot be read, or the source is a capture. Nothing is written then.
     OutputError
-        A target that is in use, or that cannot be written: nothing of it is left.
+        The target is in use or cannot be written. Nothing of it is left then.
     """
     source, out = Path(folder), Path(target)
     _check_places(source, out)
     out = out.resolve()
     dataset = read_dataset(source, layout)
-    tables = {name: _converted(one, layout) for name, one in dataset.image_sets.items()}
+    tables = {name: _convert_table(one, layout) for name, one in dataset.image_sets.items()}
     _write(dataset, tables, out)
     return tuple(
         Converted(
             name,
-            int(one.there.sum()),
-            int((~one.there).sum()),
-            int(np.isfinite(tables[name].left_px[one.there]).sum()),
+            int(one.made.sum()),
+            int((~one.made).sum()),
+            int(np.isfinite(tables[name].left_px[one.made]).sum()),
         )
         for name, one in dataset.image_sets.items()
     )
@@ -96,21 +96,21 @@ def _check_places(source: Path, target: Path) -> None:
         raise OutputError("folder {0}: cannot be read ({1})", target, wrong.strerror) from wrong
 
 
-def _converted(images: ImageSet, layout: str) -> Table:
-    """Table with the sizes of the images, and their windows and poses where the layout tells them."""
-    if not images.there.any():
+def _convert_table(images: ImageSet, layout: str) -> Table:
+    """Add sizes to a table, and poses and windows if the layout implies them."""
+    if not images.made.any():
         raise InvalidInput("table {0}: names no image that is there; nothing to convert", images.folder / TABLE_FILE)
     width, height = _sizes(images)
-    status = tuple("done" if made else "failed" for made in images.there.tolist())
+    status = tuple("done" if made else "failed" for made in images.made.tolist())
     table = replace(images.table, image_width_px=width, image_height_px=height, status=status)
-    return table if layout == "VBN" else framed(table, images.image_folder.name)
+    return table if layout == "VBN" else add_windows(table, images.image_folder.name)
 
 
 def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
-    """Widths and heights (n,) in px, NaN for rows without an image."""
+    """Read widths and heights (n,) in px, NaN for rows without an image."""
     sizes = np.full((len(images), 2), np.nan)
     wrong = []
-    for index in np.flatnonzero(images.there).tolist():
+    for index in np.flatnonzero(images.made).tolist():
         path = images.path(index)
         try:
             stored = open_bands(path)
@@ -119,7 +119,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
                 continue
             with open_undecoded(path) as image:
                 sizes[index] = image.size
-                # Read to its end, so that one that is cut off is found: a JPEG at an eighth, which is quick.
+                # Decode it to find truncated files: a JPEG at an eighth of its size, which is quick.
                 image.draft(image.mode, (1, 1))
                 image.load()
         except UNREADABLE:
@@ -130,14 +130,14 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
 
 
 def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path) -> None:
-    """Write to a temporary folder, and rename it when it is complete."""
+    """Write to a temporary folder and rename it when complete."""
     partial = target.with_name(target.name + PARTIAL_ENDING)
     make_folder(target.parent)
     try:
         partial.mkdir()
     except FileExistsError as wrong:
         raise OutputError(
-            "folder {0}: is left of an interrupted conversion, or another is at work",
+            "folder {0}: is left over from an interrupted conversion, or another is running",
             partial,
             remedy="remove it",
         ) from wrong
@@ -156,7 +156,7 @@ def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path) -> None:
 
 def _fill(folder: Path, image_sets: Mapping[str, ImageSet], tables: Mapping[str, Table]) -> None:
     for name, images in image_sets.items():
-        for index in np.flatnonzero(images.there).tolist():
+        for index in np.flatnonzero(images.made).tolist():
             origin = images.path(index)
             moved = origin.parent.name == REJECTED_FOLDER and origin.parent != images.image_folder
             place = folder / name / (REJECTED_FOLDER if moved else "")

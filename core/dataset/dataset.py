@@ -1,4 +1,4 @@
-"""A dataset as it is read: its map types, each with a table and the image files that the table names."""
+"""Read datasets: map types, each with a table and the image files that it names."""
 
 from __future__ import annotations
 
@@ -42,30 +42,19 @@ from .stored import ImageFile, Range, StoredImage, is_name, shard_sizes
 from .table import Table
 from .vbn import read_vbn
 
-#: The map type of a supplement's images, which are no map's.
-VBN_MAP_TYPE = "camera"
-#: Pillow's modes by the channels that are asked for.
+#: Pillow's modes by number of channels.
 _MODES = {1: "L", 3: "RGB"}
-#: Files that one message names.
-_NAMED = 3
 #: Raised by Pillow for files that are damaged, too large or not images.
 UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
-#: Formats of images, whatever their names say: Pillow has decoders of many others, each a risk.
-_FORMATS = ("JPEG", "PNG", "TIFF")
-#: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
+#: Pillow's modes with at most eight bits a channel: grey ones, and those converted to RGB.
 _GREY, _COLOUR = (
     ("1", "L", "LA", "La"),
     ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV"),
 )
-#: A JPEG is decoded at half, a quarter or an eighth of its size where that is still so many times the size asked for;
-#: with less, the result begins to differ from that of the whole one.
-_SPARE = 2
 _GEOTIFF = (".tif", ".tiff")
-#: Ending of GDAL's file beside an image, behind its name.
-_NOTES = ".aux.xml"
-#: A size that is not known.
+#: Unknown size.
 _UNKNOWN_PX = (math.nan, math.nan)
-#: What an image is read from.
+#: Where an image is read from.
 Place = Union[str, "os.PathLike[str]", StoredImage]
 
 
@@ -78,14 +67,14 @@ class ImageSet:
     map_type : str
         Such as ``satellite``, also of a published folder ``satellite_0``.
     folder : Path
-        Where the table lies, or would lie.
+        Folder of the table.
     table : Table
         All rows.
     files : Path or None
-        Folder of this machine where the images lie; those that cleaning has moved are in ``rejected`` inside. None for
-        images that are objects of a store, or in shards.
+        Local folder of the images; those that cleaning has moved are in ``rejected`` inside. None for images that are
+        objects of a store, or in shards.
     shards : mapping of str to int
-        Bytes of the tars that images are in, by their names; none where images are files or objects.
+        Sizes in bytes of the tars that hold the images, by name; empty if images are files or objects.
     """
 
     map_type: str
@@ -98,19 +87,19 @@ class ImageSet:
         return len(self.table)
 
     @property
-    def there(self) -> NDArray[np.bool_]:
-        """Rows (n,) whose image exists: those that have not failed."""
+    def made(self) -> NDArray[np.bool_]:
+        """Rows (n,) whose image has been made."""
         return self.table.made
 
     @property
     def image_folder(self) -> Path:
-        """Where the images' files lie; raises InvalidInput where there are none."""
+        """Local folder of the images; raises InvalidInput if they are not files of one."""
         if self.files is None:
             raise no_files_error(self.folder)
         return self.files
 
     def file(self, index: int) -> ImageFile:
-        """Source of the bytes of a row's image: a path, an object or a range of a shard."""
+        """File of a row's image: a path, an object or a range of a shard."""
         if self.files is not None:
             return self.path(index)
         table, name = self.table, self.table.img_names[index]
@@ -121,12 +110,12 @@ class ImageSet:
         return StoredImage(name, self.folder / shard, place, self.shards[shard])
 
     def path(self, index: int) -> Path:
-        """Where the file of a row lies now: in its folder, or among the rejected ones.
+        """Path of a row's image, in its folder or among the rejected images.
 
         Raises
         ------
         InvalidInput
-            Where images are no files of a folder of this machine.
+            The images are not files of a local folder.
         """
         name = self.table.img_names[index]
         kept = self.image_folder / name
@@ -134,37 +123,37 @@ class ImageSet:
         return moved if not kept.exists() and moved.exists() else kept
 
     def pixels(self, index: int, channels: int | None = None, *, file: ImageFile | None = None) -> NDArray[Any]:
-        """Pixels of a row's image, without a mask.
+        """Read the pixels of a row's image, without a mask.
 
         Parameters
         ----------
         channels : int or None
-            1 for grey (ITU-R 601), 3 for red, green, blue, both of 8 bits; as the file has it for None.
+            1 for 8-bit grey (ITU-R BT.601), 3 for 8-bit red, green, blue; None for the channels of the file.
         file : path, StoredImage or None
-            What the image is read from; None for `file`.
+            Where the image is read from; None for `file`.
 
         Returns
         -------
-        array (h, w) for grey or (h, w, 3) of uint8; (h, w, bands) of their type for a GeoTIFF of others
+        array (h, w) of grey or (h, w, 3) of uint8; for GeoTIFFs with other bands, (h, w, bands) of their type
 
         Raises
         ------
         InvalidInput
-            An image that is not there, cannot be read, or is not of the size that the table says.
+            The image does not exist, cannot be read, or has another size than the table states.
         """
         if channels is not None and channels not in _MODES:
             raise InvalidInput("channels {0}: must be 1 or 3", channels)
         file = self.file(index) if file is None else file
         if channels is None:
-            stored = open_bands(file, self.said_px(index))
+            stored = open_bands(file, self.expected_px(index))
             if stored is not None:
                 return stored.values()
-        image = open_image(file, said_px=self.said_px(index), as_shown=True)
+        image = open_image(file, expected_px=self.expected_px(index), as_shown=True)
         mode = image.mode if channels is None else _MODES[channels]
         return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
 
-    def said_px(self, index: int) -> tuple[float, float]:
-        """Width and height that the table says of a row's image, NaN where it says nothing."""
+    def expected_px(self, index: int) -> tuple[float, float]:
+        """Width and height of a row's image as the table states them, NaN if it does not."""
         return float(self.table.image_width_px[index]), float(self.table.image_height_px[index])
 
 
@@ -177,8 +166,8 @@ class Dataset:
     layout : str
         One of `LAYOUTS`.
     image_sets : mapping of str to ImageSet
-        By map type; where several published folders are of one, as of several overlaps, by the folder's name; of
-        imageries beside each other by the imagery's.
+        By map type; by folder name if several published folders have one map type, such as for several overlaps; by
+        imagery if the dataset holds several.
     """
 
     folder: Path
@@ -190,30 +179,29 @@ class Dataset:
         return place_key(self.folder, [one.folder for one in self.image_sets.values()])
 
     def image_set(self, map_type: str) -> ImageSet:
-        """Images of a map type; raises InvalidInput where there are none, with those that are there."""
+        """Images of a map type; raises InvalidInput, which lists the map types, if there are none."""
         if map_type not in self.image_sets:
             raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.folder, ", ".join(self.image_sets))
         return self.image_sets[map_type]
 
 
 def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
-    """Dataset in a folder, whose tables and files agree; reads no pixels.
+    """Read a dataset and check that its tables and files agree; reads no pixels.
 
     Parameters
     ----------
     folder : path
-        Also as an address of an object store. Of a capture, of the paper's published data (``Memphis_Agricenter`` with
-        ``satellite`` or ``satellite_0`` in it, or one of these where it stands alone), or of the Night Vision
-        supplement.
+        Folder or address of an object store: a capture, the paper's published data (``Memphis_Agricenter`` with
+        ``satellite`` or ``satellite_0`` in it, or one of these alone), or the Night Vision supplement.
     layout : str
         One of `LAYOUTS`.
 
     Raises
     ------
     InvalidInput
-        The folder is not such a dataset, rows cannot be read, or table and files disagree; the message names them.
+        The folder is not such a dataset, rows cannot be read, or table and files disagree.
     OutputError
-        An object store that cannot be asked.
+        The object store cannot be reached.
     """
     path = store_path(folder)
     if layout not in LAYOUTS:
@@ -222,7 +210,7 @@ def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
         if is_address(path):
             raise InvalidInput("layout VBN: {0} is in an object store; must be a folder of this machine", path)
         table, images = read_vbn(path)
-        return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
+        return Dataset(path, layout, {"camera": ImageSet("camera", images, table, images)})
     folders = map_type_folders(path)
     counts = Counter(map(map_type_name, folders))
     sets = {}
@@ -265,7 +253,7 @@ def _check_positions(table: Table, path: Path) -> None:
 
 @dataclass(frozen=True)
 class Move:
-    """A file of the image ``stem``, from one place to another on the same file system."""
+    """Move of a file of the image ``stem`` within a file system."""
 
     stem: str
     origin: Path
@@ -287,12 +275,12 @@ class Move:
 
 
 class Images:
-    """Files of a map type: in its folder and among its rejected images.
+    """Files of a map type, in its folder and among its rejected images.
 
     Raises
     ------
     InvalidInput
-        Where a folder cannot be read, or a file is in both.
+        A folder cannot be read, or a file is in both.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -313,20 +301,20 @@ class Images:
                 remedy="remove one of the two",
             )
 
-    def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
-        """Raise InvalidInput where a table says otherwise than the files.
+    def check(self, names: Sequence[str], made: NDArray[np.bool_]) -> None:
+        """Raise InvalidInput if a table and the files disagree.
 
         Parameters
         ----------
         names : sequence of str
-            Images, of all rows of the table.
-        there : array of bool
-            Those that have been made.
+            Images of all rows of the table.
+        made : array of bool
+            Rows whose images have been made.
         """
         endings, stems = _check_names(self._folder, names)
         alike = len(endings) == 1
         files = self._kept | self._rejected if self._rejected else self._kept
-        lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
+        lost = [name for name, is_made in zip(names, made.tolist()) if is_made and name not in files]
         if lost:
             raise InvalidInput(
                 "folder {0}: {1} of the table is not there"
@@ -358,24 +346,29 @@ class Images:
             )
 
     def path(self, name: str) -> Path:
-        """Where an image lies."""
+        """Path of an image."""
         return self._folder / (REJECTED_FOLDER if name in self._rejected else "") / name
 
     def moves(self, out: Iterable[str], back: Iterable[str]) -> tuple[list[Move], list[Move]]:
-        """Moves of images, by name, to the rejected ones and from there, with every file that belongs to them.
+        """Moves that reject and restore images, with all files that belong to them.
 
-        Those of a file that is there already are left out. Of one image, the image itself is the last that returns and
-        the first that leaves: what lies in the folder is whole.
+        Files already in place are left out. An image leaves before its other files and returns after them, so images in
+        the folder are always complete.
+
+        Parameters
+        ----------
+        out, back : iterable of str
+            Names of the images to reject, and to restore.
 
         Raises
         ------
         InvalidInput
-            Where a file is in the place of the folder that images would leave for.
+            A file is in the place of the folder for rejected images.
         """
         leaving, returning = set(out), set(back)
         if leaving and self._blocked:
             raise InvalidInput(
-                "folder {0}: {1} in it is no folder, which images are moved to",
+                "folder {0}: {1} in it is not a folder, so images cannot be moved to it",
                 self._folder,
                 REJECTED_FOLDER,
                 remedy="move it away",
@@ -385,8 +378,8 @@ class Images:
             self._moves(self._rejected, returning, self._folder / REJECTED_FOLDER, self._folder)[::-1],
         )
 
-    def all_back(self) -> list[Move]:
-        """Moves of all that lies among the rejected images."""
+    def moves_back(self) -> list[Move]:
+        """Moves that restore everything among the rejected images."""
         origin = self._folder / REJECTED_FOLDER
         return [
             Move(_stem(name, NAME.fullmatch), origin / name, self._folder / name) for name in sorted(self._rejected)
@@ -404,23 +397,23 @@ class Images:
 
     @staticmethod
     def remove_if_empty(folder: Path) -> None:
-        """Remove the folder of rejected images of a map type where nothing lies in it."""
+        """Remove the folders of rejected images of a map type if they are empty."""
         for one in (folder, *raster_folders(folder)):
             with contextlib.suppress(OSError):
                 (one / REJECTED_FOLDER).rmdir()
 
 
 def _check_names(folder: Path, names: Sequence[str]) -> tuple[set[str], set[str]]:
-    """Endings of images' names, and a name for each image: without its ending, unless all end alike.
+    """Endings of images' names, and the set of names, without endings unless all are the same.
 
     Raises
     ------
     InvalidInput
-        A name that no file has, or one in several rows.
+        A text is not a file name, or a name is in several rows.
     """
     foreign = [name for name in names if not is_name(name)]
     if foreign:
-        raise InvalidInput("folder {0}: {1!r} in the table is no name of a file in it", folder, foreign[0])
+        raise InvalidInput("folder {0}: {1!r} in the table is not a file name", folder, foreign[0])
     endings = {name[len(_plain_stem(name)) :] for name in names}
     stems = set(names) if len(endings) == 1 else set(map(_plain_stem, names))
     if len(stems) < len(names):
@@ -430,7 +423,7 @@ def _check_names(folder: Path, names: Sequence[str]) -> tuple[set[str], set[str]
 
 
 def _plain_stem(name: str) -> str:
-    """Name of a file without its ending: what `Path.stem` gives, in a fraction of its time."""
+    """Name of a file without its ending: like `Path.stem`, but much faster."""
     end = name.rfind(".")
     return name[:end] if 0 < end < len(name) - 1 else name
 
@@ -446,7 +439,7 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
 
 
 def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
-    """Names of files in a folder, and of all else."""
+    """Names of the files in a folder, and of everything else."""
     if is_address(folder):
         return set(list_sizes(folder)), set()
     try:
@@ -461,60 +454,62 @@ def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
 
 
 def first_names(names: Sequence[str]) -> str:
-    """First names of many, with the number of the others."""
-    more = len(names) - _NAMED
-    first = ", ".join(names[:_NAMED])
+    """First three names, with the number of others."""
+    more = len(names) - 3
+    first = ", ".join(names[:3])
     return Message("{0} and {1:,} more", first, more) if more > 0 else first
 
 
 def open_image(
     path: Place,
     img_size: tuple[int, int, int] | None = None,
-    said_px: tuple[float, float] = _UNKNOWN_PX,
+    expected_px: tuple[float, float] = _UNKNOWN_PX,
     *,
     as_shown: bool = False,
 ) -> Image.Image:
-    """Image of a file, grey (``L``) or ``RGB``, decoded whole.
+    """Read an image, grey (``L``) or ``RGB``, and decode it.
 
-    Transparency is dropped: pixels keep the colours that they have below it. Colours become grey by ITU-R BT.601.
-    Images are resized with Pillow's bilinear filter, which takes the mean over all pixels that become one.
+    Transparency is dropped: pixels keep the colours below it. Colours become grey by ITU-R BT.601. Images are resized
+    with Pillow's bilinear filter, which averages all pixels that become one.
 
     Parameters
     ----------
     path : path or StoredImage
-        GeoTIFF, JPEG, PNG or another format of Pillow's.
+        GeoTIFF, JPEG, PNG or TIFF.
     img_size : tuple (width, height, channels) or None
         In px, and 1 (grey) or 3 (colour); None leaves both as they are.
-    said_px : tuple (width, height)
-        What the table says of the file, NaN where it says nothing.
+    expected_px : tuple (width, height)
+        Size that the table states, NaN where it does not.
     as_shown : bool
-        Take a GeoTIFF of other bands than 8-bit grey or colours as it is shown; otherwise it is refused.
+        Convert a GeoTIFF with bands other than 8-bit grey or colour to what is displayed, instead of refusing it.
 
     Raises
     ------
     InvalidInput
-        A file that cannot be read, has more than eight bits a channel or another size than is said.
+        The file cannot be read, has more than eight bits a channel, or another size than expected.
     """
     try:
-        # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
-        # what another thread has opened in between.
+        # From memory: both libtiff and Pillow close the file of a compressed TIFF, and the second may close a file that
+        # another thread has opened in between.
         data = _read(path)
-        stored = _parse_bands(path, data, said_px)
+        stored = _parse_bands(path, data, expected_px)
         if stored is not None:
             return _shown(path, stored, img_size, as_shown=as_shown)
         with open_undecoded(path, data) as image:
             if image.mode not in _GREY + _COLOUR:
                 raise InvalidInput(
-                    "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
+                    "image {0}: has pixels of Pillow's mode {1}; must be 8-bit grey or colour",
                     path,
                     image.mode,
                 )
-            _check_size(path, image, said_px)
+            _check_size(path, image, expected_px)
             if img_size is None:
                 return _convert_mode(image, "L" if image.mode in _GREY else "RGB")
             width, height, channels = img_size
             mode = "L" if channels == 1 else "RGB"
-            image.draft(mode, (_SPARE * width, _SPARE * height))
+            # Decode a JPEG at a half, quarter or eighth of its size if that is at least twice the size asked for; with
+            # less, the result would differ.
+            image.draft(mode, (2 * width, 2 * height))
             found = _convert_mode(image, mode)
             return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
     except InvalidInput:
@@ -526,7 +521,7 @@ def open_image(
             remedy=Message("put it back, or capture it again{0}", OptionName("resume").in_brackets),
         ) from wrong
     except UnidentifiedImageError as wrong:
-        raise InvalidInput("image {0}: cannot be read (it is no JPEG, PNG or TIFF)", path) from wrong
+        raise InvalidInput("image {0}: cannot be read (it is not a JPEG, PNG or TIFF)", path) from wrong
     except UNREADABLE as wrong:
         # For a damaged compressed TIFF, Pillow reports a bare libtiff error number.
         is_number = re.fullmatch(r"(decoder error )?-?\d+", str(wrong))
@@ -535,16 +530,16 @@ def open_image(
 
 
 def open_masked(
-    path: Place, said_px: tuple[float, float] = _UNKNOWN_PX
+    path: Place, expected_px: tuple[float, float] = _UNKNOWN_PX
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
-    """Pixels (h, w, 1 or 3) of a file as they are shown, and its mask (h, w), 0 where it shows nothing, or None.
+    """Read the displayed pixels (h, w, 1 or 3) of a file, and its mask (h, w), 0 for pixels without data, or None.
 
     Raises
     ------
     InvalidInput
-        As `open_image` does.
+        As `open_image`.
     """
-    pixels = np.asarray(open_image(path, said_px=said_px, as_shown=True), np.uint8)
+    pixels = np.asarray(open_image(path, expected_px=expected_px, as_shown=True), np.uint8)
     pixels = pixels.reshape(*pixels.shape[:2], -1)
     stored = open_bands(path)
     if stored is not None:
@@ -555,13 +550,13 @@ def open_masked(
         return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
 
 
-def open_bands(path: Place, said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
-    """GeoTIFF of other bands than 8-bit grey or colours; None for every other file, also one that cannot be read.
+def open_bands(path: Place, expected_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
+    """Read a GeoTIFF with bands other than 8-bit grey or colour; None for other and for unreadable files.
 
     Raises
     ------
     InvalidInput
-        Such a file that is damaged, or has another size than is said.
+        The GeoTIFF is damaged, or has another size than expected.
     """
     if _suffix(path) not in _GEOTIFF:
         return None
@@ -569,28 +564,28 @@ def open_bands(path: Place, said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTi
         data = _read(path)
     except OSError:
         return None
-    return _parse_bands(path, data, said_px)
+    return _parse_bands(path, data, expected_px)
 
 
 def read_band_metadata(path: Place, channels: int) -> Bands | None:
-    """Bands of an image as its file, or GDAL's file beside it, states them; None where neither does.
+    """Read the bands stated by an image or by GDAL's file beside it; None if neither does.
 
     Parameters
     ----------
     channels : int
-        1 or 3, of an image that is no GeoTIFF.
+        1 or 3, for images other than GeoTIFFs.
     """
     if _suffix(path) in _GEOTIFF:
         return parse_bands(_read(path))
     if isinstance(path, StoredImage):
         return None
-    beside = Path(f"{path}{_NOTES}")
+    beside = Path(f"{path}.aux.xml")
     if not beside.is_file():
         return None
     return parse_pam_bands(read_limited(beside, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
 
 
-def _parse_bands(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
+def _parse_bands(path: Place, data: bytes, expected_px: tuple[float, float]) -> GeoTiff | None:
     try:
         stored = parse_geotiff(data)
         if stored is not None:
@@ -598,7 +593,7 @@ def _parse_bands(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoT
     except (ValueError, zlib.error) as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     if stored is not None:
-        _check_size(path, stored, said_px)
+        _check_size(path, stored, expected_px)
     return stored
 
 
@@ -619,9 +614,9 @@ def _shown(path: Place, stored: GeoTiff, img_size: tuple[int, int, int] | None, 
 
 
 def image_size(path: Place) -> tuple[int, int]:
-    """Width and height of an image in px; raises one of `UNREADABLE`, or InvalidInput, where it cannot be read."""
+    """Read the width and height of an image in px; raises InvalidInput or one of `UNREADABLE`."""
     if _suffix(path) in _GEOTIFF:
-        # Not unpacked: many are asked for their sizes.
+        # Without decoding, as this is done for many images.
         stored = parse_geotiff(_read(path))
         if stored is not None:
             return stored.size
@@ -631,24 +626,26 @@ def image_size(path: Place) -> tuple[int, int]:
 
 @contextmanager
 def open_undecoded(path: Place, data: bytes | None = None) -> Iterator[Image.Image]:
-    """Picture of a file, of which the header is read; of a file of this machine no more than that.
+    """Open an image without decoding it; of a local file, only the header is read.
 
     Parameters
     ----------
     data : bytes or None
-        Of the file, where they have been read.
+        Contents of the file, if they have been read.
 
     Raises
     ------
     InvalidInput
-        It is larger than pictures are, which is said before it is decoded; one of `UNREADABLE` where it is none.
+        The image is too large; other errors are those of `UNREADABLE`.
     """
     with ExitStack() as opened:
         if data is None and not isinstance(path, StoredImage):
             file = open_foreign(path)
         else:
             file = io.BytesIO(_read(path) if data is None else data)
-        image = opened.enter_context(Image.open(opened.enter_context(file), formats=_FORMATS))
+        # Only formats that captures write: each of Pillow's decoders is a risk.
+        formats = ("JPEG", "PNG", "TIFF")
+        image = opened.enter_context(Image.open(opened.enter_context(file), formats=formats))
         width, height = image.size
         if width * height > MAX_PICTURE_PX:
             raise InvalidInput(
@@ -670,15 +667,15 @@ def _suffix(path: Place) -> str:
     return (path if isinstance(path, StoredImage) else Path(path)).suffix.lower()
 
 
-def _check_size(path: Place, image: Image.Image | GeoTiff, said_px: tuple[float, float]) -> None:
-    if any(said == said and said != size for said, size in zip(said_px, image.size)):
+def _check_size(path: Place, image: Image.Image | GeoTiff, expected_px: tuple[float, float]) -> None:
+    if any(expected == expected and expected != size for expected, size in zip(expected_px, image.size)):
         raise InvalidInput(
             "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",
             path,
             image.size[0],
             image.size[1],
-            said_px[0],
-            said_px[1],
+            expected_px[0],
+            expected_px[1],
             remedy="capture it again, or put the table right",
         )
 

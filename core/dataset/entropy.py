@@ -1,4 +1,4 @@
-"""Entropy of images, the threshold that separates a dataset, and the entropy that decides on each image."""
+"""Entropies of images, which of them decides on each image, and the threshold that separates them best."""
 
 from __future__ import annotations
 
@@ -18,17 +18,12 @@ from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_key
 from .table import Table
 
-#: Of 256 grey levels, in bits.
+#: Entropy of 256 equally frequent grey levels, bits.
 HIGHEST_ENTROPY = 8.0
-#: Which entropies a table holds: those of `entropy`, of `pooled_entropy`, or of neither.
+#: How the entropies of a table were computed: by `entropy`, by `pooled_entropy`, or by neither.
 GREY, POOLED, UNKNOWN = MEASURES = ("grey", "pooled", "unknown")
-#: Images sampled to find the measure, and the most that JPEG losses change an entropy by, bits.
-_TELLING, _LOST = 5, 0.1
 #: Called with the share done, 0 to 1; returning False stops the work.
 Report = Callable[[float], bool]
-#: Of a valley between two groups: width of the windows in which values are counted, as a share of their range, and how
-#: many may be in it, as a share of those at the lower peak.
-_WINDOW, _VALLEY = 1.0 / 8.0, 0.5
 
 
 def entropy(image: NDArray[np.uint8]) -> float:
@@ -37,17 +32,17 @@ def entropy(image: NDArray[np.uint8]) -> float:
     Parameters
     ----------
     image : array (h, w) or (h, w, 3) of uint8
-        Grey, or RGB that is made grey by ITU-R 601 as Pillow's mode "L" has it.
+        Grey, or RGB, which Pillow converts to grey (mode "L", ITU-R BT.601).
 
     Returns
     -------
     float
-        Bits, 0 (one level only) to 8 (every level equally often).
+        Bits, 0 (one level only) to 8 (all levels equally frequent).
 
     Raises
     ------
     InvalidInput
-        For any other shape or type, or an image without pixels.
+        Another shape or type, or an image without pixels.
     """
     grey_or_rgb = image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
     if image.dtype != np.uint8 or not grey_or_rgb or image.size == 0:
@@ -80,17 +75,17 @@ def _grey(image: NDArray[np.uint8]) -> Image.Image:
 
 
 def pooled_entropy(image: NDArray[np.uint8]) -> float:
-    """Shannon entropy in bits of the values of all channels of an image (h, w, n) in one histogram of 256."""
+    """Shannon entropy of an image (h, w, n) in bits, with all channels in one histogram of 256 values."""
     counts = np.bincount(image.ravel(), minlength=256)
     shares = counts[counts > 0] / image.size
     return float(-(shares * np.log2(shares)).sum()) + 0.0
 
 
 def otsu(values: NDArray[np.float64]) -> float | None:
-    """Threshold that parts values in two groups with the least variance inside them, after Otsu (1979).
+    """Threshold that separates values into two groups with the least variance inside them, after Otsu (1979).
 
-    Otsu's criterion is the largest variance between the groups; here it is taken at every gap between values and not
-    at the bins of a histogram, so that it does not depend on their width.
+    Otsu's criterion is the largest variance between the groups. It is computed at every gap between values instead of
+    at the bins of a histogram, so it does not depend on their width.
 
     Parameters
     ----------
@@ -100,7 +95,7 @@ def otsu(values: NDArray[np.float64]) -> float | None:
     Returns
     -------
     float or None
-        Middle of the gap; None where there are no two different values.
+        Middle of the gap; None if all values are equal.
 
     References
     ----------
@@ -119,11 +114,11 @@ def otsu(values: NDArray[np.float64]) -> float | None:
     return float((ordered[best] + ordered[best + 1]) / 2.0)
 
 
-def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
-    """Whether a threshold lies between two groups of values, and not inside the only one.
+def separates_groups(values: NDArray[np.float64], threshold: float) -> bool:
+    """Whether a threshold lies between two groups of values, not inside a single one.
 
-    Between groups, values are at most half as frequent about it as at the peaks on either side, by more than their
-    number may vary by chance. `otsu` parts any values, also those of one group, which it cuts through the middle.
+    Between groups, values near the threshold are at most half as frequent as at the lower of the peaks on either side,
+    by more than chance. `otsu` separates any values: it cuts a single group through the middle.
 
     Parameters
     ----------
@@ -133,7 +128,8 @@ def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
     ordered = np.sort(values)
     if len(ordered) < 2 or not ordered[0] < threshold <= ordered[-1]:
         return False
-    width = (ordered[-1] - ordered[0]) * _WINDOW
+    # Values are counted in windows of an eighth of their range.
+    width = (ordered[-1] - ordered[0]) / 8.0
 
     def count_values(places: NDArray[np.float64]) -> NDArray[np.int64]:
         first, last = (np.searchsorted(ordered, places + off) for off in (-width / 2.0, width / 2.0))
@@ -141,7 +137,7 @@ def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
 
     about = int(count_values(np.array([threshold]))[0])
     low, high = (count_values(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold]))
-    return bool(about + math.sqrt(about) <= _VALLEY * min(int(low), int(high)))
+    return bool(about + math.sqrt(about) <= 0.5 * min(int(low), int(high)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,17 +147,17 @@ class Deciding:
     Parameters
     ----------
     folder : Path
-        Of the table.
+        Folder of the table.
     image_folder : Path
-        Where the images lie; those that cleaning has moved are in ``rejected`` inside.
+        Folder of the images; those that cleaning has moved are in ``rejected`` inside.
     images : Images
-        Files in it, which agree with the table.
+        Its files, which agree with the table.
     entropies : array (n,)
         Bits; NaN for rows of images that could not be made.
     by_roadmap : array of bool (n,)
-        Rows for which the roadmap's decides, and not the image's own.
+        Rows decided by the roadmap's entropy.
     measure : str
-        One of `MEASURES`: which entropies the table of those that decide holds.
+        One of `MEASURES`: the kind of entropies in the deciding table.
     """
 
     folder: Path
@@ -174,73 +170,74 @@ class Deciding:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Images by the rows of the table."""
+        """Image names of the rows."""
         return self.table.img_names
 
     @property
-    def there(self) -> NDArray[np.bool_]:
+    def made(self) -> NDArray[np.bool_]:
         """Rows (n,) whose image has been made."""
         return ~np.isnan(self.entropies)
 
 
-def entropies_of(dataset: Dataset | str | os.PathLike[str]) -> dict[str, Floats]:
-    """Entropies of the images themselves, by map type as in `Dataset.image_sets`.
+def image_entropies(dataset: Dataset | str | os.PathLike[str]) -> dict[str, Floats]:
+    """Entropies of the images, by map type as in `Dataset.image_sets`.
 
     Parameters
     ----------
     dataset : Dataset or path
-        As `read_dataset` gives it, or takes it.
+        Dataset, or a folder that `read_dataset` reads.
 
     Returns
     -------
     dict of str to array (n,)
-        Bits, from the table or worked out from the image; NaN for rows of images that could not be made.
+        Bits, from the table or computed from the image; NaN for rows of images that could not be made.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, or an image that cannot be read.
+        The folder is not a dataset, or an image cannot be read.
     """
     read = dataset if isinstance(dataset, Dataset) else read_dataset(dataset)
-    own = {map_type: _Own(one.folder, one.table, one.image_folder) for map_type, one in read.image_sets.items()}
-    _compute_missing(list(own.values()), None)
-    return {map_type: one.entropies for map_type, one in own.items()}
+    found = {
+        map_type: _KnownEntropies(one.folder, one.table, one.image_folder) for map_type, one in read.image_sets.items()
+    }
+    _compute_missing(list(found.values()), None)
+    return {map_type: one.entropies for map_type, one in found.items()}
 
 
 def deciding_entropies(folder: str | os.PathLike[str], *, progress: Report | None = None) -> dict[str, Deciding]:
-    """Entropies that decide over the images of a dataset, by the names of its map types' folders.
+    """Entropies that decide on the images of a dataset, by the names of its map types' folders.
 
-    The roadmap's decide for the other map types too, where its images are there; elsewhere the image's own do (the
-    paper's section Post Processing). What tables do not have is worked out from the images.
+    The roadmap's entropies decide for all map types where the dataset has roadmap images, and each image's elsewhere
+    (the paper's section Post Processing). Entropies missing from the tables are computed from the images.
 
     Parameters
     ----------
     folder : path
-        Of a dataset, or of images with a ``meta_data.csv`` beside them.
+        Dataset, or images with a ``meta_data.csv`` beside them.
     progress : callable
-        Asked before each image that has to be read.
+        Called before each image that has to be read; returning False stops the work.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, a table that cannot be read or says otherwise than the files, or an image that
-        cannot be read.
+        The folder is not a dataset, a table cannot be read or disagrees with the files, or an image cannot be read.
     Cancelled
         ``progress`` returned False.
     """
-    folders, own = map_type_folders(folder), {}
+    folders, known = map_type_folders(folder), {}
     place = place_key(folder, folders.values())
     for name, path in folders.items():
         table = Table.load(path / TABLE_FILE)
-        own[name] = _Own(path, table, image_folder(path, table))
-    measures = {name: one.measure() for name, one in own.items()}
-    _compute_missing(list(own.values()), progress)
+        known[name] = _KnownEntropies(path, table, image_folder(path, table))
+    measures = {name: one.measure() for name, one in known.items()}
+    _compute_missing(list(known.values()), progress)
     found = {}
-    for name, one in own.items():
+    for name, one in known.items():
         decider = deciding_folder(name, folders)
         entropies, by_roadmap = one.entropies, np.zeros(len(one.table), np.bool_)
         if decider is not None:
-            of_place = own[decider].entropies_by_place(place)
+            of_place = known[decider].entropies_by_place(place)
             of_roadmap = np.array([of_place.get(place(image), math.nan) for image in one.table.img_names], np.float64)
             by_roadmap = ~np.isnan(entropies) & ~np.isnan(of_roadmap)
             entropies = np.where(by_roadmap, of_roadmap, entropies)
@@ -249,51 +246,53 @@ def deciding_entropies(folder: str | os.PathLike[str], *, progress: Report | Non
     return found
 
 
-class _Own:
+class _KnownEntropies:
     """Table, images and known entropies of a map type; table and images agree.
 
     Attributes
     ----------
-    there : array of bool (n,)
+    made : array of bool (n,)
         Rows of images that have been made.
     entropies : array (n,)
-        NaN for all others.
+        Bits; NaN for other rows and where the table has none.
     """
 
     def __init__(self, folder: Path, table: Table, images: Path) -> None:
         self.folder, self.table, self.image_folder = folder, table, images
         self.images = Images(images)
-        self.there = table.made
-        self.images.check(table.img_names, self.there)
-        self.entropies = np.where(self.there, table.entropies, np.nan)
+        self.made = table.made
+        self.images.check(table.img_names, self.made)
+        self.entropies = np.where(self.made, table.entropies, np.nan)
 
     def measure(self) -> str:
-        """Which entropies the table holds, by some of its images; `GREY` of a capture, and where it holds none."""
+        """Find the measure of the table's entropies by some images; `GREY` for captures and without entropies."""
         if (self.folder.parent / MISSION_FILE).is_file():
-            # Worked out before the image was a JPEG, whose losses may add half a bit and more to flat colours.
+            # Computed before JPEG compression, whose losses can add half a bit and more to flat colours.
             return GREY
         stated = np.flatnonzero(np.isfinite(self.entropies))
-        some = stated[:: max(-(-len(stated) // _TELLING), 1)]
+        # Five images show which it is.
+        some = stated[:: max(-(-len(stated) // 5), 1)]
         off = []
         for index in some.tolist():
             path = self.images.path(self.table.img_names[index])
             image = np.asarray(open_image(path, as_shown=True))
-            own = float(self.entropies[index])
-            off.append([abs(one(image) - own) for one in (entropy, pooled_entropy)])
+            held = float(self.entropies[index])
+            off.append([abs(one(image) - held) for one in (entropy, pooled_entropy)])
         if not off:
             return GREY
         nearness = np.median(off, axis=0)
-        return MEASURES[int(np.argmin(nearness))] if nearness.min() <= _LOST else UNKNOWN
+        # JPEG losses change an entropy by up to 0.1 bits.
+        return MEASURES[int(np.argmin(nearness))] if nearness.min() <= 0.1 else UNKNOWN
 
     def entropies_by_place(self, place: Callable[[str], str]) -> dict[str, float]:
-        """Entropies of the images that are there by their places."""
+        """Entropies of the images that exist, by place."""
         named = zip(self.table.img_names, self.entropies.tolist())
         return {place(name): value for name, value in named if not math.isnan(value)}
 
 
-def _compute_missing(sets: list[_Own], progress: Report | None) -> None:
+def _compute_missing(sets: list[_KnownEntropies], progress: Report | None) -> None:
     """Compute the entropies that are missing from the tables."""
-    missing = [(one, index) for one in sets for index in np.flatnonzero(one.there & ~np.isfinite(one.entropies))]
+    missing = [(one, index) for one in sets for index in np.flatnonzero(one.made & ~np.isfinite(one.entropies))]
     for done, (one, index) in enumerate(missing):
         if progress is not None and not progress(done / len(missing)):
             raise Cancelled("stopped while entropies were worked out: nothing was changed")

@@ -1,6 +1,6 @@
-"""Diagrams of a dataset's entropies: a bar an image, and their histogram, each with the threshold of cleaning.
+"""Diagrams of a dataset's entropies: a bar for each image, and a histogram, both with the threshold of cleaning.
 
-They are the paper's (section Post Processing). Matplotlib is imported when they are drawn.
+They follow the paper (section Post Processing). Matplotlib is imported when they are drawn.
 """
 
 from __future__ import annotations
@@ -17,37 +17,32 @@ from ..external.drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, d
 from ..storage.files import make_folder, write_whole
 from .entropy import HIGHEST_ENTROPY, Deciding, deciding_entropies, otsu
 
-#: Files of the figures of a map type.
-HISTOGRAM, BARS = "entropy-histogram-{map_type}.png", "entropy-bars-{map_type}.png"
-#: Bits of a bar of the histogram.
+#: Width of a bar of the histogram, bits.
 _BIN = 0.1
-#: Most bars side by side, each at least a pixel wide; and rows of the picture that takes their place for more.
+#: Most bars drawn side by side, each at least a pixel wide; rows of the image that replaces more bars.
 _COLUMNS, _ROWS = 1000, 480
-#: Bars up to which there are gaps between them, and half of a gap.
-_FEW, _MARGIN = 150, 0.1
-_WIDTH_IN, _HEIGHT_IN = 10.0, 5.0
-#: Light and dark, which shows without colours too.
+#: Light and dark, which also differ without colours.
 _REJECTED, _KEPT = "#9A9A9A", BLUE
 
 
 def draw_histogram(
     axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = ""
 ) -> None:
-    """Draw how many images have which entropy, with the threshold as a red line.
+    """Draw a histogram of entropies, with the threshold as a red line.
 
     Parameters
     ----------
     values : array (n,)
         Bits; NaN is skipped.
     threshold : float
-        Bits; images below it are rejected. It lies between two bars, so that none is of both kinds.
+        Bits; images below it are rejected. It lies between two bars.
     suggested : float or None
         Another threshold, drawn as a dotted line.
     """
     there = values[~np.isnan(values)]
     dress(axes, title, "entropy, bits", f"images, per {_BIN:g} bit")
     steps = np.arange(np.floor(-threshold / _BIN), np.ceil((HIGHEST_ENTROPY - threshold) / _BIN) + 1.0)
-    # Rounding may take the last edge just below the highest entropy, and images at it with it.
+    # Rounding may put the last edge just below the highest entropy, and so leave out images that have it.
     edges = np.append(threshold + steps * _BIN, HIGHEST_ENTROPY + _BIN)
     counts = np.histogram(there, edges)[0]
     low = edges[:-1] < threshold
@@ -71,19 +66,19 @@ def draw_histogram(
         axes.axvline(suggested, color=BLACK, linewidth=1.5, linestyle=":", label=_suggestion(suggested))
     axes.set_xlim(0.0, HIGHEST_ENTROPY)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    _legend(axes)
+    _draw_legend(axes)
 
 
 def draw_bars(axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = "") -> None:
     """Draw the entropy of each image in the order of the table, with the threshold as a red line.
 
-    Bars of more than a thousand images are narrower than a pixel: several in a row share a column then, which is the
-    darker the more of their bars reach there.
+    The bars of more than a thousand images would be narrower than a pixel. Several then share a column, which is darker
+    the more of them reach a height.
 
     Parameters
     ----------
     axes, threshold, suggested, title
-        As of `draw_histogram`.
+        As for `draw_histogram`.
     values : array (n,)
         Bits; NaN has no bar.
     """
@@ -102,7 +97,7 @@ def draw_bars(axes: Any, values: Floats, threshold: float, *, suggested: float |
         if per_column > 1:
             axes.bar([0.0], [0.0], color=colour, label=label)
         else:
-            _stand(axes, np.where((values >= threshold) == kept, values, np.nan), colour, label)
+            _draw_bars(axes, np.where((values >= threshold) == kept, values, np.nan), colour, label)
     if per_column > 1:
         shades = _shades(values, threshold, per_column)
         extent = (0.0, float(shades.shape[1] * per_column), 0.0, HIGHEST_ENTROPY)
@@ -111,29 +106,29 @@ def draw_bars(axes: Any, values: Floats, threshold: float, *, suggested: float |
     axes.set_ylim(0.0, HIGHEST_ENTROPY)
     axes.xaxis.set_major_formatter(lambda value, _position: f"{value:,.0f}")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    _legend(axes)
+    _draw_legend(axes)
 
 
 def save_figures(folder: str | os.PathLike[str], target: str | os.PathLike[str], threshold: float) -> list[Path]:
-    """Write both figures of each map type of a dataset as PNG; figures of an earlier run are replaced.
+    """Write both figures of each map type of a dataset as PNG, replacing those of earlier runs.
 
-    They show the entropies that decide (see `deciding_entropies`): what cleaning at this threshold rejects and keeps.
+    They show the deciding entropies (see `deciding_entropies`): what cleaning at this threshold rejects and keeps.
 
     Parameters
     ----------
     folder : path
-        Of a dataset; it is only read.
+        Dataset, which is only read.
     target : path
-        Folder of the figures, made if it is not there.
+        Folder of the figures; made if it does not exist.
     threshold : float
         Bits.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset.
+        The folder is not a dataset.
     OutputError
-        Where they cannot be written, or matplotlib is not installed.
+        The figures cannot be written, or matplotlib is not installed.
     """
     check_matplotlib()
     drawn = draw_all(deciding_entropies(folder), target, threshold)
@@ -146,29 +141,29 @@ def draw_all(
     """Write both figures of each map type that has images; returns their paths by map type."""
     drawn = {}
     for map_type, one in deciding.items():
-        there = one.entropies[one.there]
-        if not len(there):
+        made = one.entropies[one.made]
+        if not len(made):
             continue
-        title = f"{map_type}: {len(there):,} images by {_whose(one)}"
+        title = f"{map_type}: {len(made):,} images by {_describe_source(one)}"
         paths = []
-        for name, draw in ((HISTOGRAM, draw_histogram), (BARS, draw_bars)):
-            figure = new_figure(_WIDTH_IN, _HEIGHT_IN)
-            draw(figure.add_subplot(), one.entropies, threshold, suggested=otsu(there), title=title)
+        for name, draw in (("histogram", draw_histogram), ("bars", draw_bars)):
+            figure = new_figure(10.0, 5.0)
+            draw(figure.add_subplot(), one.entropies, threshold, suggested=otsu(made), title=title)
             make_folder(target)
-            path = Path(target) / name.format(map_type=map_type)
+            path = Path(target) / f"entropy-{name}-{map_type}.png"
             write_whole(path, png(figure))
             paths.append(path)
         drawn[map_type] = paths
     return drawn
 
 
-def _whose(deciding: Deciding) -> str:
-    by_roadmap, there = int(deciding.by_roadmap.sum()), int(deciding.there.sum())
+def _describe_source(deciding: Deciding) -> str:
+    by_roadmap, made = int(deciding.by_roadmap.sum()), int(deciding.made.sum())
     if by_roadmap == 0:
         return "their entropies"
-    if by_roadmap == there:
+    if by_roadmap == made:
         return "the entropies of the roadmap"
-    return f"the entropies of the roadmap, {there - by_roadmap:,} by their own"
+    return f"the entropies of the roadmap, {made - by_roadmap:,} by their own"
 
 
 def _share(what: str, count: int, total: int) -> str:
@@ -179,14 +174,15 @@ def _suggestion(suggested: float) -> str:
     return f"Otsu's method: {suggested:.2f} bits"
 
 
-def _legend(axes: Any) -> None:
-    """Legend below everything else, where nothing can be drawn over."""
+def _draw_legend(axes: Any) -> None:
+    """Draw the legend below the axes, where it covers nothing."""
     axes.legend(fontsize=FONT["note"], frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=4)
 
 
-def _stand(axes: Any, heights: Floats, colour: str, label: str) -> None:
-    """Bars of one colour as a single shape, which is drawn at once; NaN has none."""
-    margin = _MARGIN if len(heights) <= _FEW else 0.0
+def _draw_bars(axes: Any, heights: Floats, colour: str, label: str) -> None:
+    """Draw bars of one colour as a single shape, which is fast; NaN has no bar."""
+    # Wide bars have gaps.
+    margin = 0.1 if len(heights) <= 150 else 0.0
     left = np.arange(len(heights)) + margin
     right, tops, feet = left + 1.0 - 2.0 * margin, np.nan_to_num(heights), np.zeros(len(heights))
     x = np.stack([left, left, right, right], axis=1).ravel()
@@ -195,9 +191,9 @@ def _stand(axes: Any, heights: Floats, colour: str, label: str) -> None:
 
 
 def _shades(values: Floats, threshold: float, per_column: int) -> Floats:
-    """Colours (rows, columns, 3) of bars that share columns, as each bar covers its part of one.
+    """Colours (rows, columns, 3) of bars that share columns, each covering its part of one.
 
-    From the bottom up, 0 to 8 bits; red, green and blue from 0 to 1.
+    Rows go up from 0 to 8 bits; red, green and blue are from 0 to 1.
     """
     columns = np.arange(len(values)) // per_column
     images = np.bincount(columns)

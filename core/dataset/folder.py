@@ -1,4 +1,4 @@
-"""The dataset folder: file names, map types, and the choices of commands on datasets."""
+"""The dataset folder: file names, map types, and choices of the commands on datasets."""
 
 from __future__ import annotations
 
@@ -18,43 +18,42 @@ JOURNAL_FILE = "journal.jsonl"
 PLAN_FILE = "plan.csv"
 FOOTPRINTS_FILE = "footprints.geojson"
 TABLE_FILE = "meta_data.csv"
-#: Beside the images of a map type: those that cleaning has moved out of the way.
+#: Folder beside the images of a map type: those that cleaning has moved away.
 REJECTED_FOLDER = "rejected"
-#: The map type whose entropies decide for all of a place, where there are such images.
+#: The map type whose entropies decide on all images of a place.
 DECIDING = "roadmap"
 
-_DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
-#: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
-NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)", re.ASCII)
-#: Where the Night Vision supplement has its images, which have no table.
+#: Image names of captures and of the published dataset, without ending: column, row, latitude, longitude, zoom.
+NAME = re.compile(r"(\d+)_(\d+)_(-?\d+(?:\.\d+)?(?:e-\d+)?)_(-?\d+(?:\.\d+)?(?:e-\d+)?)_(\d+)", re.ASCII)
+#: Folder of the Night Vision supplement's images, which have no table.
 SUPPLEMENT_FOLDER = "JPG2"
-#: The paper's: in its dataset, images below it lack significant detail.
+#: Threshold of the paper: in its dataset, images below it lack significant detail.
 DEFAULT_ENTROPY = 2.1
-#: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
+#: Layouts of folders: of captures and of the paper's published data, and of the Night Vision supplement.
 LAYOUTS = ("TerrAInav", "VBN")
 TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
-#: The paper's.
+#: Shares of the parts in the paper.
 SHARES = (0.8, 0.1, 0.1)
 SEED = 2024
-#: How images are put in order, or by what they are split.
+#: How images are ordered or grouped before they are split.
 AUTO, *_ = WAYS = ("auto", "shuffled", "in-order", "blocks")
-#: What labels may be of: the image's centre, the camera's place, its height, its attitude.
+#: What labels may hold: the image's centre, the camera's position, its height, its attitude.
 TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE = ("image", "camera", "height", "attitude")
-#: Frames of labels that are chosen by name; else a code ``EPSG:…``.
+#: Frames of labels by name; others are given as ``EPSG:…``.
 FRAMES = ("utm", "mercator", "mission")
 
 
 def map_type_folders(folder: Address) -> dict[str, Path]:
-    """Folders of a dataset's map types by name: those with a table, or the folder itself where it has one.
+    """Folders of a dataset's map types by name: those with a table, or the folder itself if it has one.
 
-    Of imageries beside each other, each a dataset of one map type in a folder of its name, they go by those names.
+    If the dataset holds several imageries, each a dataset of one map type, the names are those of the imageries.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, or one map type of a dataset of which the others may matter.
+        The folder is not a dataset, or is one map type of a dataset whose others may matter.
     OutputError
-        An object store that cannot be asked.
+        The object store cannot be reached.
     """
     path = store_path(folder)
     try:
@@ -84,7 +83,7 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
         )
     if not found:
         raise InvalidInput(
-            "folder {0}: is no dataset, as neither it nor a folder in it has a {1}",
+            "folder {0}: is not a dataset, as neither it nor a folder in it has a {1}",
             folder,
             TABLE_FILE,
             remedy="give the folder of a capture",
@@ -104,21 +103,21 @@ def _imagery_folders(path: Path) -> dict[str, Path]:
 
 
 def _list_folders(path: Path) -> list[Path]:
-    """What may be a folder inside a folder, by name."""
+    """Entries of a folder that may be folders, by name."""
     return list_folders(path) if is_address(path) else sorted(path.iterdir())
 
 
 def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
     """Return the function that maps an image's name to its place, shared by all images of the place.
 
-    It is the name without ending; of imageries beside each other, whose zooms and pixels differ, column and row.
+    The place is the name without ending. For several imageries, whose zooms and pixels differ, it is column and row.
 
     Parameters
     ----------
     folder : path
-        Of a dataset.
+        Dataset.
     folders : iterable of Path
-        Its map types', as `map_type_folders` gives them.
+        Its map types, as `map_type_folders` returns them.
     """
     if not any(one.parent.parent == store_path(folder) for one in folders):
         return lambda name: Path(name).stem
@@ -132,20 +131,20 @@ def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
 
 
 def map_type_name(name: str) -> str:
-    """Map type of a folder of this name: ``satellite`` of ``satellite_0``, as published folders are called."""
+    """Map type of a folder: ``satellite`` for the published ``satellite_0``."""
     return name[: len(name) - len(_ending(name))]
 
 
 def deciding_name(name: str) -> str:
-    """Name of the folder whose entropies decide for the one of this name: ``roadmap_0`` for ``satellite_0``."""
+    """Name of the folder whose entropies decide for a folder: ``roadmap_0`` for ``satellite_0``."""
     return DECIDING + _ending(name)
 
 
 def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
-    """Of the folders of a dataset, the one that decides for another: with its ending, or without.
+    """Name of the folder whose entropies decide for another: that with its ending, or without.
 
-    Of imageries it is the one of that map type, if there is one alone. None where there is none of them, or where it
-    decides for itself.
+    Among imageries, it is the only one of the deciding map type. None if there is no such folder, or if it is ``name``
+    itself.
     """
     found = next((one for one in (deciding_name(name), DECIDING) if one in among), None)
     if found is None:
@@ -155,7 +154,7 @@ def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
 
 
 def _ending(name: str) -> str:
-    """Overlap at the end of a published folder's name, empty where there is none."""
+    """Overlap at the end of a published folder's name, or an empty text."""
     start = name.rfind("_")
     # Published folders end in the overlap of their images: `satellite_0`, `satellite_0.6`.
     return name[start:] if start > 0 and re.fullmatch(r"_\d+(\.\d+)?", name[start:]) else ""
@@ -167,19 +166,19 @@ def raster_folders(folder: Path) -> list[Path]:
 
 
 def image_folder(folder: Path, table: Table) -> Path:
-    """Where the images of a map type lie: beside the table, or in the one folder of images that holds them.
+    """Folder of the images of a map type: that of the table, or the folder of images inside that holds them.
 
     Parameters
     ----------
     folder : Path
-        Of a map type.
+        Folder of the map type.
     table : Table
-        What names the images.
+        Table that names the images.
 
     Raises
     ------
     InvalidInput
-        Where they are no files of a folder, several folders hold as many of them, or one cannot be read.
+        The images are not local files, several folders hold equally many of them, or one cannot be read.
     """
     if is_address(folder) or any(table.shard):
         raise no_files_error(folder)
@@ -210,7 +209,7 @@ def no_files_error(folder: Path) -> InvalidInput:
 
 
 def _list_names(folder: Path) -> set[str]:
-    """Names in a folder of images and among its rejected ones."""
+    """Names in a folder of images and in its folder of rejected ones."""
     try:
         found = {one.name for one in folder.iterdir()}
         if (folder / REJECTED_FOLDER).is_dir():

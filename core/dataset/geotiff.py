@@ -18,26 +18,23 @@ from numpy.typing import NDArray
 from ..bands import BandMetadata, Bands, Range, colour_channels, percentiles, shown_in_8_bits, unnamed
 from ..limits import MAX_BANDS, MAX_PICTURE_BYTES, MAX_PICTURE_SIDE_PX
 
-_HEADER, _ENTRY_BYTES = b"II*\0", 12
-#: Of tags' types: bytes of a value, and its letter where it is a whole number.
+_HEADER = b"II*\0"
+#: Types of tags: bytes of a value, and the letter of `struct` if it is a number.
 _TYPES = {1: (1, "B"), 2: (1, ""), 3: (2, "H"), 4: (4, "I"), 12: (8, "d")}
+#: Tags of TIFF 6.0, GeoTIFF and GDAL.
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
 _EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
 _TIE_POINTS, _TRANSFORMATION = 33922, 34264
-_DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
+#: Values of tags.
+_DEFLATE, _RGB, _ALPHA, _FLOAT_PREDICTOR = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
-#: Items of GDAL's tag by their names and bands, from 0.
-Said = Mapping[tuple[str, int], str]
-#: What GDAL's tag says of a band.
-_ITEM = re.compile(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^<>]*>([^<]*)</Item>')
-#: What GDAL's file beside an image says of a band, in one line.
-_PAM_BAND, _PAM_BAND_END = re.compile(r'<PAMRasterBand band="(\d{1,4})">'), "</PAMRasterBand>"
-_PAM_ELEMENT = re.compile(r"<(\w+)>([^<]*)</\1>")
+#: Items of GDAL's metadata tag by name and band, from 0.
+Items = Mapping[tuple[str, int], str]
 
 
 class Strip(NamedTuple):
-    """Where packed rows of a file begin, and how many bytes they take."""
+    """Position and length in bytes of a strip of compressed rows."""
 
     at: int
     length: int
@@ -45,17 +42,17 @@ class Strip(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class GeoTiff:
-    """An image of any bands, read as far as its tags.
+    """GeoTIFF with any bands; its tags have been read.
 
     Parameters
     ----------
     bands : Bands
     mask : str
-        ``alpha`` for a mask in a further channel, or the no-data value; empty without a mask.
+        ``alpha`` for a mask in an additional channel, or the no-data value; empty without a mask.
     stated : mapping of int to (low, high)
-        Values shown darkest and brightest, by bands.
+        Values displayed darkest and brightest, by band.
     is_placed : bool
-        It says how large its pixels are on the ground, as map frames do.
+        It states the size of its pixels on the ground, as map frames do.
     """
 
     width: int
@@ -91,22 +88,22 @@ class GeoTiff:
         return pixels
 
     def values(self) -> NDArray[Any]:
-        """Values (h, w, n) of the bands, without a mask; raises ValueError or zlib.error where they are damaged."""
+        """Values (h, w, n) of the bands, without a mask; raises ValueError or zlib.error if damaged."""
         return self._pixels[..., : len(self.bands)]
 
     def seen(self) -> NDArray[np.bool_] | None:
-        """Pixels (h, w) that show something; None where all do."""
+        """Pixels (h, w) with data; None without a mask."""
         if self.mask == "alpha":
             return np.asarray(self._pixels[..., -1] != 0)
         if not self.mask:
             return None
         values = self._pixels
         nothing = np.isnan(values) if self.mask == "nan" else values == float(self.mask)
-        # One band alone may have a value that, in all of them, says that nothing is there.
+        # A pixel has no data only if all its bands have the no-data value.
         return np.asarray(~nothing.all(axis=-1))
 
     def shown(self) -> NDArray[np.uint8]:
-        """Picture (h, w) or (h, w, 3) as it is shown: by the values that the file states, or by its own percentiles."""
+        """Displayed image (h, w) or (h, w, 3), stretched between values that the file states, or else percentiles."""
         values = self.values()
         if self.bands.data_type == "uint8":
             return shown_in_8_bits(values, self.bands, ())
@@ -118,25 +115,25 @@ class GeoTiff:
 
 
 def parse_geotiff(data: bytes) -> GeoTiff | None:
-    """Image of a file's bytes; None for every file that is not such, also for 8-bit grey and colours.
+    """Parse a GeoTIFF as captures write it; None for other files, and for 8-bit grey or colour.
 
     Raises
     ------
     ValueError
-        It is one, and damaged.
+        The GeoTIFF is damaged.
     """
     if not data.startswith(_HEADER):
         return None
     try:
         tags = _read_tags(data)
-        image = _image(tags, data)
+        image = _make_image(tags, data)
     except (struct.error, IndexError, KeyError, TypeError):
         return None
     return image
 
 
 def parse_affine(data: bytes | mmap) -> tuple[float, float, float, float, float, float] | None:
-    """GDAL's six numbers of a little-endian GeoTIFF, as captures write them; None where it says no such place."""
+    """GDAL's six affine coefficients of a little-endian GeoTIFF, as captures write it; None if it has none."""
     try:
         tags = _read_tags(data)
         if _TRANSFORMATION in tags:
@@ -149,16 +146,16 @@ def parse_affine(data: bytes | mmap) -> tuple[float, float, float, float, float,
     return (x - column * across, across, 0.0, y + row * down, 0.0, -down)
 
 
-def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
+def _make_image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     channels = tags.get(_SAMPLES, (1,))[0]
     bits, formats = set(tags[_BITS]), set(tags.get(_FORMAT, (1,)))
-    is_written_so = (
+    is_supported = (
         tags.get(_COMPRESSION) == (_DEFLATE,)
         and tags.get(_PLANES, (1,)) == (1,)
         and len(bits) == len(formats) == 1
         and _OFFSETS in tags
     )
-    if not is_written_so:
+    if not is_supported:
         return None
     kind, size = _KINDS.get(min(formats), "c"), min(bits) // 8
     data_type = {"u1": "uint8", "u2": "uint16", "i2": "int16", "f4": "float32"}.get(f"{kind}{size}")
@@ -170,13 +167,13 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     largest = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
     if largest or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
         raise ValueError("it is larger than images are")
-    said = _parse_band_items(str(tags.get(_METADATA, "")))
+    items = _parse_band_items(str(tags.get(_METADATA, "")))
     return GeoTiff(
         width,
         height,
-        _bands(tags, said, count, data_type),
+        _bands(tags, items, count, data_type),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
-        _display_ranges(said),
+        _display_ranges(items),
         not {_PIXEL_SCALE, _TRANSFORMATION}.isdisjoint(tags),
         tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
         max(tags.get(_ROWS, (height,))[0], 1),
@@ -194,28 +191,28 @@ def parse_bands(data: bytes) -> Bands | None:
         tags = _read_tags(data)
         kind, bits = _KINDS.get(tags.get(_FORMAT, (1,))[0], "c"), tags[_BITS][0]
         count = tags.get(_SAMPLES, (1,))[0] - _has_alpha(tags)
-        said = _parse_band_items(str(tags.get(_METADATA, "")))
-        return _bands(tags, said, count, np.dtype(f"{kind}{bits // 8}").name)
+        items = _parse_band_items(str(tags.get(_METADATA, "")))
+        return _bands(tags, items, count, np.dtype(f"{kind}{bits // 8}").name)
     except (struct.error, IndexError, KeyError, TypeError, ValueError):
         return None
 
 
 def parse_pam_bands(text: str, channels: int) -> Bands:
     """Bands stated by the PAM file of an image in 8-bit grey (1 channel) or colour (3), as captures write it."""
-    said = {
+    items = {
         (element, int(number) - 1): unescape(value)
         for number, inside in _pam_lines(text)
-        for element, value in _PAM_ELEMENT.findall(inside)
+        for element, value in re.findall(r"<(\w+)>([^<]*)</\1>", inside)
     }
-    names = tuple(said.get(("Description", band), unnamed(band)) for band in range(channels))
-    metadata = (_metadata(said, band, "Scale", "Offset", "UnitType") for band in range(channels))
+    names = tuple(items.get(("Description", band), unnamed(band)) for band in range(channels))
+    metadata = (_metadata(items, band, "Scale", "Offset", "UnitType") for band in range(channels))
     return Bands(names, "uint8", colour_channels(names), tuple(metadata))
 
 
 def _pam_lines(text: str) -> Iterator[tuple[str, str]]:
-    """Number of each band, from 1, and what stands of it; in time proportional to the text's length."""
+    """Yield the number of each band, from 1, and its elements; takes time proportional to the text's length."""
     for line in text.split("\n"):
-        begin, end = _PAM_BAND.search(line), line.rfind(_PAM_BAND_END)
+        begin, end = re.search(r'<PAMRasterBand band="(\d{1,4})">', line), line.rfind("</PAMRasterBand>")
         if begin is not None and end >= begin.end():
             yield begin[1], line[begin.end() : end]
 
@@ -225,31 +222,31 @@ def _has_alpha(tags: Mapping[int, Any]) -> bool:
     return bool(extra) and extra[-1] == _ALPHA
 
 
-def _bands(tags: Mapping[int, Any], said: Said, count: int, data_type: str) -> Bands:
-    names = tuple(said.get(("DESCRIPTION", band), unnamed(band)) for band in range(count))
+def _bands(tags: Mapping[int, Any], items: Items, count: int, data_type: str) -> Bands:
+    names = tuple(items.get(("DESCRIPTION", band), unnamed(band)) for band in range(count))
     if tags.get(_PHOTOMETRIC) == (_RGB,):
         shown: tuple[int, ...] = (0, 1, 2)
     else:
-        stated = {said.get(("COLORINTERP", band)): band for band in range(count)}
+        stated = {items.get(("COLORINTERP", band)): band for band in range(count)}
         colours = tuple(stated.get(colour, -1) for colour in ("Red", "Green", "Blue"))
         shown = colours if min(colours) >= 0 else (0,)
-    metadata = (_metadata(said, band, "SCALE", "OFFSET", "UNITTYPE") for band in range(count))
+    metadata = (_metadata(items, band, "SCALE", "OFFSET", "UNITTYPE") for band in range(count))
     return Bands(names, data_type, shown, tuple(metadata))
 
 
-def _metadata(said: Said, band: int, scale: str, offset: str, unit: str) -> BandMetadata:
+def _metadata(items: Items, band: int, scale: str, offset: str, unit: str) -> BandMetadata:
     return BandMetadata(
-        float(said.get((scale, band), 1.0)), float(said.get((offset, band), 0.0)), said.get((unit, band), "")
+        float(items.get((scale, band), 1.0)), float(items.get((offset, band), 0.0)), items.get((unit, band), "")
     )
 
 
 def _read_tags(data: bytes | mmap) -> dict[int, Any]:
-    """Numbers, or text, of a file's first directory by tags."""
+    """Numbers or text of a file's first directory, by tag."""
     (at,) = struct.unpack_from("<I", data, 4)
     (count,) = struct.unpack_from("<H", data, at)
     tags: dict[int, Any] = {}
     for entry in range(count):
-        place = at + 2 + entry * _ENTRY_BYTES
+        place = at + 2 + entry * 12
         tag, kind, values = struct.unpack_from("<HHI", data, place)
         if kind not in _TYPES:
             continue
@@ -266,14 +263,15 @@ def _read_tags(data: bytes | mmap) -> dict[int, Any]:
     return tags
 
 
-def _parse_band_items(text: str) -> Said:
-    """Items of GDAL's tag by their names and bands, unescaped as often as they were escaped."""
-    return {(name, int(band)): unescape(unescape(value)) for name, band, value in _ITEM.findall(text)}
+def _parse_band_items(text: str) -> Items:
+    """Parse the items of GDAL's metadata tag, which are escaped twice."""
+    found = re.findall(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^<>]*>([^<]*)</Item>', text)
+    return {(name, int(band)): unescape(unescape(value)) for name, band, value in found}
 
 
-def _display_ranges(said: Said) -> dict[int, Range]:
+def _display_ranges(items: Items) -> dict[int, Range]:
     found = {}
-    for (name, band), text in said.items():
+    for (name, band), text in items.items():
         if name == "DISPLAY_RANGE":
             low, high = (float(one) for one in text.split())
             found[band] = low, high
@@ -283,9 +281,9 @@ def _display_ranges(said: Said) -> dict[int, Range]:
 def _undo_predictor(
     data: NDArray[np.uint8], shape: tuple[int, ...], dtype: np.dtype[Any], predictor: int
 ) -> NDArray[Any]:
-    """Values (rows, width, channels) of unpacked bytes, from their differences."""
+    """Restore values (rows, width, channels) from the differences in decompressed bytes."""
     rows, width, channels = shape
-    if predictor == _OF_FLOATS:
+    if predictor == _FLOAT_PREDICTOR:
         planes = data.reshape(rows, -1, channels).cumsum(axis=1, dtype=np.uint8)
         high_first = planes.reshape(rows, dtype.itemsize, width * channels).transpose(0, 2, 1)
         return np.ascontiguousarray(high_first).view(f">{dtype.kind}{dtype.itemsize}").reshape(shape)

@@ -1,9 +1,9 @@
-"""The ground that images show, and spatial blocks of it: parts of a dataset that share none, with a gap between them.
+"""The ground that images show, and blocks of it that separate the parts of a dataset.
 
-The ground is cut into blocks, bands of latitude cut by meridians, and each block is given to a part, with all images
-that have their centre in it. Images of one part whose ground then reaches into that of another, or nearer to it than
-the gap, are taken out of both parts' way: of the training part first, of the test part never. What is left shares no
-ground whatever the blocks are like, as every image is compared with all that are near.
+The ground is divided into blocks, bands of latitude cut by meridians. Each block goes to a part, with all images
+centred in it. Images whose ground overlaps that of another part, or is closer to it than the gap, are then removed:
+from the training part first, from the test part never. So parts share no ground whatever the blocks are, as each image
+is compared with all close ones.
 """
 
 from __future__ import annotations
@@ -30,44 +30,22 @@ from ..storage.files import open_foreign, text_lines
 from ..storage.stores import is_file
 from .dataset import UNREADABLE, ImageSet, image_size, open_bands, open_undecoded
 from .folder import MISSION_FILE, PLAN_FILE
-from .published import framed
+from .published import add_windows
 from .stored import ImageFile, has_sidecar
 from .table import Table
 
-#: A window's middle and ``Lat``, ``Lon`` are the same place: they may differ by this, in px, which digits of a degree
-#: that were written short make up.
-_SAME_PX = 1.0
-_CORNERS = ("nw", "ne", "se", "sw")
-#: How far from zero poses are at most: longitudes are continuous along a flight, and wind adds to angles.
-_MOST_OF_POSES = {
-    "pose_lat_deg": 90.0,
-    "pose_lon_deg": 720.0,
-    "agl_m": 1e9,
-    "height_m": 1e9,
-    "yaw_deg": 720.0,
-    "tilt_deg": 720.0,
-    "roll_deg": 720.0,
-}
-_QUARTER_DEG = 90.0
-#: Points along each edge of a camera frame at which its ground is worked out.
+#: Points along each edge of a frame at which its ground is computed.
 _EDGE_POINTS = 33
-#: Camera frames that are worked out at a time, to bound memory: some 50 MB.
-_FRAMES = 4096
-#: By this share of its size a camera frame's box is larger on each side: an edge bends between its points by a
-#: thousandth of its length at most, and kernels reach some pixels beyond an image's edge.
-_MARGIN = 1.0 / 32.0
-#: Length of the equator, and of a degree of latitude on average, metres: for sizes of blocks, which are nominal.
+#: Camera frames computed at a time, which bounds memory to about 50 MB.
+_FRAMES_AT_ONCE = 4096
+#: Lengths of the equator and of an average degree of latitude, metres, for nominal sizes of blocks.
 _EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
-#: Of a block: to this share centres are rounded, which in regular missions often lie right on a border, so that each
-#: machine finds the same one of two blocks.
-_ROUNDED = 2.0**-20
 
 
 class GroundBoxes(NamedTuple):
-    """Boxes (n,) that hold the ground of images, edges included.
+    """Boxes (n,) around the ground of images, including edges.
 
-    World fractions ``west_u`` < ``east_u`` are continuous: of images beside each other they differ by their distance,
-    also across the antimeridian. NaN where the ground is not known.
+    World fractions ``west_u`` < ``east_u`` are continuous, also across the antimeridian. Unknown ground is NaN.
     """
 
     west_u: Floats
@@ -87,33 +65,33 @@ class GroundBoxes(NamedTuple):
 
 
 def ground_boxes(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float) -> GroundBoxes:
-    """Boxes of the ground that some images show.
+    """Boxes of the ground that images show.
 
-    Of map frames these are their windows, exactly, or boxes about those in a CRS of their source's own; of the
-    published datasets, what `published.framed` makes of the images' sizes; of camera frames, the ground within the
-    four corners of the plan's table, of which curved edges are followed, and a margin. Not known is the ground of an
-    image that sees the horizon or a pole, and of one that no map has been the source of.
+    For map frames, the boxes are exactly the windows, or enclose them if they are in another CRS. For published
+    datasets, they follow from the image sizes (see `published.add_windows`). For camera frames, they enclose the
+    ground between the corners in the plan's table, with its curved edges and a margin. The ground of images that see
+    the horizon or a pole, or that show no map, is unknown.
 
     Parameters
     ----------
     rows : array (k,)
-        Of the table.
+        Rows of the table.
     dataset : Path
-        Folder in which the plan's table lies.
+        Folder of the plan's table.
     middle_lon_deg : float
         Longitudes are continuous about it, up to half the world away.
 
     Raises
     ------
     InvalidInput
-        Rows whose window lies elsewhere than their centre, a plan's table that is missed or lacks images, images whose
-        size cannot be read: they are named.
+        A window is not about ``Lat``, ``Lon`` of its row, the plan's table is missing or lacks images, or the size of
+        an image cannot be read.
     """
     table = images.table
     edges = np.full((4, len(rows)), np.nan)
     middle_u = float(lon_to_u(np.array(middle_lon_deg)))
     if not np.isfinite(table.pose_lat_deg).any() and not np.isfinite(table.left_px).any():
-        # Zoom 0 stands for no map at all.
+        # Zoom 0 means that the images show no map.
         on_map = table.zoom[rows] > 0
         if on_map.any():
             table = _published_table(images, rows[on_map])
@@ -130,7 +108,7 @@ def ground_boxes(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle
 
 
 def _window_boxes(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float) -> GroundBoxes:
-    """Boxes of windows in the source's pixels, whose number around the world follows from where the windows lie."""
+    """Boxes of windows in the source's pixels; the size of its tiles follows from the windows' positions."""
     left, top, width, height = (
         column[rows] for column in (table.left_px, table.top_px, table.width_px, table.height_px)
     )
@@ -141,21 +119,23 @@ def _window_boxes(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: 
     world = tile_px * tiles
     off_x = (left + width / 2.0) / world - u
     off = np.maximum(np.abs(off_x - np.round(off_x)), np.abs((top + height / 2.0) / world - v)) * world
-    if not (off <= _SAME_PX).all():
-        name = table.img_names[rows[int(np.argmax(~(off <= _SAME_PX)))]]
+    # A window's middle and Lat, Lon may differ by a pixel, as degrees may have been written with few digits.
+    is_off = ~(off <= 1.0)
+    if is_off.any():
+        name = table.img_names[rows[int(np.argmax(is_off))]]
         raise InvalidInput(
             "folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon",
             folder,
             name,
             remedy="put the table right, or split without blocks",
         )
-    # Whole turns are taken off whole pixels, so that edges that two windows share stay the same number.
+    # Subtract turns as whole pixels, so that an edge shared by two windows keeps the same number in both.
     left = left - np.round((left + width / 2.0) / world - middle_u) * world
     return GroundBoxes(left / world, (left + width) / world, v_to_lat((top + height) / world), v_to_lat(top / world))
 
 
 def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> GroundBoxes:
-    """Boxes of windows in CRSs of their sources' own, of whose curved edges points are followed."""
+    """Boxes of windows in other CRSs, around points along their edges, which are curved."""
     edges = np.full((4, len(rows)), np.nan)
     share = np.linspace(0.0, 1.0, _EDGE_POINTS)
     across = np.concatenate([share, np.ones_like(share), share, np.zeros_like(share)])
@@ -172,7 +152,7 @@ def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Groun
         )
         plane = image_plane(table, int(rows[at[0]]))
         lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
-        # Around a pole the longitudes go on and on, and no box holds the ground.
+        # No box holds the ground around a pole, whose longitudes add up to a turn.
         way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
         known = np.isfinite(lat).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
         lon = lon[:, :1] + np.concatenate([np.zeros((len(at), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
@@ -184,7 +164,7 @@ def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Groun
 
 
 def image_plane(table: Table, row: int) -> ProjectedPlane:
-    """Plane, in units of its CRS, that an image of a table lies on; raises InvalidInput, which names the image."""
+    """Plane of an image's CRS, in its units; raises InvalidInput, which names the image."""
     try:
         check_reference(table.crs[row])
     except InvalidInput as wrong:
@@ -193,21 +173,21 @@ def image_plane(table: Table, row: int) -> ProjectedPlane:
 
 
 def _published_table(images: ImageSet, rows: NDArray[np.intp]) -> Table:
-    """Table of a published dataset with the windows of some rows, derived from image sizes."""
+    """Add windows to some rows of a published dataset, from the sizes of their images."""
     table = images.table
     width, height = table.image_width_px.copy(), table.image_height_px.copy()
     for row in rows.tolist():
         if not (np.isfinite(width[row]) and np.isfinite(height[row])):
             width[row], height[row] = _read_size(images.file(row))
-    return framed(replace(table, image_width_px=width, image_height_px=height), images.image_folder.name)
+    return add_windows(replace(table, image_width_px=width, image_height_px=height), images.image_folder.name)
 
 
 def _camera_boxes(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: float) -> GroundBoxes:
-    """Boxes of camera frames, from their poses and ground corners."""
+    """Boxes of camera frames from poses and ground corners."""
     corners = _read_corners(plan, [Path(table.img_names[row]).stem for row in rows.tolist()])
     edges = np.empty((4, len(rows)))
-    for start in range(0, len(rows), _FRAMES):
-        some = slice(start, start + _FRAMES)
+    for start in range(0, len(rows), _FRAMES_AT_ONCE):
+        some = slice(start, start + _FRAMES_AT_ONCE)
         at = rows[some]
         edges[:, some] = _trace_boxes(
             table.pose_lat_deg[at], table.pose_lon_deg[at], table.agl_m[at], corners[some], middle_u
@@ -216,20 +196,23 @@ def _camera_boxes(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: fl
 
 
 def _trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> GroundBoxes:
-    """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude, of which NaN is none."""
+    """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude; unknown if NaN."""
     lat, agl = lat_deg[:, np.newaxis], agl_m[:, np.newaxis]
     towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon_deg[:, np.newaxis]))
     share: Floats = np.linspace(0.0, 1.0, _EDGE_POINTS)[np.newaxis, np.newaxis, :, np.newaxis]
-    # What lies between two corners in the image lies on the plane of their sight lines.
+    # Points between two corners of the image lie on the plane of their sight lines.
     rays: Floats = towards[:, :, np.newaxis] * (1.0 - share) + np.roll(towards, -1, axis=1)[:, :, np.newaxis] * share
     ring = trace(lat[:, :, np.newaxis], agl[:, :, np.newaxis], rays)
     ring_lat, dlon = (values.reshape(len(lat), -1) for values in (ring.lat_deg, ring.dlon_deg))
-    # Around a pole the longitudes go on and on, and no box holds the ground.
+    # No box holds the ground around a pole, whose longitudes add up to a turn.
     way = wrap_lon_deg(np.roll(dlon, -1, axis=1) - dlon)
     known = ring.hit.reshape(len(lat), -1).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
     dlon = dlon[:, :1] + np.concatenate([np.zeros((len(lat), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
     west, east, south, north = dlon.min(axis=1), dlon.max(axis=1), ring_lat.min(axis=1), ring_lat.max(axis=1)
-    more_u, more_lat = (east - west) / 360.0 * _MARGIN, (north - south) * _MARGIN
+    # Edges bend between their points by a thousandth of their length at most, and resampling reaches some pixels
+    # beyond.
+    margin = 1.0 / 32.0
+    more_u, more_lat = (east - west) / 360.0 * margin, (north - south) * margin
     u = lon_to_u(lon_deg)
     u = u - np.round(u - middle_u)
     edges = (u + west / 360.0 - more_u, u + east / 360.0 + more_u, south - more_lat, north + more_lat)
@@ -237,14 +220,16 @@ def _trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Float
 
 
 def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> None:
-    """Raise InvalidInput for poses that are nowhere, in a table that others may have written.
+    """Raise InvalidInput for impossible poses, which tables from elsewhere may have.
 
     Parameters
     ----------
     needed : bool
-        Whether a pose that is not known is refused, too; cameras over level ground have no height above the ellipsoid.
+        Whether unknown poses are refused too. Cameras over level ground have no height above the ellipsoid.
     """
-    for name, most in _MOST_OF_POSES.items():
+    # Longitudes are continuous along a flight, and wind adds to angles.
+    limits = {"pose_lat_deg": 90.0, **dict.fromkeys(("pose_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), 720.0)}
+    for name, most in {**limits, "agl_m": 1e9, "height_m": 1e9}.items():
         values = getattr(images.table, name)[rows]
         unknown = np.isnan(values)
         wrong = np.flatnonzero(~(np.abs(values) <= most) & (~unknown | (needed and name != "height_m")))
@@ -265,16 +250,15 @@ def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> No
 def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
-    A turned camera's are, whatever lies beside them. One that looks straight down, with its top to the map's north or a
-    quarter turn from it, may have made either kind: of the two, only map frames have a place on the map of their own,
-    which a GeoTIFF says itself, and of others the world file that a capture leaves beside each. Where it is off by as
-    little as an error budget lets pass, as on rows along meridians, images are map frames if they have such a place.
+    Images of a turned camera always are. A camera that looks straight down, with the image's top to the map's north or
+    a quarter turn from it, may have made either kind. Of these, only map frames are georeferenced: by a GeoTIFF's tags,
+    or by a world file beside the image. The same holds for angles within the error budget, as on rows along meridians.
     """
     table = images.table
-    # Map frames in a CRS of their own point to its north.
+    # Map frames in another CRS point to its north.
     yaw = np.zeros(len(rows)) if any(table.crs) else np.nan_to_num(table.yaw_deg[rows])
     angles = (
-        yaw - _QUARTER_DEG * np.rint(yaw / _QUARTER_DEG),
+        yaw - 90.0 * np.rint(yaw / 90.0),
         *(np.nan_to_num(angle[rows]) for angle in (table.tilt_deg, table.roll_deg)),
     )
     most = max(float(np.abs(angle).max()) for angle in angles)
@@ -288,7 +272,7 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
             return not stored.is_placed
         try:
             with open_undecoded(path) as image:
-                # GeoTIFF tags that only map frames have: pixel size on the map, or the matrix of a rotated one.
+                # GeoTIFF tags that only map frames have: the pixel scale, or the transformation of a rotated image.
                 return {33550, 34264}.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
@@ -297,7 +281,7 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
 
 
 def _read_size(path: ImageFile) -> tuple[int, int]:
-    """Width and height of an image in px."""
+    """Read the width and height of an image in px."""
     try:
         return image_size(path)
     except UNREADABLE as wrong:
@@ -305,8 +289,8 @@ def _read_size(path: ImageFile) -> tuple[int, int]:
 
 
 def _read_corners(plan: Path, names: Sequence[str]) -> Floats:
-    """Latitudes and longitudes (n, 4, 2) of images' ground corners; NaN where one looks past the Earth."""
-    headers = [f"{corner}_{axis}_deg" for corner in _CORNERS for axis in ("lat", "lon")]
+    """Read latitudes and longitudes (n, 4, 2) of images' ground corners; NaN for corners that miss the Earth."""
+    headers = [f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")]
     corners = np.full((len(names), len(headers)), np.nan)
     missing = {name: at for at, name in enumerate(names)}
     try:
@@ -320,31 +304,32 @@ def _read_corners(plan: Path, names: Sequence[str]) -> Floats:
                     corners[at] = [real_number(row[column] or "nan") for column in columns]
     except (OSError, csv.Error, IndexError, ValueError) as wrong:
         raise InvalidInput(
-            "{0}: cannot be read ({1}); it tells the ground of a turned camera's images, without which "
-            "there are no blocks of it: put it back, or split without blocks",
+            "{0}: cannot be read ({1}); blocks need it for the ground of a turned camera's images: put it back, or "
+            "split without blocks",
             plan,
             wrong,
         ) from wrong
     if missing:
         raise InvalidInput("{0}: has no row of {1}", plan, next(iter(missing)), remedy="put back the capture's own")
-    return corners.reshape(-1, len(_CORNERS), 2)
+    return corners.reshape(-1, 4, 2)
 
 
 def largest_side_m(boxes: GroundBoxes) -> float:
-    """Longest side of boxes (n,), n > 0, metres on the ground."""
+    """Longest side of boxes (n,), n > 0, in metres on the ground."""
     shrink = np.cos(np.radians((boxes.south_deg + boxes.north_deg) / 2.0))
     width_m = (boxes.east_u - boxes.west_u) * _EQUATOR_M * shrink
     return float(max(width_m.max(), ((boxes.north_deg - boxes.south_deg) * _DEGREE_M).max()))
 
 
 def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
-    """Number of the block (n,) in which the centre of each box lies; blocks are at least about so large."""
+    """Number (n,) of the block that holds the centre of each box; blocks are at least about ``block_m`` wide."""
     lat, u = (boxes.south_deg + boxes.north_deg) / 2.0, (boxes.west_u + boxes.east_u) / 2.0
     south, west = boxes.south_deg.min(), boxes.west_u.min()
     step_deg = block_m / _DEGREE_M
     row = _floor_rounded((lat - south) / step_deg)
+    # Blocks at a pole are those of 89.9°, where the cosine is not 0.
     middle = np.radians(np.clip(south + (row + 0.5) * step_deg, -89.9, 89.9))
-    # Whole blocks around the world: each has two neighbours, wherever the antimeridian is.
+    # A whole number of blocks around the world: each has two neighbours, also at the antimeridian.
     around = np.maximum(np.floor(_EQUATOR_M * np.cos(middle) / block_m), 1.0)
     column = _floor_rounded(np.mod(u - west, 1.0) * around)
     _, numbers = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
@@ -354,23 +339,23 @@ def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
 def assign_parts(
     boxes: GroundBoxes, block: Numbers, order: Sequence[int], shares: Sequence[float], gap_m: float
 ) -> Numbers:
-    """Part (n,) of each box: 0 training, 1 validation, 2 test, -1 for the gap.
+    """Assign boxes (n,) to parts: 0 training, 1 validation, 2 test, -1 for the gap.
 
     Parameters
     ----------
     block : array (n,)
-        Block of each box, as `assign_blocks` has it.
+        Block of each box, from `assign_blocks`.
     order : sequence of int
-        All blocks, in the order in which they are given to the test and the validation part.
+        All blocks, in the order in which the test and validation parts take them.
     shares : sequence of float
-        Of training, validation and test among the boxes that are left.
+        Shares of training, validation and test among the boxes outside the gap.
     gap_m : float
-        Least distance between ground of different parts.
+        Smallest distance between the ground of different parts.
     """
     sizes = np.bincount(block)
     best, best_off = np.full(len(block), -1, np.int64), math.inf
     targets = [share * len(block) for share in shares]
-    # Repeated, as images in the gap change what the shares refer to.
+    # Repeated, as the images in the gap change the shares.
     for _ in range(6):
         of_block = _assign_parts(sizes, order, shares, targets)
         part = _remove_gap(boxes, of_block[block], gap_m)
@@ -378,7 +363,7 @@ def assign_parts(
         if off < best_off:
             best, best_off = part, off
         counts = np.array([(part == one).sum() for one in range(3)], np.float64)
-        # What a part gave away to the gap it is to have more of; what it has too much of, less.
+        # Aim higher for parts that lost images to the gap, and lower for others.
         moved = [target + (share * counts.sum() - count) / 2.0 for target, share, count in zip(targets, shares, counts)]
         if moved == targets:
             break
@@ -387,7 +372,7 @@ def assign_parts(
 
 
 def deviation(part: Numbers, shares: Sequence[float]) -> float:
-    """Largest difference of the shares reached from those asked for; infinite where a part is left without images."""
+    """Largest difference of the reached shares from those asked for; infinite if a part has no images."""
     counts = [int((part == one).sum()) for one in range(3)]
     if any(share > 0.0 and not count for share, count in zip(shares, counts)):
         return math.inf
@@ -395,7 +380,7 @@ def deviation(part: Numbers, shares: Sequence[float]) -> float:
 
 
 def _assign_parts(sizes: Numbers, order: Sequence[int], shares: Sequence[float], targets: Sequence[float]) -> Numbers:
-    """Part of each block, so that parts have about as many images as is aimed for."""
+    """Assign blocks to parts so that these have about their target numbers of images."""
     of_block = np.zeros(len(sizes), np.int64)
     left = list(order)
     for part in (2, 1):
@@ -419,26 +404,26 @@ def _assign_parts(sizes: Numbers, order: Sequence[int], shares: Sequence[float],
 
 
 def _remove_gap(boxes: GroundBoxes, part: Numbers, gap_m: float) -> Numbers:
-    """Parts (n,), -1 for boxes that come too near to one of another part that comes before theirs."""
+    """Copy parts (n,) with -1 for boxes too close to one of a later part."""
     part = part.copy()
     for low, high in ((1, (2,)), (0, (1, 2))):
         mine, others = np.flatnonzero(part == low), np.flatnonzero(np.isin(part, high))
         if len(mine) and len(others):
-            part[mine[find_near(boxes.take(mine), boxes.take(others), gap_m)]] = -1
+            part[mine[find_close(boxes.take(mine), boxes.take(others), gap_m)]] = -1
     return part
 
 
-def find_near(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
-    """Which of the boxes (n,) share ground with one of others (m,), or are nearer to one than the gap.
+def find_close(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
+    """Find boxes (n,) that share ground with one of others (m,), or are closer to one than the gap.
 
-    Boxes that only touch share nothing. In doubt (at corners, by the shape of the Earth) they are near.
+    Boxes that only touch share nothing. Cases of doubt, at corners and by the shape of the Earth, count as close.
     """
     wide = _enlarge(others, gap_m)
     found = np.zeros(len(boxes.west_u), np.bool_)
     for mine in _size_classes(boxes):
         for theirs in _size_classes(wide):
             some = boxes.take(mine)
-            # The ground of boxes half a world away from the middle is the same one turn on.
+            # Longitudes repeat after a turn.
             for turn in (-1.0, 0.0, 1.0):
                 turned = wide.take(theirs)._replace(
                     west_u=wide.west_u[theirs] + turn, east_u=wide.east_u[theirs] + turn
@@ -450,13 +435,13 @@ def find_near(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
 
 
 def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
-    """Boxes that hold all ground nearer than a gap to boxes.
+    """Enlarge boxes by all ground closer to them than a gap.
 
-    On a sphere the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
+    On a sphere, the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
     """
     if gap_m == 0.0:
         return boxes
-    # Below the ellipsoid's smallest radius of curvature, 6335 km: angles come out too large.
+    # Less than the ellipsoid's smallest radius of curvature, 6335 km, so that angles are rather too large.
     angle = gap_m / 6_330_000.0
     farthest = np.radians(np.maximum(np.abs(boxes.south_deg), np.abs(boxes.north_deg)))
     ratio = math.sin(angle) / np.maximum(np.cos(farthest), 1e-12)
@@ -469,15 +454,16 @@ def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
 
 
 def _size_classes(boxes: GroundBoxes) -> Iterator[NDArray[np.intp]]:
-    """Numbers of boxes of about the same size."""
+    """Yield indices of boxes of about the same size."""
     size = np.maximum(boxes.east_u - boxes.west_u, (boxes.north_deg - boxes.south_deg) / 360.0)
+    # Sizes in a class differ by up to a factor of 4, so bins as large as the largest box hold few of the others.
     kind = np.floor(np.log(np.maximum(size, 1e-12)) / math.log(4.0))
     for one in np.unique(kind):
         yield np.flatnonzero(kind == one)
 
 
 def _find_overlapping(boxes: GroundBoxes, others: GroundBoxes) -> Flags:
-    """Which of the boxes (n,) have ground in common with one of others (m,), n and m > 0."""
+    """Find boxes (n,) that share ground with one of others (m,), n and m > 0."""
     bin_u = max(_widest(boxes.east_u - boxes.west_u), _widest(others.east_u - others.west_u))
     bin_deg = max(_widest(boxes.north_deg - boxes.south_deg), _widest(others.north_deg - others.south_deg))
     west, south = others.west_u.min() - bin_u, others.south_deg.min() - bin_deg
@@ -488,12 +474,12 @@ def _find_overlapping(boxes: GroundBoxes, others: GroundBoxes) -> Flags:
     def rows(lat_deg: Floats) -> Numbers:
         return np.asarray(np.floor((lat_deg - south) / bin_deg), np.int64)
 
-    # Each box counts for the bin of its south-west corner; from one that meets another it is at most a bin away.
+    # Each box is in the bin of its south-west corner; bins of overlapping boxes are at most one apart.
     first_column, last_column = columns(others.west_u) - 1, columns(others.east_u)
     first_row, last_row = rows(others.south_deg) - 1, rows(others.north_deg)
     across = max(int(last_column.max()), int(columns(boxes.west_u).max())) + 3
     inside = columns(boxes.west_u) >= -1
-    # Columns before the first are those of boxes that meet none.
+    # Boxes west of the first column overlap none.
     candidates = np.flatnonzero(inside)
     keys = rows(boxes.south_deg[candidates]) * across + columns(boxes.west_u[candidates]) + 1
     sorting = np.argsort(keys, kind="stable")
@@ -517,13 +503,13 @@ def _find_overlapping(boxes: GroundBoxes, others: GroundBoxes) -> Flags:
 
 
 def _pairs(start: Numbers, stop: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
-    """Pairs of i and of each number from start[i] up to stop[i], some at a time."""
+    """Yield pairs of i and each number from start[i] up to stop[i], some at a time."""
     counts = stop - start
     ends = np.cumsum(counts)
     first = 0
     while first < len(counts):
         before = int(ends[first - 1]) if first else 0
-        # Bounds memory to some 100 MB.
+        # Bounds memory to about 100 MB.
         last = max(int(np.searchsorted(ends, before + 2_000_000, "right")), first + 1)
         some = np.arange(first, last)
         index = np.repeat(some, counts[first:last])
@@ -533,10 +519,12 @@ def _pairs(start: Numbers, stop: Numbers) -> Iterator[tuple[Numbers, Numbers]]:
 
 
 def _widest(sizes: Floats) -> float:
-    """Largest size, and a little more, so that rounding puts no two boxes that meet two bins apart."""
+    """Largest size and a little more, so that rounding does not put overlapping boxes two bins apart."""
     return max(float(sizes.max()), 1e-12) * (1.0 + 1e-6)
 
 
 def _floor_rounded(values: Floats) -> Floats:
-    whole: Floats = np.floor(np.round(values / _ROUNDED) * _ROUNDED)
+    # Centres of regular missions often lie on the border of two blocks: every machine is to choose the same one.
+    step = 2.0**-20
+    whole: Floats = np.floor(np.round(values / step) * step)
     return whole

@@ -1,6 +1,7 @@
-"""Labels of images: where their centres are, in metres of one frame, scaled for training.
+"""Labels of images: positions of their centres in metres of one frame, scaled for training.
 
-Labels are float64. A network's float32 keeps them to 6e-8 of their size: 0.3 mm where the standard deviation is 5 km.
+Labels are float64. Converted to float32 for a network, they keep 6e-8 of their size: 0.3 mm for a standard deviation of
+5 km.
 """
 
 from __future__ import annotations
@@ -33,23 +34,15 @@ if TYPE_CHECKING:
     from pyproj import CRS
 
 
-#: In a dataset's folder: the frame and the scaler of its labels.
+#: File in a dataset's folder with the frame and the scaler of its labels.
 LABELS_FILE = "labels.json"
 #: Columns of labels.
 NAMES = ("easting_m", "northing_m")
-#: What stands in the file while a split is being written: where it is left, parts of map types may disagree.
+#: Contents of the file while a split is written; if they remain, the parts of map types may disagree.
 _UNFINISHED = '{"unfinished": "split"}\n'
-MERCATOR = "EPSG:3857"
-#: Where UTM ends and the Universal Polar Stereographic system begins, degrees (NGA.SIG.0012).
+_WEB_MERCATOR = "EPSG:3857"
+#: Latitudes at which UTM gives way to Universal Polar Stereographic, degrees (NGA.SIG.0012).
 _UTM_NORTH_DEG, _UTM_SOUTH_DEG = 84.0, -80.0
-#: WGS 84 / UPS with easting before northing.
-_UPS_NORTH, _UPS_SOUTH = "EPSG:5041", "EPSG:5042"
-#: Most that a position may be off after the way to a frame and back, metres: projections in their domain keep
-#: nanometres, shifts between datums, and an oblique plane beside a pole, some tenths of a millimetre.
-_ROUND_TRIP_M = 1e-3
-#: Labels that spread less than this, in their unit, are all the same: for metres, a thousandth of a millimetre is noise
-#: of the projection, and to enlarge it to a standard deviation of 1 would teach noise.
-CONSTANT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -59,11 +52,11 @@ class Labels:
     Parameters
     ----------
     scaler : Scaler
-        Of eastings and northings in the frame.
+        Scaler of eastings and northings in the frame.
     fitted_on : str
-        Part of the dataset that the scaler is fitted on: ``train``, or ``all`` where there is no such part.
+        Part of the dataset that the scaler is fitted on: ``train``, or ``all`` without such a part.
     images : int
-        Number of places that it is fitted on.
+        Number of places that the scaler is fitted on.
     """
 
     frame: Frame
@@ -80,13 +73,12 @@ class Labels:
         return self.scaler.transform(self.frame.forward(lat_deg, lon_deg))
 
     def positions(self, values: Floats) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes (n,) in degrees of labels (n, 2), such as those that a network predicts.
+        """Latitudes and longitudes (n,) in degrees of labels (n, 2), such as a network predicts.
 
-        The scaler is exact (see `Scaler`), and what the projection is off there and back is all that labels as `of`
-        makes them are: 20 nm in a UTM zone, in Web Mercator, and in the mission's plane up to 80° of latitude; a
-        micrometre in UPS, and in the mission's plane up to half a degree from a pole. Elsewhere, tens of degrees from
-        a zone, at a pole, and in frames ``EPSG:…`` of another datum, it is less than a millimetre, which is checked for
-        the images when the frame is made.
+        The scaler is exact (see `Scaler`), so positions are off by the round trip through the projection only: 20 nm in
+        a UTM zone, in Web Mercator, and in the mission's plane up to 80° of latitude; a micrometre in UPS, and in the
+        mission's plane up to half a degree from a pole. Elsewhere, far from a zone, at a pole, and in frames ``EPSG:…``
+        of another datum, it is less than a millimetre, which `choose_frame` checks for the images.
         """
         return self.frame.inverse(self.scaler.inverse(values))
 
@@ -107,7 +99,7 @@ class Labels:
         )
 
     def to_json(self) -> str:
-        """Text in which every number has all its digits."""
+        """JSON text, with all digits of numbers."""
         document = {
             "frame": self.frame.crs,
             "frame_name": self.frame.name,
@@ -124,7 +116,7 @@ class Labels:
 
     @classmethod
     def from_json(cls, text: str, name: str = LABELS_FILE) -> Labels:
-        """Labels of the text of `to_json`; raises InvalidInput, in which ``name`` is what the text is called."""
+        """Parse the text of `to_json`; raises InvalidInput, which calls the text ``name``."""
         if text == _UNFINISHED:
             raise InvalidInput(
                 "{0}: a split was interrupted, so the parts of its map types may disagree",
@@ -141,7 +133,7 @@ class Labels:
                 float(document["middle_lon_deg"]),
                 tuple(map(str, document["zones"])),
             )
-            # A frame that PROJ does not know is found out here, and not at the first image.
+            # Fail now, not at the first image, if PROJ does not know the frame.
             frame.forward(np.array([frame.middle_lat_deg]), np.array([frame.middle_lon_deg]))
             scaler = Scaler(tuple(map(float, document["mean"])), tuple(map(float, document["scale"])))
             return cls(frame, scaler, str(document["fitted_on"]), int(document["images"]))
@@ -151,12 +143,12 @@ class Labels:
             raise InvalidInput("{0}: cannot be read ({1})", name, fault, remedy="have it made anew by split") from wrong
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write to a file, whole or not at all; raises OutputError."""
+        """Write to a file atomically; raises OutputError."""
         write_whole(path, self.to_json().encode("utf-8"))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Labels:
-        """Labels of a file; raises InvalidInput."""
+        """Read labels from a file; raises InvalidInput."""
         try:
             text = decoded(read_limited(path, MAX_SETTINGS_BYTES))
         except (OSError, InvalidInput) as wrong:
@@ -165,14 +157,14 @@ class Labels:
 
 
 def mark_unfinished(path: str | os.PathLike[str]) -> None:
-    """Write to a labels' file that a split is under way, which `Labels.load` refuses; raises OutputError."""
+    """Mark a labels file as that of an unfinished split, which `Labels.load` refuses; raises OutputError."""
     write_whole(path, _UNFINISHED.encode("utf-8"))
 
 
 def make_labels(
     lat_deg: Floats, lon_deg: Floats, frame: str = "utm", *, training: NDArray[np.bool_] | None = None
 ) -> Labels:
-    """Labels for positions.
+    """Make labels for positions.
 
     Parameters
     ----------
@@ -181,12 +173,12 @@ def make_labels(
     frame : str
         See `choose_frame`.
     training : array of bool (n,) or None
-        Those that the scaler is fitted on: what is to be found out about the others stays unseen. None for all.
+        Positions that the scaler is fitted on, so that it reveals nothing of the others; None for all.
 
     Raises
     ------
     InvalidInput
-        No such frame, positions that it cannot hold, or none to fit the scaler on.
+        The frame does not exist or cannot hold the positions, or there are none to fit the scaler on.
     """
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
     found = choose_frame(lat, lon, frame)
@@ -204,10 +196,9 @@ def make_labels(
 
 
 def make_dataset_labels(tables: Iterable[Table], frame: str = "utm") -> Labels:
-    """Labels for the images of a dataset's map types together, each place once.
+    """Make labels for the images of all map types of a dataset, each place once.
 
-    The scaler is fitted on the places of the training part; where there is none, as without a split, on all that are
-    there and not rejected.
+    The scaler is fitted on the places of the training part or, without one, on all that have usable images.
 
     Raises
     ------
@@ -232,16 +223,16 @@ def make_dataset_labels(tables: Iterable[Table], frame: str = "utm") -> Labels:
 
 @dataclass(frozen=True)
 class Frame:
-    """A plane in metres, and the place that its longitudes are continuous with.
+    """A plane in metres, and the position about which its longitudes are continuous.
 
     Parameters
     ----------
     crs : str
         ``EPSG:…``, or PROJ's text of an oblique stereographic plane.
     middle_lat_deg, middle_lon_deg : float
-        Middle of the positions it is for.
+        Middle of its positions.
     zones : tuple of str
-        UTM and UPS zones that these lie in, such as ``16N``, ``UPS north``.
+        UTM and UPS zones of its positions, such as ``16N``, ``UPS north``.
     """
 
     crs: str
@@ -257,12 +248,12 @@ class Frame:
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Eastings and northings (n, 2) in metres of positions (n,) in degrees.
 
-        In Web Mercator, positions beyond the antimeridian from the middle go on beyond the map's edge.
+        In Web Mercator, positions across the antimeridian from the middle continue beyond the map's edge.
         """
         lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
-        if self.crs == MERCATOR:
+        if self.crs == _WEB_MERCATOR:
             continuous = self.middle_lon_deg + wrap_lon_deg(lon - self.middle_lon_deg)
-            # The way to the middle and back would cost the last bits where nothing has to be wrapped.
+            # Without wrapping, keep the last bits, which the detour by the middle would cost.
             u = lon_to_u(np.where(np.abs(continuous - lon) < 180.0, lon, continuous))
             metres: Floats = np.stack([2.0 * u - 1.0, 1.0 - 2.0 * lat_to_v(lat)], axis=-1) * HALF_WORLD_M
             return metres
@@ -272,7 +263,7 @@ class Frame:
         """Latitudes and longitudes (n,) in degrees, the latter in [-180, 180), of eastings and northings (n, 2)."""
         metres = np.asarray(metres, np.float64)
         east, north = metres[..., 0], metres[..., 1]
-        if self.crs == MERCATOR:
+        if self.crs == _WEB_MERCATOR:
             lat = v_to_lat((1.0 - north / HALF_WORLD_M) / 2.0)
             return lat, wrap_lon_deg(u_to_lon((east / HALF_WORLD_M + 1.0) / 2.0))
         lat, lon = transformation(self.crs).inverse(east, north)
@@ -280,19 +271,19 @@ class Frame:
 
 
 def choose_frame(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
-    """One frame for all of some positions (n,) in degrees, n > 0.
+    """Choose one frame for positions (n,) in degrees, n > 0.
 
     Parameters
     ----------
     frame : str
-        ``utm``: the UTM zone of their middle, with the exceptions of Norway and Svalbard, and UPS where the middle is
-        north of 84° or south of 80° S. ``mercator``: EPSG:3857. ``mission``: an oblique stereographic plane about their
+        ``utm``: the UTM zone of their middle, with the exceptions of Norway and Svalbard, or UPS if the middle is north
+        of 84° N or south of 80° S. ``mercator``: EPSG:3857. ``mission``: an oblique stereographic plane about their
         middle, which has no zones and suits any place but a pole. Or a projected system in metres as ``EPSG:…``.
 
     Raises
     ------
     InvalidInput
-        No such frame, no positions, or some that the frame cannot hold.
+        There is no such frame, there are no positions, or the frame cannot hold some.
     """
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
     if not lat.size or not (np.isfinite(lat) & np.isfinite(lon) & (np.abs(lat) <= 90.0)).all():
@@ -306,7 +297,7 @@ def choose_frame(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
 
 
 def middle_position(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
-    """Middle of the smallest box of latitude and longitude that holds positions (n,), in degrees."""
+    """Middle of the smallest box of latitude and longitude around positions (n,), in degrees."""
     lon = np.sort(wrap_lon_deg(lon_deg))
     gaps = np.append(np.diff(lon), lon[0] + 360.0 - lon[-1])
     widest = int(np.argmax(gaps))
@@ -316,9 +307,9 @@ def middle_position(lat_deg: Floats, lon_deg: Floats) -> tuple[float, float]:
 
 
 def grid_zones(lat_deg: Floats, lon_deg: Floats) -> tuple[str, ...]:
-    """UTM and UPS zones that positions (n,) in degrees lie in, sorted."""
+    """UTM and UPS zones of positions (n,) in degrees, sorted."""
     places = set(zip(np.floor(lat_deg).tolist(), np.floor(wrap_lon_deg(lon_deg)).tolist()))
-    # All borders of zones are whole degrees: the corner of a one-degree square stands for all of it.
+    # All zones begin at whole degrees: the corner of a one-degree square decides for all of it.
     return tuple(sorted({_zone_name(lat, lon) for lat, lon in places}))
 
 
@@ -331,13 +322,14 @@ def _zone_name(lat_deg: float, lon_deg: float) -> str:
 
 def _frame_crs(frame: str, lat_deg: float, lon_deg: float) -> str:
     if frame == "mercator":
-        return MERCATOR
+        return _WEB_MERCATOR
     if frame == "mission":
         return f"+proj=sterea +lat_0={lat_deg!r} +lon_0={lon_deg!r} +k=1 +ellps=WGS84 +units=m +type=crs"
     if frame == "utm":
+        # UPS with easting before northing.
         if lat_deg >= _UTM_NORTH_DEG:
-            return _UPS_NORTH
-        return _UPS_SOUTH if lat_deg < _UTM_SOUTH_DEG else f"EPSG:{utm_zone(lat_deg, lon_deg).epsg}"
+            return "EPSG:5041"
+        return "EPSG:5042" if lat_deg < _UTM_SOUTH_DEG else f"EPSG:{utm_zone(lat_deg, lon_deg).epsg}"
     if re.fullmatch(r"EPSG:\d+", frame, re.IGNORECASE) is None:
         raise InvalidInput("frame {0!r}: must be {1} or a code like EPSG:32616", frame, ", ".join(FRAMES))
     code = frame.upper()
@@ -349,7 +341,7 @@ def _frame_crs(frame: str, lat_deg: float, lon_deg: float) -> str:
         ) from wrong
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info):
         raise InvalidInput(
-            "frame {0}: is {1}, no projected system in metres, which labels need",
+            "frame {0}: is {1}, not a projected system in metres, which labels need",
             frame,
             crs.name,
             remedy="give the code of one",
@@ -358,12 +350,14 @@ def _frame_crs(frame: str, lat_deg: float, lon_deg: float) -> str:
 
 
 def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
-    """Raise InvalidInput unless a frame has a place for each position, from which it is found again."""
+    """Raise InvalidInput unless positions survive the round trip through a frame."""
+    # Projections keep nanometres in their domain; shifts between datums, and an oblique plane beside a pole, some
+    # tenths of a millimetre.
+    tolerance_m = 1e-3
     metres = frame.forward(lat, lon)
-    # What has no place is found by that, and not by a warning.
     with np.errstate(invalid="ignore"):
         back_lat, back_lon = frame.inverse(metres)
-    # PROJ's word for what cannot be projected is infinity.
+    # PROJ returns infinity for positions that it cannot project.
     held = np.isfinite(metres).all(axis=-1) & np.isfinite(back_lat) & np.isfinite(back_lon)
     if held.all():
         middle = frame.forward(np.array([frame.middle_lat_deg]), np.array([frame.middle_lon_deg]))
@@ -373,11 +367,10 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
             np.full_like(lat, frame.middle_lat_deg),
         )
         ground = geodesics(middle_lat, middle_lon, lat, lon)[2]
-        held &= geodesics(lat, lon, back_lat, back_lon)[2] <= _ROUND_TRIP_M
-        # NaN where the middle has no place in the frame.
-        # Web Mercator enlarges distances from the middle by up to 11.6, where its map ends; a frame cut by a seam
-        # enlarges them far more.
-        held &= ~(away > 16.0 * ground + _ROUND_TRIP_M)
+        held &= geodesics(lat, lon, back_lat, back_lon)[2] <= tolerance_m
+        # Web Mercator enlarges distances from the middle by up to 11.6, at the edge of its map; a frame cut by a seam
+        # enlarges them far more. NaN, if the frame cannot hold the middle, passes.
+        held &= ~(away > 16.0 * ground + tolerance_m)
     if not held.all():
         worst = int(np.flatnonzero(~held)[0])
         place = f"{lat[worst]:.6f} {lon[worst]:.6f}"
@@ -401,7 +394,7 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
 
 @lru_cache(maxsize=8)
 def _crs(code: str) -> CRS:
-    """Systems are costly to make (some ms)."""
+    """Cached, as making a CRS takes some milliseconds."""
     return read_reference(code)
 
 
@@ -409,14 +402,14 @@ def _crs(code: str) -> CRS:
 class Scaler:
     """Means and standard deviations of labels, by column.
 
-    `inverse` gives back what `transform` was given: to the last bit where a value is at least 8 times as far from 0 as
-    from the mean (eastings and northings of a mission, as a rule), as the three roundings in between are then less than
-    half of the value's last bit; elsewhere within 2⁻⁵¹ of the distance from the mean, 0.4 nm at 1000 km.
+    `inverse` reverts `transform`: to the last bit if a value is at least 8 times as far from 0 as from the mean, as are
+    most eastings and northings, since the three roundings in between are then less than half of the value's last bit;
+    otherwise within 2⁻⁵¹ of the distance from the mean, 0.4 nm at 1000 km.
 
     Parameters
     ----------
     scale : tuple of float
-        Standard deviations (of the population, as scikit-learn's ``StandardScaler`` has them), all above 0.
+        Standard deviations of the population, as in scikit-learn's ``StandardScaler``, all above 0.
     """
 
     mean: tuple[float, ...]
@@ -434,15 +427,15 @@ class Scaler:
 
     @classmethod
     def fit(cls, values: Floats) -> Scaler:
-        """Scaler of these values (n, k), n > 0.
+        """Fit a scaler to values (n, k), n > 0.
 
-        Sums are exact before they are rounded (`math.fsum`), so that every machine finds the same numbers. A column
-        that is constant (see `CONSTANT`) has scale 1: it becomes 0, and comes back.
+        Sums are exact before they are rounded (`math.fsum`), so every machine finds the same numbers. A column that
+        spreads by at most 1e-6 is constant: it has scale 1 and becomes 0.
 
         Raises
         ------
         InvalidInput
-            No values, or some that are not finite.
+            There are no values, or some are not finite.
         """
         if not len(values) or not np.isfinite(values).all():
             raise InvalidInput("scaler: {0} values to fit it to; needs one or more, all finite numbers", len(values))
@@ -462,9 +455,10 @@ class Scaler:
 
 def _fit_column(column: Sequence[float]) -> tuple[float, float]:
     """Mean and standard deviation of a column."""
-    if max(column) - min(column) <= CONSTANT:
+    # A micrometre is noise of the projection; scaling it to a standard deviation of 1 would teach noise.
+    if max(column) - min(column) <= 1e-6:
         return column[0], 1.0
     mean = math.fsum(column) / len(column)
-    # Products are rounded alike everywhere; powers are as good as the machine's library of mathematics.
+    # Products are rounded alike everywhere; powers depend on the machine's mathematics library.
     squares = ((value - mean) * (value - mean) for value in column)
     return mean, math.sqrt(math.fsum(squares) / len(column))

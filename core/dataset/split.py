@@ -1,7 +1,7 @@
-"""Splitting: each image of a dataset goes to the training, the validation or the test part.
+"""Split a dataset into training, validation and test parts.
 
-What decides is a hash of the seed and the image's name, so that every machine and every version of every library comes
-to the same split, and an image's part does not depend on what is in its pixels.
+A hash of the seed and the image's name decides, so the split is the same on every machine and with every version of
+every library, and does not depend on pixels.
 """
 
 from __future__ import annotations
@@ -26,45 +26,38 @@ from .ground import (
     assign_blocks,
     assign_parts,
     deviation,
-    find_near,
+    find_close,
     ground_boxes,
     largest_side_m,
 )
 from .labels import LABELS_FILE, Labels, make_dataset_labels, mark_unfinished, middle_position
 from .table import GAP, SPLIT, Table, usable_rows
 
-#: Share of an image's side that rounding to pixels makes neighbours share at most.
-_ROUNDING = 0.01
-#: Widest gap, metres: beyond, it is no local one, and the sine of its angle no measure.
-_WIDEST_GAP_M = 1_000_000.0
-#: Shares of the work that are done when tables are read, when the ground is known, and when all have their part.
-_READ, _GROUND, _PARTED = 0.3, 0.6, 0.8
-
 
 @dataclass(frozen=True)
 class Split:
-    """A split as it was made, or would be.
+    """Result of a split, or of a dry run.
 
     Parameters
     ----------
     images : mapping of str to int
-        Places of each part; a place has one image of each map type.
+        Number of places in each part; a place has one image of each map type.
     gap : int
-        Places that are in no part, as their ground is shared with another one's, or too near to it.
+        Places in no part, as their ground overlaps that of another part or is too close to it.
     unknown : int
-        Places that are in no part (``gap`` in the table as well), as nobody knows the ground that they show: images
-        that see the horizon or a pole, or come from no map.
+        Places in no part (also ``gap`` in the table), as their ground is unknown: images that see the horizon or a
+        pole, or do not come from a map.
     left_out : int
-        Places whose images have failed or have been rejected, which are not asked for.
+        Places whose images have failed or have been rejected.
     block_m, gap_m : float or None
         Side of the blocks and minimum distance between parts; None without blocks.
     blocks : int or None
         Number of blocks.
     seen : float or None
-        Share of the test's places that show ground which a training image shows, too; None where there is no test, or
-        nobody knows the ground.
+        Share of the test's places whose ground a training image shows, too; None without a test part or if the ground
+        is unknown.
     labels : Labels
-        Frame and scaler, as saved.
+        Frame and scaler of the labels, as saved.
     """
 
     images: Mapping[str, int]
@@ -81,7 +74,7 @@ class Split:
 
     @property
     def shares(self) -> dict[str, float]:
-        """Shares reached, of the places that are in a part."""
+        """Shares of the parts reached, among the places in any part."""
         return {part: count / sum(self.images.values()) for part, count in self.images.items()}
 
 
@@ -97,31 +90,32 @@ def split(
     dry_run: bool = False,
     progress: Report | None = None,
 ) -> Split:
-    """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
+    """Write the part of each image to a dataset's tables (column ``split``), and the frame and scaler of its labels.
 
-    Images of one place are in the same part in every map type and imagery (see `folder.place_key`). Failed and rejected
-    ones are in none. An earlier split is replaced; where that is interrupted, reading its labels says so until it is
-    done again.
+    Images of one place are in the same part in all map types and imageries (see `folder.place_key`). Failed and
+    rejected images are in none. An earlier split is replaced. After an interruption, `Labels.load` refuses the labels
+    until the dataset is split again.
 
     Parameters
     ----------
     folder : path
-        Of a dataset.
+        Dataset.
     shares : sequence of three floats
-        Of training, validation and test; they add up to 1. A part may have 0.
+        Shares of training, validation and test, which add up to 1; any may be 0.
     seed : int
-        Of the order.
+        Seed of the order.
     how : {"auto", "shuffled", "in-order", "blocks"}
-        By the hash of seed and name; in the table's order; or by blocks of ground, in the order of their hashes, such
-        that no ground is in images of two parts. ``auto`` takes blocks where images overlap, and else the hashes.
+        ``shuffled`` takes images by the hash of seed and name, ``in-order`` by the table, and ``blocks`` takes blocks
+        of ground by their hashes, so that no two parts show the same ground. ``auto`` is ``blocks`` if images overlap,
+        else ``shuffled``.
     block_m : float or None
-        Side of the blocks; None finds one.
+        Side of the blocks; None chooses one.
     gap_m : float
-        With blocks: minimum distance between the ground of two parts.
+        Smallest distance between the ground of two parts, with blocks.
     frame : str
-        Of the labels (see `labels.choose_frame`).
+        Frame of the labels (see `labels.choose_frame`).
     dry_run : bool
-        Change nothing.
+        Change no files.
     progress : callable
         Called with the share done, 0 to 1; returning False stops the split before anything is changed.
 
@@ -130,16 +124,16 @@ def split(
     Cancelled
         ``progress`` returned False.
     InvalidInput
-        A folder that is no dataset, a table that says otherwise than the files, or a split that cannot be made: nothing
-        is changed then.
+        The folder is not a dataset, a table disagrees with the files, or the split is impossible. Nothing is changed
+        then.
     OutputError
-        Another run is at work in the folder, or it cannot be written.
+        Another run works in the folder, or it cannot be written.
     """
-    wanted = _checked(shares, how, block_m, gap_m)
+    wanted = _check(shares, how, block_m, gap_m)
     with locked_folder(folder, only_read=dry_run):
         dataset = read_dataset(folder)
         sets, place = list(dataset.image_sets.values()), dataset.place_key()
-        _report(progress, _READ)
+        _report(progress, 0.3)
         places = _places(sets, place)
         if not places:
             raise InvalidInput(
@@ -147,7 +141,7 @@ def split(
                 folder,
             )
         boxes = _known_ground(dataset.folder, sets, places, needed=how == "blocks")
-        _report(progress, _GROUND)
+        _report(progress, 0.6)
         if how == AUTO:
             how = "blocks" if block_m is not None or gap_m or (boxes is not None and _do_overlap(boxes)) else "shuffled"
         block_side: float | None = None
@@ -162,9 +156,9 @@ def split(
             of_place = dict(zip(order, assign_counts(len(order), wanted)))
         tables = [_add_parts(images, of_place, place) for images in sets]
         labels = make_dataset_labels(tables, frame)
-        _report(progress, _PARTED)
+        _report(progress, 0.8)
         if not dry_run:
-            # Tables are written one by one: until the last, parts of one map type may be other than another's.
+            # Tables are written one by one: until the last one, the parts of map types may differ.
             mark_unfinished(dataset.folder / LABELS_FILE)
             for images, table in zip(sets, tables):
                 table.save(images.folder / TABLE_FILE)
@@ -193,12 +187,12 @@ def _report(progress: Report | None, share: float) -> None:
 
 
 def shuffle(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:
-    """Names in the order of the SHA-256 of ``seed:name``, the same everywhere."""
+    """Sort names by the SHA-256 of ``seed:name``, which is the same everywhere."""
     return sorted(names, key=lambda name: hashlib.sha256(f"{seed}:{name}".encode()).digest())
 
 
 def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
-    """Shares of training, validation and test; raises InvalidInput where they are none, or do not add up to 1."""
+    """Return shares of training, validation and test; raises InvalidInput if they are not three that add up to 1."""
     said = ", ".join(f"{share:g}" for share in shares)
     if len(shares) != len(PARTS):
         raise InvalidInput("shares {0}: must be three, of {1}", said, ", ".join(PARTS))
@@ -211,7 +205,7 @@ def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
     return train, validation, test
 
 
-def _checked(shares: Sequence[float], how: str, block_m: float | None, gap_m: float) -> tuple[float, float, float]:
+def _check(shares: Sequence[float], how: str, block_m: float | None, gap_m: float) -> tuple[float, float, float]:
     wanted = checked_shares(shares)
     if how not in WAYS:
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
@@ -221,13 +215,15 @@ def _checked(shares: Sequence[float], how: str, block_m: float | None, gap_m: fl
         )
     if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
         raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)
-    if not 0.0 <= gap_m <= _WIDEST_GAP_M:
-        raise InvalidInput("gap of {0} m: must be from 0 to {1:,.0f} m", gap_m, _WIDEST_GAP_M)
+    # The sine of the gap's angle measures distances only up to there.
+    widest_m = 1_000_000.0
+    if not 0.0 <= gap_m <= widest_m:
+        raise InvalidInput("gap of {0} m: must be from 0 to {1:,.0f} m", gap_m, widest_m)
     return wanted
 
 
 def _places(sets: Sequence[ImageSet], place: Callable[[str], str]) -> dict[str, list[tuple[int, int]]]:
-    """Map type and row of the images of each place, in the tables' order; of those that are taken."""
+    """Map type and row of the usable images of each place, in the tables' order."""
     places: dict[str, list[tuple[int, int]]] = {}
     for number, images in enumerate(sets):
         for row in np.flatnonzero(usable_rows(images.table)).tolist():
@@ -236,9 +232,9 @@ def _places(sets: Sequence[ImageSet], place: Callable[[str], str]) -> dict[str, 
 
 
 def assign_counts(count: int, shares: Sequence[float]) -> list[str]:
-    """Parts of so many images in order: numbers by largest remainder, and at least one for each part asked for.
+    """Parts (count,) in order, with sizes by largest remainder and at least 1 for shares above 0.
 
-    Raises InvalidInput where there are fewer images than parts.
+    Raises InvalidInput if there are fewer images than parts.
     """
     asked = [part for part, share in zip(PARTS, shares) if share > 0.0]
     if count < len(asked):
@@ -263,7 +259,7 @@ def assign_counts(count: int, shares: Sequence[float]) -> list[str]:
 def _known_ground(
     folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]], *, needed: bool
 ) -> GroundBoxes | None:
-    """Boxes of the ground of each place; None where none is known, or cannot be worked out and is not needed."""
+    """Boxes of the ground of each place; None if all are unknown, or cannot be computed and are not needed."""
     try:
         boxes = _ground(folder, sets, places)
     except InvalidInput:
@@ -274,26 +270,27 @@ def _known_ground(
 
 
 def _do_overlap(boxes: GroundBoxes) -> bool:
-    """Whether two images share more ground than rounding makes neighbours share."""
+    """Whether two images share more ground than neighbours do by rounding."""
     known = boxes.take(boxes.known)
-    across, up = (known.east_u - known.west_u) * _ROUNDING, (known.north_deg - known.south_deg) * _ROUNDING
+    # Rounded to pixels, neighbours share less than 1 % of their side.
+    across, up = (known.east_u - known.west_u) * 0.01, (known.north_deg - known.south_deg) * 0.01
     inner = GroundBoxes(known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up)
     number = np.arange(len(inner.west_u))
-    # Two numbers differ in one of their binary digits at least.
+    # Any two numbers differ in at least one binary digit.
     for digit in range(len(number).bit_length()):
         one = number >> digit & 1 == 1
-        if one.any() and find_near(inner.take(one), inner.take(~one), 0.0).any():
+        if one.any() and find_close(inner.take(one), inner.take(~one), 0.0).any():
             return True
     return False
 
 
 def _seen_share(parts: Sequence[str], boxes: GroundBoxes) -> float | None:
-    """Share of the test's places, of known ground, that share some with a training image; None without any."""
+    """Share of the test's places with known ground whose ground a training image shows; None without such places."""
     part = np.array(parts)
     test, train = (boxes.take(boxes.known & (part == one)) for one in (TEST, TRAIN))
     if not len(test.west_u):
         return None
-    return float(find_near(test, train, 0.0).mean()) if len(train.west_u) else 0.0
+    return float(find_close(test, train, 0.0).mean()) if len(train.west_u) else 0.0
 
 
 def _split_ground(
@@ -305,7 +302,7 @@ def _split_ground(
     block_m: float | None,
     gap_m: float,
 ) -> tuple[dict[str, str], float, int, int]:
-    """Part of each place, the side and the number of the blocks, and the number of places whose ground is not known."""
+    """Part of each place, side and number of the blocks, and number of places with unknown ground."""
     if boxes is None:
         raise InvalidInput(
             "folder {0}: the ground that its images show is not known (they see the horizon, or come "
@@ -328,25 +325,26 @@ def split_blocks(
     block_m: float | None = None,
     gap_m: float = 0.0,
 ) -> tuple[list[str], float, int]:
-    """Part of each box, or `GAP`, such that no ground is in two parts; the side and the number of the blocks.
+    """Part of each box, or `GAP`, such that no ground is in two parts; also the side and number of the blocks.
 
     Parameters
     ----------
-    boxes : Boxes
-        Of known ground, n of them.
+    boxes : GroundBoxes
+        Boxes (n,) of known ground.
     names : sequence of str
-        Of the boxes, all different: blocks are shared out by the hashes of those, and of the seed.
+        Distinct names of the boxes. With the seed, their hashes give the order of the blocks.
     shares, seed, block_m, gap_m
         As for `split`.
 
     Raises
     ------
     InvalidInput
-        A part would be left without any.
+        A part would be empty.
     """
     base = largest_side_m(boxes) + gap_m
     best: tuple[float, float, Numbers, int] | None = None
-    # Sides to try, relative to the longest image side and the gap; the largest that comes within 2 % of the shares.
+    # Sides to try, relative to the longest image side and the gap. Larger blocks lose fewer images to the gap, so the
+    # first side is taken that comes within 2 % of the shares, or else the one that comes closest.
     for side in (
         [times * base for times in (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)]
         if block_m is None
@@ -378,7 +376,7 @@ def split_blocks(
 
 
 def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
-    """Blocks in the order of the hashes of their first images by name."""
+    """Sort blocks by the hashes of their first names."""
     first: dict[str, int] = {}
     seen: set[int] = set()
     for name, one in sorted(zip(names, block.tolist())):
@@ -389,7 +387,7 @@ def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
 
 
 def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]) -> GroundBoxes:
-    """Boxes of the ground of each place, of the images of all map types together."""
+    """Boxes around the ground of each place, over the images of all map types."""
     number = {name: index for index, name in enumerate(places)}
     of_set: list[list[tuple[int, int]]] = [[] for _ in sets]
     for name, found in places.items():
@@ -404,10 +402,10 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
     edges = np.array([[np.inf], [-np.inf], [np.inf], [-np.inf]]).repeat(len(places), axis=1)
     for images, at, pairs in zip(sets, rows, of_set):
         place = np.array([one for _, one in pairs], np.intp)
-        # Imageries beside each other have their plans beside their images.
-        own = folder if images.folder == folder else images.folder.parent
-        boxes = ground_boxes(images, at, own, middle_lon)
-        # minimum and maximum pass NaN on: a place of which one image is not known is not known.
+        # If the dataset holds several imageries, each has its plan.
+        dataset = folder if images.folder == folder else images.folder.parent
+        boxes = ground_boxes(images, at, dataset, middle_lon)
+        # minimum and maximum propagate NaN: a place with one unknown image is unknown.
         with np.errstate(invalid="ignore"):
             for lowest in (0, 2):
                 np.minimum.at(edges[lowest], place, boxes[lowest])
@@ -416,7 +414,7 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
 
 
 def _add_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[str], str]) -> Table:
-    """Table of a map type with its column of parts."""
+    """Add the column of parts to a map type's table."""
     table = images.table
     cells = tuple(
         of_place[place(name)] if there else "" for name, there in zip(table.img_names, usable_rows(table).tolist())

@@ -1,6 +1,6 @@
-"""Images outside local folders: objects in a store, and ranges of shards.
+"""Images outside local folders: objects of a store, and ranges of shards.
 
-A shard is a tar beside the table; columns of the table hold the offset and size of each image in it.
+A shard is a tar beside the table, whose columns hold the offset and size of each image in it.
 """
 
 from __future__ import annotations
@@ -20,19 +20,12 @@ from ..storage.files import open_foreign, read_existing
 from ..storage.stores import get_range, is_address, is_file, list_sizes
 from .table import Table
 
-#: Tars are of blocks, and a member's header is one.
+#: Tars consist of blocks; a member's header is one.
 TAR_BLOCK_BYTES = tarfile.BLOCKSIZE
-_OF_THE_NEXT = (
-    tarfile.XHDTYPE,
-    tarfile.XGLTYPE,
-    tarfile.SOLARIS_XHDTYPE,
-    tarfile.GNUTYPE_LONGNAME,
-    tarfile.GNUTYPE_LONGLINK,
-)
 
 
 class Range(NamedTuple):
-    """Where an image's data begin in a shard, and how many bytes they are."""
+    """Position and size of an image's data in a shard."""
 
     offset_bytes: int
     size_bytes: int
@@ -40,20 +33,20 @@ class Range(NamedTuple):
 
 @dataclass(frozen=True)
 class StoredImage:
-    """An image in an object store or in a shard, to be read as a file's path is.
+    """An image in an object store or in a shard, used in place of a path.
 
     Parameters
     ----------
     name : str
-        The image's, with its ending.
+        Name of the image, with ending.
     place : Path
-        The object, or the shard that the image is in.
+        Path of the object, or of the shard that holds the image.
     range : Range or None
-        Of a shard.
+        Range of the shard; None for an object.
     shard_bytes : int
         Length of the shard.
     copy : Path or None
-        Where a copy of the shard may be on this machine, which is read if it is there.
+        Local copy of the shard, which is read if it exists.
     """
 
     name: str
@@ -67,7 +60,7 @@ class StoredImage:
 
     @property
     def suffix(self) -> str:
-        """Ending of the name."""
+        """Ending of the name, with its dot."""
         return Path(self.name).suffix
 
     def read_bytes(self) -> bytes:
@@ -76,9 +69,9 @@ class StoredImage:
         Raises
         ------
         InvalidInput
-            It is not there; or the shard is not, or has something else there.
+            The image or the shard does not exist, or the shard has something else there.
         OutputError
-            A store that cannot be asked.
+            The store cannot be reached.
         """
         if self.range is None:
             data = read_existing(self.place, MAX_IMAGE_FILE_BYTES)
@@ -88,7 +81,7 @@ class StoredImage:
         offset, size = self.range
         if size > MAX_IMAGE_FILE_BYTES:
             raise InvalidInput("image {0}: has {1:,} bytes; must have {2:,} at most", self, size, MAX_IMAGE_FILE_BYTES)
-        # One request for most images; what is large is in memory once, and only if its header says the same.
+        # Most images take one request. Above 16 MB, the header is checked first, and the data are in memory only once.
         data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= 16_000_000))
         member = parse_member(data[:TAR_BLOCK_BYTES])
         is_there = (
@@ -100,33 +93,33 @@ class StoredImage:
         found = data[TAR_BLOCK_BYTES:] or self._part(offset, size) if is_there else b""
         if len(found) != size:
             raise InvalidInput(
-                "image {0}: is not where the table says it is, as the shard is torn or another one",
+                "image {0}: is not where the table says it is, as the shard is damaged or a different one",
                 self,
                 remedy="put back the shard that belongs to the table",
             )
         return found
 
     def endings(self) -> Iterator[str]:
-        """Endings of the files that belong to the image, which are its neighbours in the shard.
+        """Yield endings of the image's files, which follow each other in the shard.
 
         Raises
         ------
         InvalidInput
-            As `members` does; or one of them is something else than a file, or passes the shard's end.
+            As `members`; or a member is not a regular file, or exceeds the shard.
         """
         if self.range is None:
             return
         key = None
         start = self.range.offset_bytes - TAR_BLOCK_BYTES
         for member in members(self._part, self.place, start, self.shard_bytes):
-            # Up to its first dot the files of one image have their name in common.
-            own, _, _ = member.name.partition(".")
-            key = own if key is None else key
-            if own != key:
+            # The files of an image have the same name up to its first dot.
+            stem, _, _ = member.name.partition(".")
+            key = stem if key is None else key
+            if stem != key:
                 return
             if not holds_file(member) or member.offset + member_bytes(member) > self.shard_bytes:
                 raise InvalidInput(
-                    "shard {0}: what it has of the image {1} at byte {2:,} is no whole file",
+                    "shard {0}: its part of image {1} at byte {2:,} is not a whole file",
                     self.place,
                     self.name,
                     member.offset,
@@ -134,7 +127,7 @@ class StoredImage:
             yield member.name[len(key) :]
 
     def _part(self, start: int, length: int) -> bytes:
-        """Some bytes of the shard."""
+        """Read bytes of the shard."""
         for path in (self.copy, self.place):
             if path is None:
                 continue
@@ -152,12 +145,12 @@ class StoredImage:
         return b""
 
 
-#: What the bytes of an image are read from.
+#: Where the bytes of an image are read from.
 ImageFile = Union[Path, StoredImage]
 
 
 def has_sidecar(image: ImageFile, endings: Iterable[str]) -> bool:
-    """Whether a file of the image's name and one of some endings is beside it."""
+    """Whether a file with the image's name and one of some endings is beside it."""
     if not isinstance(image, StoredImage):
         return any(image.with_suffix(ending).exists() for ending in endings)
     if image.range is None:
@@ -166,25 +159,25 @@ def has_sidecar(image: ImageFile, endings: Iterable[str]) -> bool:
 
 
 def is_name(text: str) -> bool:
-    """Whether a file in a folder may have such a name."""
+    """Whether a text can be the name of a file in a folder."""
     return text not in ("", ".", "..") and not re.search(r"[/\\:\x00]", text)
 
 
 def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
-    """Bytes of the shards that a table names, by their names, in its order.
+    """Sizes in bytes of the shards that a table names, by name, in its order.
 
     Raises
     ------
     InvalidInput
-        Rows that do not say where their images are, a shard that is not there, or one that is cut short.
+        A row does not locate its image, or a shard does not exist or is truncated.
     OutputError
-        A store that cannot be asked.
+        The store cannot be reached.
     """
     made = np.flatnonzero(table.made)
     offset, size = table.offset_bytes[made], table.size_bytes[made]
     names = [table.shard[row] for row in made.tolist()]
     known = np.array([is_name(name) for name in names], np.bool_)
-    # NaN, which is no number of bytes, is not at least one.
+    # NaN fails these comparisons.
     known &= (offset >= TAR_BLOCK_BYTES) & (size >= 1.0) & (offset % 1.0 == 0.0) & (size % 1.0 == 0.0)
     if not known.all():
         row = made[int(np.argmin(known))]
@@ -207,34 +200,34 @@ def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
 
 
 def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
-    """Sizes in bytes of the files that exist in a folder."""
+    """Sizes in bytes of the files in a folder, if they exist."""
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 
 def members(read: Callable[[int, int], bytes], shard: str | Path, start: int, end: int) -> Iterator[tarfile.TarInfo]:
-    """Members of a shard from one on, of which an image has a few: each behind the one before it.
-
-    Headers that state something of the next member, such as a long name, are no members.
+    """Yield consecutive members of a shard, without headers that extend the next one.
 
     Parameters
     ----------
     read : callable
-        Gives so many bytes from one on; fewer where there are no more.
+        Called with a position and a number of bytes; returns fewer at the end of the shard.
     shard : str or Path
-        For messages.
+        Name of the shard for messages.
     start, end : int
-        Where the first one's header begins, and where what is read ends.
+        Position of the first header; end of the range to read.
 
     Yields
     ------
     TarInfo
-        Its ``offset`` is where its header begins.
+        ``offset`` is the position of its header.
 
     Raises
     ------
     InvalidInput
-        A header of a negative size, or more members than an image has.
+        A header states a negative size, or there are more members than an image has.
     """
+    extensions = {tarfile.XHDTYPE, tarfile.XGLTYPE, tarfile.SOLARIS_XHDTYPE}
+    extensions |= {tarfile.GNUTYPE_LONGNAME, tarfile.GNUTYPE_LONGLINK}
     at, count = start, 0
     while at <= end - TAR_BLOCK_BYTES:
         member = parse_member(read(at, TAR_BLOCK_BYTES))
@@ -251,13 +244,14 @@ def members(read: Callable[[int, int], bytes], shard: str | Path, start: int, en
                 MAX_IMAGE_MEMBERS,
                 start,
             )
-        if member.type not in _OF_THE_NEXT:
+        if member.type not in extensions:
             yield member
         at += member_bytes(member)
 
 
 def parse_member(header: bytes) -> tarfile.TarInfo | None:
-    """File that a block of a tar is the header of; None where it is none, or not whole."""
+    """Parse a block of a tar as a member's header; None if it is not a complete one."""
+    # The magic of POSIX and GNU tars (POSIX.1, ustar interchange format).
     if header[257:262] != b"ustar":
         return None
     try:
@@ -267,10 +261,10 @@ def parse_member(header: bytes) -> tarfile.TarInfo | None:
 
 
 def holds_file(member: tarfile.TarInfo) -> bool:
-    """Whether a member is a file as it is, and no link, device, folder or file with holes."""
+    """Whether a member is a regular file, and not a link, device, folder or sparse file."""
     return member.type in (tarfile.REGTYPE, tarfile.AREGTYPE)
 
 
 def member_bytes(member: tarfile.TarInfo) -> int:
-    """Bytes of a member from its header to the next one's."""
+    """Bytes from a member's header to the next one."""
     return TAR_BLOCK_BYTES + -(-member.size // TAR_BLOCK_BYTES) * TAR_BLOCK_BYTES

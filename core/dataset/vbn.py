@@ -1,4 +1,4 @@
-"""The paper's Night Vision supplement: simulated camera images, and a text of metadata for each."""
+"""Read the paper's Night Vision supplement: simulated camera images, each with a metadata text."""
 
 from __future__ import annotations
 
@@ -19,19 +19,14 @@ from ..text.safe_json import decoded
 from .folder import SUPPLEMENT_FOLDER
 from .table import HEADERS, Table, first_faults
 
-IMAGE_FOLDER, TEXT_FOLDER = SUPPLEMENT_FOLDER, "MetaData2"
+_TEXT_FOLDER = "MetaData2"
 #: Key of the camera's position in a text: latitude and longitude in degrees, altitude in metres, between two words.
-POSITION = "Platform_position_LatLongAlt"
-#: Column of the table for the altitude, whose datum is unknown.
-ALTITUDE = "altitude_m"
-#: Keys that would be read as columns of ours: also an older spelling, and what clean and split write.
-_OURS = frozenset({*HEADERS, "row", "rejected", "split"})
-#: Ending of the images.
+_POSITION = "Platform_position_LatLongAlt"
 _IMAGE_ENDING = ".jpg"
 
 
 class CameraPosition(NamedTuple):
-    """Where a camera was."""
+    """Position of a camera."""
 
     lat_deg: float
     lon_deg: float
@@ -39,38 +34,38 @@ class CameraPosition(NamedTuple):
 
 
 def read_vbn(folder: Path) -> tuple[Table, Path]:
-    """Table of the images of a supplement, and the folder where they lie.
+    """Read the table of a supplement's images, and return the folder of the images.
 
-    Images and texts belong together by their names without ending or, where no two have the same, by their order
-    (2 before 10). A text whose image is not there gives a row that has failed; of texts without names in common with
-    images there may be one more than images, as the supplement has it.
+    Images and texts are matched by their names without ending or, if none match, by their order (2 before 10). A text
+    without an image gives a failed row. When matched by order, there may be one more text than images, as in the
+    supplement.
 
-    The table has our columns: positions as ``Lat`` and ``Lon`` and as the camera's pose, ``altitude_m``, and every
-    other key of the texts under its own name. There is no grid and no map: columns count the images, rows are 0 and
-    so is the zoom.
+    The table has TerrAInav's columns, with positions as ``Lat`` and ``Lon`` and as the camera's pose, ``altitude_m``
+    (datum unknown), and all other keys of the texts. Without a grid and a map, columns count the images, and rows and
+    zoom are 0.
 
     Raises
     ------
     InvalidInput
-        No such folder, images without a text, texts that cannot be read: they are named.
+        The folder does not exist, images have no text, or texts cannot be read.
     """
-    images = _files(folder, IMAGE_FOLDER, _IMAGE_ENDING)
-    texts = _files(folder, TEXT_FOLDER, ".txt")
+    images = _files(folder, SUPPLEMENT_FOLDER, _IMAGE_ENDING)
+    texts = _files(folder, _TEXT_FOLDER, ".txt")
     if not images:
-        raise InvalidInput("folder {0}: has no {1} images", folder / IMAGE_FOLDER, _IMAGE_ENDING)
+        raise InvalidInput("folder {0}: has no {1} images", folder / SUPPLEMENT_FOLDER, _IMAGE_ENDING)
     pairs = _paired(folder, images, texts)
     faults: list[str] = []
-    found = [_metadata(folder / TEXT_FOLDER / text, faults) for _, text in pairs]
+    found = [_metadata(folder / _TEXT_FOLDER / text, faults) for _, text in pairs]
     if faults:
-        raise InvalidInput("folder {0}: {1}", folder / TEXT_FOLDER, first_faults(faults))
+        raise InvalidInput("folder {0}: {1}", folder / _TEXT_FOLDER, first_faults(faults))
     rows = [one for one in found if one is not None]
-    return _table([image for image, _ in pairs], set(images), rows), folder / IMAGE_FOLDER
+    return _table([image for image, _ in pairs], set(images), rows), folder / SUPPLEMENT_FOLDER
 
 
 def parse_position(value: str) -> CameraPosition:
-    """Position that a line of metadata has behind its colon.
+    """Parse the position in a line of metadata, behind its colon.
 
-    The numbers are what is left without the first and the last piece between spaces, of which either may be empty.
+    The numbers are the pieces between spaces without the first and the last, of which either may be empty.
 
     Raises
     ------
@@ -81,13 +76,13 @@ def parse_position(value: str) -> CameraPosition:
         if len(numbers) == 3 and all(map(math.isfinite, numbers)):
             position = CameraPosition(*numbers)
             if abs(position.lat_deg) > 90.0 or abs(position.lon_deg) > 360.0:
-                raise InvalidInput("{0} {1!r} is not on the Earth", POSITION, value.strip())
+                raise InvalidInput("{0} {1!r} is not on the Earth", _POSITION, value.strip())
             return position
-    raise InvalidInput("{0} {1!r} is not a word and latitude, longitude, altitude", POSITION, value.strip())
+    raise InvalidInput("{0} {1!r} is not a word and latitude, longitude, altitude", _POSITION, value.strip())
 
 
 def _without_words(value: str) -> list[str]:
-    """Pieces of a value without a first and a last one that are no numbers."""
+    """Pieces of a value, without the first and the last if they are not numbers."""
     pieces = value.split()
     if pieces and math.isnan(_number(pieces[0])):
         pieces = pieces[1:]
@@ -104,12 +99,12 @@ def _number(text: str) -> float:
 
 
 def _files(folder: Path, name: str, ending: str) -> list[str]:
-    """Names of the files in a folder of the supplement, by number."""
+    """Names of the files in a folder of the supplement, in natural order."""
     try:
         found = [one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending and one.is_file()]
     except OSError as wrong:
         raise InvalidInput(
-            "folder {0}: is no VBN dataset, as {1} in it cannot be read ({2})", folder, name, wrong.strerror
+            "folder {0}: is not a VBN dataset, as {1} in it cannot be read ({2})", folder, name, wrong.strerror
         ) from wrong
     return sorted(found, key=_natural)
 
@@ -120,7 +115,7 @@ def _natural(name: str) -> list[tuple[int, str]]:
 
 
 def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[tuple[str, str]]:
-    """Image and text of each row; an image's name that is not there where a text has none."""
+    """Image and text of each row; texts without an image get the name that it would have."""
     by_stem = {Path(image).stem: image for image in images}
     stems = {Path(text).stem for text in texts}
     if len(by_stem) < len(images) or len(stems) < len(texts):
@@ -139,9 +134,9 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
                 "one text for each image",
                 folder,
                 len(images),
-                IMAGE_FOLDER,
+                SUPPLEMENT_FOLDER,
                 len(texts),
-                TEXT_FOLDER,
+                _TEXT_FOLDER,
             )
         spare = [Path(text).stem + _IMAGE_ENDING for text in texts[len(images) :]]
         return list(zip([*images, *spare], texts))
@@ -151,15 +146,15 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
             "folder {0}: {1} of {2} without a text in {3}",
             folder,
             first_faults(without, ", "),
-            IMAGE_FOLDER,
-            TEXT_FOLDER,
+            SUPPLEMENT_FOLDER,
+            _TEXT_FOLDER,
             remedy="put it there, or remove the image",
         )
     return [(by_stem.get(Path(text).stem, Path(text).stem + _IMAGE_ENDING), text) for text in texts]
 
 
 def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, str]] | None:
-    """Position and all other keys of a text; faults are appended to ``faults``."""
+    """Read position and all other keys of a text; faults are appended to ``faults``."""
     try:
         lines = decoded(read_limited(path, MAX_SETTINGS_BYTES)).splitlines()
     except (OSError, InvalidInput) as wrong:
@@ -174,11 +169,11 @@ def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, 
     if len(values) < len(pairs):
         faults.append(f"{path.name} has a key more than once")
         return None
-    if POSITION not in values:
-        faults.append(f"{path.name} has no {POSITION}")
+    if _POSITION not in values:
+        faults.append(f"{path.name} has no {_POSITION}")
         return None
     try:
-        position = parse_position(values.pop(POSITION))
+        position = parse_position(values.pop(_POSITION))
     except InvalidInput as wrong:
         faults.append(f"{path.name}: {wrong}")
         return None
@@ -189,10 +184,11 @@ def _table(names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPos
     count = len(names)
     lat, lon, altitude = np.array([position for position, _ in rows], np.float64).reshape(count, 3).T
     made = [name in there for name in names]
-    other = {ALTITUDE: tuple(map(repr, altitude.tolist()))}
+    other = {"altitude_m": tuple(map(repr, altitude.tolist()))}
     for key in dict.fromkeys(key for _, values in rows for key in values):
         header = key
-        while not header or header in _OURS or header in other:
+        # Columns of the table, with an older spelling, and those that clean and split write.
+        while not header or header in {*HEADERS.values(), "row", "rejected", "split"} or header in other:
             header = f"VBN {header}"
         other[header] = tuple(values.get(key, "") for _, values in rows)
     return Table.from_columns(
@@ -206,7 +202,7 @@ def _table(names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPos
             "pose_lat_deg": lat,
             "pose_lon_deg": lon,
             "status": tuple("done" if one else "failed" for one in made),
-            "reason": tuple("" if one else f"no image in {IMAGE_FOLDER}" for one in made),
+            "reason": tuple("" if one else f"no image in {SUPPLEMENT_FOLDER}" for one in made),
         },
         other,
     )

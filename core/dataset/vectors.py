@@ -1,8 +1,8 @@
-"""GeoJSON of a dataset, checked before another program opens it.
+"""Check a dataset's GeoJSON before another program opens it.
 
-GDAL, and QGIS by it, finds out by content what a file is: one that is called ``.geojson`` may be a list of other files
-and servers (OGR VRT, WFS, KML), and GeoJSON itself may name its reference system by a link, a file or a grid. All of
-them are followed while the file is opened. So it must look as captures and GDAL write it, from its first byte on.
+GDAL, and so QGIS, recognises files by content: a ``.geojson`` may be a list of other files and servers (OGR VRT, WFS,
+KML), and GeoJSON may name its reference system by a link, a file or a grid. GDAL follows all of these when it opens the
+file. Therefore the file must look as captures and GDAL write it, from its first byte on.
 """
 
 from __future__ import annotations
@@ -16,12 +16,11 @@ from ..errors import InvalidInput
 from ..limits import MAX_GEOJSON_CRS_BYTES
 from ..storage.files import open_foreign
 
-#: Beginning in which GDAL's drivers look for what a file is; the most that one of them looks at is some 20 kB.
+#: Bytes at the start of a file that are checked; GDAL's drivers recognise files by at most 20 kB.
 HEAD_BYTES = 1 << 16
-_COLLECTION = re.compile(rb'(?:\xef\xbb\xbf)?\s*\{\s*"type"\s*:\s*"FeatureCollection"\s*[,}]')
-#: A name of the specification of 2008, however its letters are written, and with any quotes that GDAL takes.
+#: The key ``crs`` of GeoJSON 2008, with letters escaped or not, and any quotes that GDAL accepts.
 _CRS = re.compile(rb"""["'](?:c|\\u00[46]3)(?:r|\\u00[57]2)(?:s|\\u00[57]3)["']""", re.IGNORECASE)
-#: Values of it that lead nowhere: no system, and a code of PROJ's database.
+#: Harmless values of it: null, or a code of PROJ's database.
 _PLAIN = re.compile(
     rb'"crs"\s*:\s*(?:null|\{\s*"type"\s*:\s*"name"\s*,\s*"properties"\s*:\s*\{\s*"name"\s*:\s*"'
     rb"(?:(?:EPSG|ESRI|IGNF|OGC):\w+|urn:(?:x-)?ogc:def:crs:\w+:[\d.]*:\w+)"
@@ -30,14 +29,7 @@ _PLAIN = re.compile(
 
 
 def check_geojson(path: str | os.PathLike[str]) -> None:
-    """Refuse a file that is no GeoJSON as captures and GDAL write it, or that leads elsewhere.
-
-    It is read once, in blocks.
-
-    Raises
-    ------
-    InvalidInput
-    """
+    """Raise InvalidInput for a file that is not GeoJSON as captures and GDAL write it, or refers to others."""
     try:
         with open_foreign(path) as file:
             for _ in checked_geojson(iter(partial(file.read, 1 << 20), b""), path):
@@ -47,13 +39,13 @@ def check_geojson(path: str | os.PathLike[str]) -> None:
 
 
 def checked_geojson(blocks: Iterable[bytes], name: object) -> Iterator[bytes]:
-    """Yield the blocks of a file of GeoJSON, checked as `check_geojson` does.
+    """Yield the blocks of a GeoJSON file, checked as by `check_geojson`.
 
     Parameters
     ----------
     blocks : iterable of bytes
     name : object
-        What the file is, for messages.
+        Name of the file for messages.
 
     Raises
     ------
@@ -65,7 +57,7 @@ def checked_geojson(blocks: Iterable[bytes], name: object) -> Iterator[bytes]:
             head += block[: HEAD_BYTES - len(head)]
             if len(head) == HEAD_BYTES:
                 _check_head(head, name)
-        # What a block ends with may go on in the next one.
+        # A CRS at the end of a block may continue in the next one.
         rest = _checked(rest + block, name, MAX_GEOJSON_CRS_BYTES)
         yield block
     if len(head) < HEAD_BYTES:
@@ -74,9 +66,9 @@ def checked_geojson(blocks: Iterable[bytes], name: object) -> Iterator[bytes]:
 
 
 def _check_head(head: bytes, name: object) -> None:
-    if _COLLECTION.match(head) is None:
+    if re.match(rb'(?:\xef\xbb\xbf)?\s*\{\s*"type"\s*:\s*"FeatureCollection"\s*[,}]', head) is None:
         raise InvalidInput(
-            "footprints {0}: are no GeoJSON as captures write it, which begins with {1}; a file of another kind is "
+            "footprints {0}: are not GeoJSON as captures write it, which begins with {1}; a file of another kind is "
             "not opened, as it may lead to other files and servers",
             name,
             '{"type": "FeatureCollection"',
@@ -92,7 +84,7 @@ def _check_head(head: bytes, name: object) -> None:
 
 
 def _checked(text: bytes, name: object, left: int) -> bytes:
-    """Check each reference system that begins before the last ``left`` bytes; return what is still to be checked."""
+    """Check each CRS that begins before the last ``left`` bytes; return the rest, still to be checked."""
     until = max(len(text) - left, 0)
     for found in _CRS.finditer(text):
         if found.start() >= until:
@@ -100,7 +92,7 @@ def _checked(text: bytes, name: object, left: int) -> bytes:
         plain = _PLAIN.match(text, found.start(), found.start() + MAX_GEOJSON_CRS_BYTES)
         if plain is None:
             raise InvalidInput(
-                "footprints {0}: their crs leads elsewhere, or is none of a code; must be a name such as EPSG:25832, "
+                "footprints {0}: their crs is not the code of a system; must be a name such as EPSG:25832, "
                 "or left out for WGS 84",
                 name,
             )
@@ -108,5 +100,5 @@ def _checked(text: bytes, name: object, left: int) -> bytes:
 
 
 def json_without_tags(text: str) -> str:
-    """JSON in which no text looks like a tag of XML, by which GDAL would take the file for a document."""
+    """Escape ``<`` in JSON, which GDAL could take for the start of an XML document."""
     return text.replace("<", "\\u003c")

@@ -157,7 +157,7 @@ class _Items:
     def of(cls, dataset: Dataset, name: str, images: ImageSet, shown: FootprintGeometries | None) -> _Items:
         """Items of a map type."""
         table = images.table
-        rows = np.flatnonzero(images.there)
+        rows = np.flatnonzero(images.made)
         columns = {one.header: one for one in written_columns(table) if one.header not in ("status", "reason")}
         for header in _RESERVED & {*table.other}:
             # What others have called as STAC calls something else.

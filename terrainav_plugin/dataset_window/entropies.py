@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.arrays import Floats, Numbers
-from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
+from ...core.dataset.entropy import Report, deciding_entropies, otsu, separates_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
 from ...core.storage.files import file_exists
@@ -74,7 +74,7 @@ class Entropies:
         object.__setattr__(self, "order", there[np.argsort(self.bits[there], kind="stable")])
         object.__setattr__(self, "ordered", self.bits[self.order])
         suggested = otsu(self.ordered)
-        groups = suggested is not None and parts_groups(self.ordered, suggested)
+        groups = suggested is not None and separates_groups(self.ordered, suggested)
         object.__setattr__(self, "suggested", suggested)
         object.__setattr__(self, "groups", groups)
 

@@ -55,7 +55,7 @@ def test_bad_input_is_one_line_and_changes_nothing(tmp_path, terrainav):
     for arguments, said in (
         (("Memphis", "ours"), f"{names[2]} of the table is not there"),
         (("nothing", "ours"), "folder nothing: cannot be read"),
-        (("Memphis", "ours", "--dataset", "VBN"), "is no VBN dataset"),
+        (("Memphis", "ours", "--dataset", "VBN"), "is not a VBN dataset"),
         (("Memphis", "ours", "--dataset", "other"), "invalid choice: 'other'"),
     ):
         done = terrainav("convert", *arguments)

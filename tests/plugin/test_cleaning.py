@@ -496,7 +496,7 @@ def test_mosaic_is_offered_anew_where_images_have_moved(desk, dataset, opened):
 
 def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_path):
     panel = opened(tmp_path)
-    assert "is no dataset" in panel.charts[0]._hint
+    assert "is not a dataset" in panel.charts[0]._hint
     assert not any(button.isEnabled() for button in panel.buttons.values())
     panel = opened(dataset)
     assert panel.entropies is not None

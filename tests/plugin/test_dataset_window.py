@@ -80,9 +80,9 @@ def test_one_folder_is_for_all_tabs_which_read_it_when_they_are_seen(desk, windo
     (tmp_path / "empty").mkdir()
     desk.type_text(window.window.folder.lineEdit(), str(tmp_path / "empty"))
     desk.wait(lambda: not window.busy)
-    assert "is no dataset" in window.tabs["labels"].hint.text()
+    assert "is not a dataset" in window.tabs["labels"].hint.text()
     go_to(desk, window, tmp_path / "empty", "split")
-    assert "is no dataset" in window.tabs["split"].state.text()
+    assert "is not a dataset" in window.tabs["split"].state.text()
     assert not window.tabs["split"].split.isEnabled()
     go_to(desk, window, tmp_path / "empty", "export")
     assert not any(button.isEnabled() for button in window.tabs["export"].kinds.values())
@@ -135,7 +135,7 @@ def test_split_takes_blocks_and_a_frame_by_its_code(desk, window, dataset):
     }
     desk.type_text(tab.frame.lineEdit(), "EPSG:4326")
     press(desk, window, tab.split)
-    assert "no projected system in metres" in tab.result.text()
+    assert "not a projected system in metres" in tab.result.text()
     assert "\n" not in tab.result.text()
     desk.choose(tab.frame, "mission")
     assert tab.options()[1]["frame"] == "mission"

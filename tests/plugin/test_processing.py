@@ -822,7 +822,7 @@ def test_cleaning_marks_moves_and_puts_back(tmp_path):
     back = run("clean", DATASET=str(folder), ACTION="undo")
     assert (back["REJECTED"], back["MOVED"]) == (moved["REJECTED"], moved["MOVED"])
     assert tables(folder) == before
-    assert "is no dataset" in refusal("clean", DATASET=str(tmp_path))
+    assert "is not a dataset" in refusal("clean", DATASET=str(tmp_path))
 
 
 def test_cleaning_draws_its_diagrams(tmp_path):

@@ -10,7 +10,7 @@ import tarfile
 from pathlib import Path
 
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.table import FIELDS, Table
+from terrainav.core.dataset.table import HEADERS, Table
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
@@ -94,7 +94,7 @@ def _shard(
 def _row(table: Table, row: int) -> dict[str, object]:
     """What the table knows of an image, by the names of its fields; the file's name as ``img_name``."""
     known: dict[str, object] = {"img_name": table.img_names[row]}
-    for name in FIELDS:
+    for name in HEADERS:
         value = getattr(table, name)[row]
         value = value if isinstance(value, str) else value.item()
         if name not in ("img_names", *_COLUMNS) and value != "" and not math.isnan(_number(value)):

@@ -234,7 +234,7 @@ class LabelledImages:
                     self.dtype,
                 )
             return stored
-        found = open_image(path, self.img_size, self.images.said_px(int(self._rows[index])))
+        found = open_image(path, self.img_size, self.images.expected_px(int(self._rows[index])))
         height, width, channels = self.shape
         if (*found.size, len(found.getbands())) != (width, height, channels):
             raise InvalidInput(
@@ -440,13 +440,11 @@ class EpochPosition:
         try:
             epoch, batch, batch_size, order = (state[key] for key in ("epoch", "batch", "batch_size", "order"))
         except (KeyError, TypeError) as wrong:
-            raise InvalidInput("state {0!r}: must be one that state_dict has given", state) from wrong
+            raise InvalidInput("state {0!r}: must be one that state_dict() returned", state) from wrong
         if not _is_whole(epoch):
             raise InvalidInput("state: epoch {0!r} must be a whole number", epoch)
         if batch_size != self._batch_size or order != self._order:
-            raise InvalidInput(
-                "state: is of other images, another order or another batch size than those of this loader"
-            )
+            raise InvalidInput("state: belongs to other images, another order or another batch size than this loader")
         if not (_is_whole(batch) and 0 <= batch <= self._batches):
             raise InvalidInput(
                 "state: batch {0!r} must be a whole number from 0 to {1:,}, the batches of an epoch",
@@ -694,7 +692,7 @@ def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int6
 def _check_known(target: str, known: NDArray[np.bool_], images: ImageSet, rows: NDArray[np.int64]) -> None:
     if not known.all():
         raise InvalidInput(
-            "targets {0}: the table of {1} does not say it of {2}",
+            "targets {0}: the table of {1} does not have it for {2}",
             target,
             images.folder,
             first_names([images.table.img_names[row] for row in rows[~known].tolist()]),

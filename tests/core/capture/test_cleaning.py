@@ -357,11 +357,11 @@ def unreadable(folder):
         (add, r"9_9_35\.1_-89\.9_18\.tif is not in the table; finish the capture"),
         (double, r"in rejected as well"),
         (column_twice, r"has column split more than once; rename or remove all but one"),
-        (file_in_the_way, r"rejected in it is no folder, which images are moved to; move it away"),
+        (file_in_the_way, r"rejected in it is not a folder, so images cannot be moved to it; move it away"),
         (folder_in_the_way, r"in rejected as well"),
         (damage, r"line 2 has Alt 'nineteen', not a number"),
         (repeat, r"in more than one row"),
-        (lead_away, r"'\.\./.*' in the table is no name of a file in it"),
+        (lead_away, r"'\.\./.*' in the table is not a file name"),
         (unreadable, r"image .*: cannot be read"),
     ],
 )
@@ -377,7 +377,7 @@ def test_bad_input_gives_one_line_and_changes_nothing(captures, tmp_path, spoil,
 
 def test_what_is_no_dataset_is_refused(tmp_path, dataset):
     folder, _, _ = dataset
-    with pytest.raises(InvalidInput, match="is no dataset"):
+    with pytest.raises(InvalidInput, match="is not a dataset"):
         clean(tmp_path)
     with pytest.raises(InvalidInput, match="cannot be read"):
         clean(tmp_path / "nowhere")

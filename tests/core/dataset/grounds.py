@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from terrainav.core.dataset.table import FIELDS, Table
+from terrainav.core.dataset.table import HEADERS, Table
 from terrainav.core.geodesy.frames import Windows, window_centres
 from terrainav.core.geodesy.mercator import PixelGrid
 
@@ -17,7 +17,7 @@ def dataset_of(folder: Path, zoom: int, windows, grid=None, map_types=("satellit
     lat, lon = window_centres(Windows(left, top, width, height), grid, zoom)
     count = len(windows)
     values = {
-        **{name: np.full(count, np.nan) for name in FIELDS},
+        **{name: np.full(count, np.nan) for name in HEADERS},
         **dict.fromkeys(("source", "attribution", "imagery_date", "reason"), ("",) * count),
         "img_names": tuple(f"p{index}.png" for index in range(count)),
         "columns": np.arange(count),

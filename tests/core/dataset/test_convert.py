@@ -144,7 +144,7 @@ def test_a_supplement_becomes_a_dataset_of_ours(tmp_path):
     old = read_dataset(tmp_path / "a", "VBN").image_sets["camera"].table
     np.testing.assert_array_equal(images.table.lat_deg, old.lat_deg)
     assert dict(images.table.other) == dict(old.other)
-    assert images.there.tolist() == [True, True, True, False]
+    assert images.made.tolist() == [True, True, True, False]
     assert images.table.image_width_px.tolist()[:3] == [64.0] * 3
     assert np.isnan(images.table.image_width_px[3])
     assert images.pixels(2).shape == (48, 64, 3)
@@ -211,7 +211,7 @@ def test_targets_that_are_in_use_are_refused(tmp_path, monkeypatch):
     for target, said in (
         ("full", "is there already"),
         ("file", "is there already"),
-        ("left", "is left of an interrupted conversion"),
+        ("left", "is left over from an interrupted conversion"),
     ):
         with pytest.raises(OutputError, match=said):
             convert(tmp_path / "a", tmp_path / target)

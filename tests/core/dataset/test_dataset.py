@@ -57,7 +57,7 @@ def test_every_map_type_and_pixel_is_read(captured):
     for map_type, images in read.image_sets.items():
         assert images.map_type == map_type
         assert len(images) > 3
-        assert images.there.all()
+        assert images.made.all()
         for index, name in enumerate(images.table.img_names):
             path = captured / map_type / name
             assert images.path(index) == path
@@ -93,7 +93,7 @@ def test_rows_that_failed_have_no_image(dataset):
     lost = read_dataset(dataset).image_sets["satellite"].path(1)
     lost.unlink()
     images = read_dataset(dataset).image_sets["satellite"]
-    assert np.flatnonzero(~images.there).tolist() == [1]
+    assert np.flatnonzero(~images.made).tolist() == [1]
     with pytest.raises(InvalidInput, match=lost.name.replace(".", r"\.")):
         images.pixels(1)
 
@@ -152,7 +152,7 @@ def test_an_image_that_cannot_be_read_is_named(dataset):
 def test_images_of_other_formats_are_refused_whatever_their_names(dataset, other):
     images = read_dataset(dataset).image_sets["satellite"]
     Image.new("RGB", (64, 48)).save(images.path(2), other)
-    with pytest.raises(InvalidInput, match=r"cannot be read \(it is no JPEG, PNG or TIFF\)"):
+    with pytest.raises(InvalidInput, match=r"cannot be read \(it is not a JPEG, PNG or TIFF\)"):
         images.pixels(2)
 
 
@@ -168,7 +168,7 @@ def test_bad_rows_are_named(dataset):
 
 @pytest.mark.parametrize("layout", ["TerrAInav", "VBN"])
 def test_folders_that_are_no_dataset_are_refused(tmp_path, layout):
-    with pytest.raises(InvalidInput, match=r"nothing: (cannot be read|is no VBN dataset)"):
+    with pytest.raises(InvalidInput, match=r"nothing: (cannot be read|is not a VBN dataset)"):
         read_dataset(tmp_path / "nothing", layout)
     with pytest.raises(InvalidInput, match=r"is no (dataset|VBN dataset)"):
         read_dataset(tmp_path, layout)

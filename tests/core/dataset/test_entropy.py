@@ -135,5 +135,5 @@ def test_it_is_scikit_images_shannon_entropy(tmp_path):
 
 def test_images_that_loaders_refuse_have_no_entropy_either(tmp_path):
     Image.fromarray(np.full((8, 8), 40_000, np.uint16)).save(tmp_path / "deep.png")
-    with pytest.raises(InvalidInput, match="8-bit grey or colour would be right"):
+    with pytest.raises(InvalidInput, match="must be 8-bit grey or colour"):
         open_image(Images(tmp_path).path("deep.png"))

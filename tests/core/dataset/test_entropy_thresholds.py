@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from terrainav.core.dataset.entropy import otsu, parts_groups
+from terrainav.core.dataset.entropy import otsu, separates_groups
 
 
 def within_group_variance(values, threshold):
@@ -42,7 +42,7 @@ def test_what_is_all_the_same_has_none(values):
 @pytest.mark.parametrize("count", [40, 400, 4000])
 def test_one_group_is_not_parted(draw, count):
     found = [draw(np.random.default_rng(seed), count) for seed in range(20)]
-    parted = sum(parts_groups(values, otsu(values)) for values in found)
+    parted = sum(separates_groups(values, otsu(values)) for values in found)
     # Some dozens of values may well lie in two heaps by chance.
     assert parted <= (2 if count == 40 else 0)
 
@@ -54,13 +54,13 @@ def test_two_groups_are_parted(share, count):
         random = np.random.default_rng(seed)
         low = max(round(share * count), 2)
         values = np.concatenate([random.normal(1.0, 0.15, low), random.normal(4.0, 0.4, count - low)])
-        assert parts_groups(values, otsu(values))
+        assert separates_groups(values, otsu(values))
 
 
 def test_thresholds_beside_all_values_part_nothing():
     values = np.array([1.0, 1.1, 4.0, 4.1])
-    assert parts_groups(values, 2.5)
-    assert not parts_groups(values, 0.5)
-    assert not parts_groups(values, 9.0)
-    assert not parts_groups(np.array([1.0]), 1.0)
-    assert not parts_groups(np.empty(0), 1.0)
+    assert separates_groups(values, 2.5)
+    assert not separates_groups(values, 0.5)
+    assert not separates_groups(values, 9.0)
+    assert not separates_groups(np.array([1.0]), 1.0)
+    assert not separates_groups(np.empty(0), 1.0)

@@ -13,7 +13,7 @@ from PIL import Image
 from terrainav.core.dataset import figures
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.entropy import deciding_entropies, entropies_of, entropy
+from terrainav.core.dataset.entropy import deciding_entropies, entropy, image_entropies
 from terrainav.core.dataset.figures import draw_bars, draw_histogram, save_figures
 from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
@@ -75,7 +75,7 @@ def test_the_roadmaps_entropies_decide_where_they_are_there(dataset):
     assert np.array_equal(satellite.entropies, expected, equal_nan=True)
     assert np.flatnonzero(~satellite.by_roadmap).tolist() == [3, COUNT - 1]
     assert not roadmap.by_roadmap.any()
-    assert np.flatnonzero(~roadmap.there).tolist() == [3, COUNT - 1]
+    assert np.flatnonzero(~roadmap.made).tolist() == [3, COUNT - 1]
     assert satellite.names == Table.load(dataset / "satellite" / "meta_data.csv").img_names
     assert satellite.image_folder == dataset / "satellite"
     # What cleaning marks is what they say.
@@ -90,7 +90,7 @@ def test_own_entropies_are_the_tables_or_the_images(dataset):
     table.entropies[:2] = np.nan
     table.save(path)
     for given in (dataset, read_dataset(dataset)):
-        own = entropies_of(given)
+        own = image_entropies(given)
         pixels = [np.asarray(Image.open(dataset / "satellite" / name)) for name in table.img_names[:2]]
         assert own["satellite"][:2].tolist() == [entropy(one) for one in pixels]
         assert set(own["satellite"][2:-1]) == {5.0}
@@ -242,7 +242,7 @@ def test_a_map_type_without_images_has_no_figures(dataset, tmp_path, monkeypatch
 
 
 def test_what_is_no_dataset_has_none(tmp_path):
-    with pytest.raises(InvalidInput, match="is no dataset"):
+    with pytest.raises(InvalidInput, match="is not a dataset"):
         save_figures(tmp_path, tmp_path / "figures", 2.1)
     assert not (tmp_path / "figures").exists()
 

@@ -13,7 +13,7 @@ from terrainav.core.capture.metadata import Description  # noqa: E402
 from terrainav.core.capture.writers import geotiff  # noqa: E402
 from terrainav.core.dataset.clean import clean  # noqa: E402
 from terrainav.core.dataset.dataset import read_dataset  # noqa: E402
-from terrainav.core.dataset.entropy import entropies_of  # noqa: E402
+from terrainav.core.dataset.entropy import image_entropies  # noqa: E402
 from terrainav.core.dataset.geotiff import parse_geotiff  # noqa: E402
 from terrainav.core.dataset.loading import Batches, LabelledImages  # noqa: E402
 from terrainav.core.dataset.loading.augment import Augmentation  # noqa: E402
@@ -99,7 +99,7 @@ def test_entropies_that_are_lost_are_worked_out_as_they_were(dataset):
 
     lost = dataclasses.replace(table, entropies=np.full(len(table), np.nan))
     lost.save(dataset / "satellite" / "meta_data.csv")
-    assert entropies_of(dataset)["satellite"] == pytest.approx(table.entropies, abs=1e-6)
+    assert image_entropies(dataset)["satellite"] == pytest.approx(table.entropies, abs=1e-6)
     clean(dataset, threshold=0.5)
 
 

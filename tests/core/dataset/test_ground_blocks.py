@@ -15,7 +15,7 @@ from pyproj import Geod
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset import ground
 from terrainav.core.dataset.folder import PARTS
-from terrainav.core.dataset.ground import GroundBoxes, find_near
+from terrainav.core.dataset.ground import GroundBoxes, find_close
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import GAP, Table, image_parts
 from terrainav.core.errors import InvalidInput
@@ -172,7 +172,7 @@ def test_near_is_what_each_pair_says(first, second):
             & (south < theirs.north_deg)
             & (north > theirs.south_deg)
         )
-    np.testing.assert_array_equal(find_near(mine, theirs, 0.0), met.any(axis=1))
+    np.testing.assert_array_equal(find_close(mine, theirs, 0.0), met.any(axis=1))
 
 
 TURNED = [
@@ -282,7 +282,7 @@ def test_turned_cameras_images_are_no_windows_whatever_lies_beside_them(oblique,
 
 def test_camera_frames_are_worked_out_some_at_a_time(oblique, monkeypatch):
     whole = split(oblique, how="blocks", dry_run=True)
-    monkeypatch.setattr(ground, "_FRAMES", 7)
+    monkeypatch.setattr(ground, "_FRAMES_AT_ONCE", 7)
     assert split(oblique, how="blocks", dry_run=True) == whole
 
 

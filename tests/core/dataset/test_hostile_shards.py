@@ -69,7 +69,7 @@ def test_a_negative_size_is_refused_with_its_place(tmp_path, size):
 @pytest.mark.parametrize("size", [BLOCK * 10, 2**33, 2**63, 2**64, 2**80])
 def test_a_file_beyond_the_shards_end_is_refused(tmp_path, size):
     image = shard(tmp_path, header("0.jgw", size))
-    with pytest.raises(InvalidInput, match=r"^shard .*: what it has of the image a\.png at byte 1,024 is no"):
+    with pytest.raises(InvalidInput, match=r"^shard .*: its part of image a\.png at byte 1,024 is not"):
         list(itertools.islice(image.endings(), ENDLESS))
 
 
@@ -87,7 +87,7 @@ def test_a_file_beyond_the_shards_end_is_refused(tmp_path, size):
 )
 def test_what_is_no_file_is_refused(tmp_path, kind):
     image = shard(tmp_path, header("0.jgw", 0, kind))
-    with pytest.raises(InvalidInput, match=r"^shard .*: what it has of the image a\.png at byte 1,024 is no"):
+    with pytest.raises(InvalidInput, match=r"^shard .*: its part of image a\.png at byte 1,024 is not"):
         list(image.endings())
     image.place.write_bytes(header("0.png", 5, kind) + padded(b"image"))
     with pytest.raises(InvalidInput, match=r"^image a\.png in .*: is not where the table says it is"):

@@ -161,7 +161,7 @@ def test_labels_of_tables_leave_failed_and_rejected_images_out_and_count_places_
     ("frame", "said"),
     [
         ("moon", "must be utm, mercator, mission or a code"),
-        ("EPSG:4326", "WGS 84, no projected system in metres"),
+        ("EPSG:4326", "WGS 84, not a projected system in metres"),
         ("EPSG:2264", "ftUS"),
         ("EPSG:1", "PROJ knows no such system"),
     ],

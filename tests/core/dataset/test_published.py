@@ -54,7 +54,7 @@ def test_published_folders_are_read_by_map_type(memphis):
     assert (table.lat_deg[3], table.lon_deg[3], table.zoom[3]) == (35.158935, -89.8982707, 17)
     assert table.entropies.tolist() == [7.5] * 6
     assert dict(table.other) == {}
-    assert satellite.there.all()
+    assert satellite.made.all()
     assert satellite.path(3) == folder / f"satellite{ending}" / images / table.img_names[3]
     assert satellite.pixels(3).shape == (48, 64, 3)
 

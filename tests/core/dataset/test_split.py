@@ -219,7 +219,7 @@ def test_too_few_images_and_none_at_all_are_refused(tmp_path):
     assert contents(folder) == before
     with pytest.raises(InvalidInput, match="nothing to split"):
         split(in_row(tmp_path / "failed", 3, status=("failed",) * 3))
-    with pytest.raises(InvalidInput, match="is no dataset"):
+    with pytest.raises(InvalidInput, match="is not a dataset"):
         split(tmp_path)
 
 

@@ -17,7 +17,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.capture.writers import geotiff
 from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.dataset import image_size, open_bands, open_image, open_masked, read_dataset
-from terrainav.core.dataset.entropy import entropies_of
+from terrainav.core.dataset.entropy import image_entropies
 from terrainav.core.dataset.ground import are_camera_frames
 from terrainav.core.dataset.loading import Batches, LabelledImages
 from terrainav.core.dataset.split import split
@@ -131,7 +131,7 @@ def test_what_needs_files_says_so_in_one_line(place):
     works = (
         lambda: clean(place),
         lambda: undo(place),
-        lambda: entropies_of(place),
+        lambda: image_entropies(place),
         lambda: images.path(0),
         lambda: images.image_folder,
     )
@@ -186,7 +186,7 @@ def test_a_shard_of_another_image_is_named(shards):
             member = tarfile.TarInfo(f"{row:09d}.jpg")
             member.size = 9000
             tar.addfile(member, io.BytesIO(b"\0" * 9000))
-    with pytest.raises(InvalidInput, match="is torn or another one"):
+    with pytest.raises(InvalidInput, match="is damaged or a different one"):
         read.pixels(7)
 
 
@@ -223,8 +223,8 @@ def test_a_failed_image_is_in_no_shard(shards):
     failed = cells[-1].replace(",done,,", ",failed,no tile,").rsplit(",", 3)[0] + ",,,"
     path.write_text("\n".join([*cells[:-1], failed]) + "\n")
     images = images_of(read_dataset(shards))
-    assert not images.there[last]
-    assert images.there[:last].all()
+    assert not images.made[last]
+    assert images.made[:last].all()
 
 
 def test_objects_that_are_gone_are_named(bucket):
@@ -243,7 +243,7 @@ def test_objects_that_are_gone_are_named(bucket):
 
 @pytest.mark.parametrize("place", ["", "/none"])
 def test_a_place_without_a_dataset_is_one_line(bucket, place):
-    with pytest.raises((InvalidInput, OutputError), match=r"is no dataset|is not there"):
+    with pytest.raises((InvalidInput, OutputError), match=r"is not a dataset|is not there"):
         read_dataset(bucket + place)
     with pytest.raises(OutputError, match=r"^s3://nobody/x: is not there, or s3://nobody is not"):
         read_dataset("s3://nobody/x")

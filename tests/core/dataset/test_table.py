@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from terrainav.core.dataset import table as table_module
-from terrainav.core.dataset.table import FIELDS, Table
+from terrainav.core.dataset.table import HEADERS, Table
 from terrainav.core.errors import InvalidInput, OutputError
 
 from tests.support.tables import table_of, text_of
@@ -30,7 +30,7 @@ EMPTY = ("west", "north", "pixel_width", "pixel_height", "offset_bytes", "size_b
 
 def make_table(**changes) -> Table:
     count = 3
-    numbers = {name: np.array([0.1, 1 / 3, 2.0]) for name in FIELDS}
+    numbers = {name: np.array([0.1, 1 / 3, 2.0]) for name in HEADERS}
     values = {
         **numbers,
         "img_names": ("0_0_a.tif", '1,0 "b".tif', "2_0_c.tif"),
@@ -53,7 +53,7 @@ def make_table(**changes) -> Table:
 
 
 def assert_same(one: Table, other: Table) -> None:
-    for name in FIELDS:
+    for name in HEADERS:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
     assert dict(one.other) == dict(other.other)
 
@@ -137,7 +137,7 @@ def test_tables_of_some_columns_know_nothing_of_the_others():
 
 
 def test_an_empty_table_is_a_table():
-    empty = make_table(**{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS})
+    empty = make_table(**{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in HEADERS})
     assert len(table_of(text_of(empty))) == 0
 
 

@@ -30,7 +30,7 @@ def test_images_and_texts_belong_together_by_name(tmp_path):
     assert table.other["Image_name"] == ("frame 2", "frame 0", "frame 1")
     assert table.other["Platform_orientation"] == ("0 0 2", "0 0 0", "0 0 1")
     assert np.isnan(table.agl_m).all()
-    assert images.there.all()
+    assert images.made.all()
     assert images.path(2) == tmp_path / "JPG2" / "a_10.jpg"
     np.testing.assert_array_equal(images.pixels(0).shape, (48, 64, 3))
 
@@ -52,7 +52,7 @@ def test_without_a_name_in_common_the_order_counts_and_one_text_may_be_left(tmp_
     read = images_of(tmp_path)
     assert read.table.img_names == (*(f"{name}.jpg" for name in images), "meta_12.jpg")
     np.testing.assert_allclose(read.table.lat_deg, 35.0 + np.arange(12) / 100.0)
-    assert np.flatnonzero(~read.there).tolist() == [11]
+    assert np.flatnonzero(~read.made).tolist() == [11]
     assert read.table.reason[11] == "no image in JPG2"
 
 
@@ -161,7 +161,7 @@ def test_keys_that_are_columns_of_ours_are_kept_under_another_name(tmp_path):
     more = "row: 5\nrejected: yes\nsplit: north\nVBN Lat: a\nLat: b\nstatus: failed\n"
     path.write_text(path.read_text() + more)
     images = images_of(tmp_path)
-    assert images.there.all()
+    assert images.made.all()
     assert usable_rows(images.table).all()
     assert image_parts(images.table) is None
     images.table.save(tmp_path / "meta_data.csv")
@@ -187,7 +187,7 @@ def test_what_is_no_file_is_no_image_and_is_never_opened(tmp_path):
     (tmp_path / "JPG2" / "2.jpg").unlink()
     # A named pipe, which would be waited at without end, is no file either.
     (tmp_path / "JPG2" / "2.jpg").mkdir()
-    assert images_of(tmp_path).there.tolist() == [True, False]
+    assert images_of(tmp_path).made.tolist() == [True, False]
 
 
 def test_cleaning_a_supplement_says_to_convert_it(tmp_path):

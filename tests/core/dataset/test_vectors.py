@@ -97,7 +97,7 @@ def test_other_systems_are_refused_wherever_blocks_end(more):
      b"\xff\xfe{\x00", b'{"type": "FeatureCollection2", "features": []}'],
 )  # fmt: skip
 def test_other_files_are_refused(text):
-    assert "are no GeoJSON" in refused(text)
+    assert "are not GeoJSON" in refused(text)
 
 
 def test_a_tag_is_refused_in_the_head_and_escaped_where_it_is_written():

@@ -215,7 +215,7 @@ def test_trajectories_have_the_times_of_the_table(flown, tmp_path):
 
 
 def test_what_is_no_time_is_refused():
-    with pytest.raises(InvalidInput, match="time_utc 'noon': is no time in ISO 8601"):
+    with pytest.raises(InvalidInput, match="time_utc 'noon': is not a time in ISO 8601"):
         unix_seconds(["", "noon"])
 
 

@@ -103,7 +103,7 @@ def _supplement(case: Case) -> None:
 
 @remedy(
     "dataset/folder.py",
-    "folder {}: is no dataset, as neither it nor a folder in it has a {}; give the folder of a capture",
+    "folder {}: is not a dataset, as neither it nor a folder in it has a {}; give the folder of a capture",
 )
 def _no_dataset(case: Case) -> None:
     case.refused(lambda: clean(case.tmp_path))
@@ -204,7 +204,7 @@ for _entry, _one in {
     remedy("dataset/dataset.py", f"folder {{}}: {_many}")(partial(_entry, several=True))
 
 
-@remedy("dataset/dataset.py", "folder {}: {} in it is no folder, which images are moved to; move it away")
+@remedy("dataset/dataset.py", "folder {}: {} in it is not a folder, so images cannot be moved to it; move it away")
 def _in_the_way(case: Case) -> None:
     folder = captured(case)
     (folder / "satellite" / "rejected").write_text("")
@@ -374,7 +374,7 @@ def _repair(case: Case) -> None:
 
 @remedy(
     "dataset/labels.py",
-    "frame {}: is {}, no projected system in metres, which labels need; give the code of one",
+    "frame {}: is {}, not a projected system in metres, which labels need; give the code of one",
 )
 def _not_projected(case: Case) -> None:
     folder = captured(case)
@@ -553,8 +553,7 @@ def _no_row(case: Case) -> None:
 
 @remedy(
     "dataset/ground.py",
-    "{}: cannot be read ({}); it tells the ground of a turned camera's images, without which there are "
-    "no blocks of it: "
+    "{}: cannot be read ({}); blocks need it for the ground of a turned camera's images: "
     "put it back, or split without blocks",
 )
 def _no_plan(case: Case) -> None:
@@ -592,7 +591,7 @@ def _full(case: Case) -> None:
 
 @remedy(
     "dataset/convert.py",
-    "folder {}: is left of an interrupted conversion, or another is at work; remove it",
+    "folder {}: is left over from an interrupted conversion, or another is running; remove it",
 )
 def _left(case: Case) -> None:
     write_published(case.tmp_path / "a" / "satellite")
@@ -856,7 +855,7 @@ def _too_fine_a_mosaic(case: Case) -> None:
 
 @remedy(
     "dataset/stored.py",
-    "image {}: is not where the table says it is, as the shard is torn or another one; put back the shard that "
+    "image {}: is not where the table says it is, as the shard is damaged or a different one; put back the shard that "
     "belongs to the table",
 )
 def _torn_shard(case: Case) -> None:

@@ -105,7 +105,7 @@ def test_labels_that_there_are_not_are_refused(folder, flown):
         with pytest.raises(InvalidInput, match="must be some of image, camera, height, attitude, each once"):
             LabelledImages(folder, part="all", targets=targets)
     for target in ("camera", "height", "attitude"):
-        with pytest.raises(InvalidInput, match=f"targets {target}: the table of .* does not say it of 0_0_"):
+        with pytest.raises(InvalidInput, match=f"targets {target}: the table of .* does not have it for 0_0_"):
             LabelledImages(folder, part="all", targets=(target,))
 
 
@@ -504,7 +504,7 @@ def test_postscript_is_not_run(tmp_path):
     path = tmp_path / "a.jpg"
     path.write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n%%EOF\n")
     for img_size in (None, SIZE):
-        with pytest.raises(InvalidInput, match=r"cannot be read \(it is no JPEG, PNG or TIFF\)"):
+        with pytest.raises(InvalidInput, match=r"cannot be read \(it is not a JPEG, PNG or TIFF\)"):
             open_image(path, img_size)
 
 

@@ -447,7 +447,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
         Batches(shards, 4, **{**CHOICE, "shards_at_once": 2}),
         Batches(folders, 4, **CHOICE),
     ):
-        with pytest.raises(InvalidInput, match=r"^state: is of other images, another order or another batch size"):
+        with pytest.raises(InvalidInput, match=r"^state: belongs to other images, another order or another batch size"):
             other.load_state_dict(state)
     for name, odd in (
         *(("batch", value) for value in (-5, 10**9, 6, 1.0, "1", None, True, float("nan"))),
@@ -460,7 +460,7 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
     with pytest.raises(InvalidInput, match=r"^state: batch -5 must be a whole number from 0 to 5, the batches"):
         torch_loader.load_state_dict({**state, "batch": -5})
     for odd in ({}, {"epoch": 1}, None):
-        with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict has given"):
+        with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict() returned"):
             Batches(shards, 4, **CHOICE).load_state_dict(odd)
 
 

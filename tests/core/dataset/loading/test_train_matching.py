@@ -65,6 +65,6 @@ def test_noise_teaches_nothing(captured, example):
 
 def test_a_folder_that_is_no_dataset_is_refused_in_one_line(tmp_path, example):
     code, out = example(tmp_path)
-    assert code.startswith(f"train_matching: folder {tmp_path}: is no dataset")
+    assert code.startswith(f"train_matching: folder {tmp_path}: is not a dataset")
     assert "\n" not in code
     assert out == ""
