@@ -112,8 +112,8 @@ def stages(samples: LabelledImages, augment: Augmentation) -> list[tuple[str, fl
     works = {
         "read and decode": lambda: [open_image(samples.path(index)) for index in some],
         "resize": lambda: [image.resize(SIZE[:2], Image.BILINEAR) for image in whole],
-        "rotate, flip, zoom": lambda: [augment.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
-        "contrast, brightness": lambda: [shaded.applied(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
+        "rotate, flip, zoom": lambda: [augment.apply(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
+        "contrast, brightness": lambda: [shaded.apply(one, samples.names[k], 1, 1) for k, one in enumerate(sized)],
         "to float32": lambda: [np.divide(np.asarray(one), np.float32(255), dtype=np.float32) for one in sized],
     }
     measured = timed_together(list(works.values()), EFFORT, time.perf_counter)

@@ -66,6 +66,7 @@ def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]
             sheet.paste(_cell(path / row["file"]), (left, top))
             draw.text((left, top + _CELL_PX + 2), _caption(row), fill=_INK)
     buffer = io.BytesIO()
+    # Enough for small pictures that people look at.
     sheet.save(buffer, "JPEG", quality=85)
     write_whole(file, buffer.getvalue())
     return file

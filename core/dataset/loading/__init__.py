@@ -1,7 +1,8 @@
-"""Images and labels for training.
+"""Load images and labels for training.
 
-batches       selection of images and labels, and batches of them as numpy arrays
-augment       images turned, mirrored, zoomed and shaded
+augment       rotate, mirror, zoom and shade images
+streaming     fetch shards of an object store ahead
+batches       select images and labels, and make batches of numpy arrays
 torch_loader  the same batches for PyTorch
 keras_loader  the same batches for Keras
 """

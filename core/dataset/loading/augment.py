@@ -1,13 +1,13 @@
-"""Augmentation: images turned, mirrored, zoomed, and where that is asked for with other contrast and brightness.
+"""Augment images: rotate, mirror and zoom them, and optionally change contrast and brightness.
 
-What is done to an image follows from the seed, the epoch and the image's name alone: never from the order in which
-images are taken, the number of workers, or the machine. The random numbers are the digest of those three by BLAKE2b
-(RFC 7693), so no version of a library can change them. The pixels are the same everywhere, too. Coefficients are
-rounded to multiples of 2⁻¹⁶, as are positions of pixels then, and a bilinear value of 8-bit pixels between them has
-less than the 53 bits of a double: nothing is left to be rounded one way here and another way there.
+The changes of an image follow from the seed, the epoch and the image's name alone, not from the order of images, the
+number of workers, or the machine. The random numbers are the BLAKE2b digest (RFC 7693) of those three, so no version of
+a library can change them. Pixels are the same everywhere, too: coefficients are rounded to multiples of 2⁻¹⁶, so
+positions of pixels are such multiples, and bilinear values of 8-bit pixels at these positions fit the 53 bits of a
+double without rounding.
 
-Turning, mirroring and zooming keep the image's centre where it is, between the pixels of an even size, and so keep
-the label, which is the position of the centre on the ground. They do not keep north up, nor the height.
+Rotating, mirroring and zooming keep the centre of the image, and so its label, the position of the centre on the
+ground. They do not keep north up, nor the height.
 """
 
 from __future__ import annotations
@@ -22,15 +22,11 @@ from PIL import Image
 
 from ...errors import InvalidInput
 
-#: Steps of the coefficients in 1 / px: 320 px from the centre they are off by 0.003 px at most.
-_STEPS = 65536
-#: Bits of a float's significand: as many of 64 random ones are used.
-_UNUSED_BITS, _UNIT = 11, 2.0**-53
-#: Six numbers, by quantity, so that one that is not asked for leaves the others as they are.
+#: Random numbers, one for each quantity, so that leaving out one does not change the others.
 _NUMBERS = struct.Struct("<6Q")
 _GREYS = 256
-#: Pixels of an image with its reflections: 1.4 GB of Pillow's memory, four times the largest image that is loaded. A
-#: long and narrow one that is turned may need far more than it has.
+#: Most pixels of an image with its reflections: 1.4 GB of Pillow's memory, four times the largest image loaded. A long
+#: and narrow image may need far more than its own pixels when it is rotated.
 _MOST_PX = 4 * 89_478_485
 
 
@@ -40,15 +36,15 @@ class Change(NamedTuple):
     Attributes
     ----------
     rotation_deg : float
-        Counter-clockwise, as one looks at the image.
+        Counter-clockwise, as seen in the image.
     mirrored, upside_down : bool
-        Left and right, top and bottom changed for each other, after the rotation.
+        Swap left and right, or top and bottom, after the rotation.
     magnification : float
-        Above 1 the image shows less, and that larger.
+        Above 1, the image shows less of the ground, and larger.
     contrast : float
-        Factor of the grey levels' distances from the image's mean.
+        Factor of the grey levels' differences from the image's mean.
     brightness : float
-        Share of the range that grey levels are raised by.
+        Share of the range added to the grey levels.
     """
 
     rotation_deg: float = 0.0
@@ -61,25 +57,25 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True)
 class Augmentation:
-    """How far images may be changed; the defaults are those of the paper's program.
+    """Ranges of random changes; the defaults are those of the paper's program.
 
     Parameters
     ----------
     rotation_deg : float
-        Most that images are turned to either side, 0 to 180.
+        Largest rotation to either side, 0 to 180.
     flip : bool
-        Mirror every other image left to right, and every other one top to bottom.
+        Mirror half of the images left to right, and half of them top to bottom.
     zoom : float
-        Images are magnified by factors of 1 / (1 + zoom) to 1 + zoom, as often up as down; 0 to 1.
+        Magnify by factors of 1 / (1 + zoom) to 1 + zoom, up as often as down; 0 to 1.
     contrast : float
-        Contrast is changed by factors of 1 - contrast to 1 + contrast; 0 to 1.
+        Change contrast by factors of 1 - contrast to 1 + contrast; 0 to 1.
     brightness : float
-        Grey levels are raised or lowered by this share of their range at most; 0 to 1.
+        Raise or lower grey levels by at most this share of their range; 0 to 1.
 
     Raises
     ------
     InvalidInput
-        A value outside of its range.
+        A value is out of range.
     """
 
     rotation_deg: float = 90.0
@@ -96,21 +92,20 @@ class Augmentation:
 
     @property
     def keeps_pose(self) -> bool:
-        """Whether images are neither turned nor mirrored nor zoomed, so that attitude and height hold for them."""
+        """Whether images are not rotated, mirrored or zoomed, so that attitude and height stay valid."""
         return not (self.rotation_deg or self.flip or self.zoom)
 
     def draw_change(self, name: str, seed: int, epoch: int) -> Change:
-        """Return the change of an image in an epoch, drawn from seed, epoch and name.
+        """Draw the change of an image in an epoch from seed, epoch and name.
 
         Parameters
         ----------
         name : str
-            The image's, without ending: the images of one place are changed alike in all map types and formats.
+            Image name without ending, so that images of one place are changed alike in all map types and formats.
         """
         digest = hashlib.blake2b(f"{seed}:{epoch}:{name}".encode(), digest_size=_NUMBERS.size).digest()
-        turn, mirror, tip, zoom, contrast, light = (
-            (number >> _UNUSED_BITS) * _UNIT for number in _NUMBERS.unpack(digest)
-        )
+        # From 0 to 1, with the 53 bits of a double's significand.
+        turn, mirror, tip, zoom, contrast, light = ((number >> 11) * 2.0**-53 for number in _NUMBERS.unpack(digest))
         return Change(
             self.rotation_deg * (2.0 * turn - 1.0),
             self.flip and mirror < 0.5,
@@ -120,17 +115,16 @@ class Augmentation:
             self.brightness * (2.0 * light - 1.0),
         )
 
-    def applied(self, image: Image.Image, name: str, seed: int, epoch: int) -> Image.Image:
-        """Return an image as `apply_change` makes it by `draw_change`."""
+    def apply(self, image: Image.Image, name: str, seed: int, epoch: int) -> Image.Image:
+        """Draw the change of an image and apply it."""
         return apply_change(image, self.draw_change(name, seed, epoch))
 
 
 def apply_change(image: Image.Image, change: Change) -> Image.Image:
-    """Return an image of the same size that is turned, mirrored, zoomed and shaded.
+    """Rotate an image about its centre, mirror, zoom and shade it, keeping its size.
 
-    The rotation is about the image's centre. Beyond the borders the image goes on as its reflection, in which the
-    outermost pixels come twice. Pixels are bilinear, and cut to whole grey levels as Pillow does: half a level darker
-    in the mean where they fall between others.
+    Beyond the borders, the image continues as its reflection, which repeats the outermost pixels. Pixels are bilinear,
+    and Pillow truncates them to whole grey levels: half a level darker on average between pixels.
 
     Parameters
     ----------
@@ -140,7 +134,7 @@ def apply_change(image: Image.Image, change: Change) -> Image.Image:
     Raises
     ------
     InvalidInput
-        An image that is too large, or too long and narrow, to be turned.
+        The image is too large, or too long and narrow, to be rotated.
     """
     moved = image
     if (change.rotation_deg, change.mirrored, change.upside_down, change.magnification) != (
@@ -154,14 +148,16 @@ def apply_change(image: Image.Image, change: Change) -> Image.Image:
 
 
 def _warp(image: Image.Image, change: Change) -> Image.Image:
-    """The image turned, mirrored and zoomed."""
+    """Rotate, mirror and zoom an image."""
     width, height = image.size
     angle = math.radians(change.rotation_deg)
     cosine, sine = math.cos(angle) / change.magnification, math.sin(angle) / change.magnification
     across, down = (-1.0 if change.mirrored else 1.0), (-1.0 if change.upside_down else 1.0)
-    # From a pixel of the result to where it is taken from, with y pointing down.
+    # Maps a pixel of the result to the position that it is taken from, with y down. Rounding to multiples of 2^-16
+    # changes positions by 0.003 px at most 320 px from the centre.
+    steps = 65536
     xx, xy, yx, yy = (
-        round(one * _STEPS) / _STEPS for one in (cosine * across, -sine * down, sine * across, cosine * down)
+        round(one * steps) / steps for one in (cosine * across, -sine * down, sine * across, cosine * down)
     )
     beside = _overhang_px(abs(xx) * width + abs(xy) * height, width)
     above = _overhang_px(abs(yx) * width + abs(yy) * height, height)
@@ -173,12 +169,12 @@ def _warp(image: Image.Image, change: Change) -> Image.Image:
 
 
 def _overhang_px(seen_px: float, size_px: int) -> int:
-    """Whole pixels that are seen beyond a border, with one more that the bilinear ones rest on."""
+    """Pixels beyond a border that are seen, rounded up, and one more for bilinear interpolation."""
     return max(math.ceil((seen_px - size_px) / 2.0), 0) + 1
 
 
 def _add_reflections(image: Image.Image, beside: int, above: int) -> Image.Image:
-    """The image with so many pixels of its reflections on either side, and above and below."""
+    """Extend an image by pixels of its reflections on either side, and above and below."""
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
         raise InvalidInput(
@@ -203,7 +199,7 @@ def _add_reflections(image: Image.Image, beside: int, above: int) -> Image.Image
 
 
 def _shade(image: Image.Image, change: Change) -> Image.Image:
-    """The image with another contrast about its mean over all channels, and another brightness."""
+    """Change the contrast of an image about its mean over all channels, and its brightness."""
     counts = image.histogram()
     mean = sum(index % _GREYS * count for index, count in enumerate(counts)) / sum(counts)
     lift = mean + (_GREYS - 1) * change.brightness + 0.5

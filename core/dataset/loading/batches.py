@@ -1,4 +1,4 @@
-"""Images and labels for training, and batches of them as numpy arrays."""
+"""Select images and labels for training, and make batches of numpy arrays."""
 
 from __future__ import annotations
 
@@ -31,17 +31,11 @@ from .streaming import ShardCache, Shards, random_numbers
 _Batch = TypeVar("_Batch")
 Indices = Union[Sequence[int], NDArray[np.int64]]
 
-#: All images but failed and rejected ones, whether or not the dataset is split.
+#: All images except failed and rejected ones, whether or not the dataset is split.
 ALL = "all"
-#: The map type that is taken where none is asked for.
-USUAL_MAP_TYPE = "satellite"
-#: Images of 0 to 1; of 0 to 255; and values and bands as their files have them.
+#: Values from 0 to 1; from 0 to 255; values and bands as in the files.
 DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
-#: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
-_MOST_PX = 89_478_485
-#: Shards that shuffled images are taken from at a time: some thousands of images as captures pack them.
-SHARDS_AT_ONCE = 8
-#: Columns of labels.
+#: Columns of labels by target.
 _COLUMNS = {
     IMAGE: ("easting", "northing"),
     CAMERA: ("camera_easting", "camera_northing"),
@@ -51,64 +45,63 @@ _COLUMNS = {
 
 
 class LabelledImages:
-    """Images of one part of a map type and their labels, each by its number, in the table's order.
+    """Images of one part of a map type and their labels, by index, in the table's order.
 
-    Failed and rejected images are never taken. An instance holds names and labels, no pixels, and can be pickled.
+    Failed and rejected images are left out. An instance holds names and labels but no pixels, and can be pickled.
 
     Parameters
     ----------
     map_type : str or None
-        None takes the satellite images, or the first map type of a dataset without such.
+        Map type; None for ``satellite``, or the first one if the dataset has no such images.
     part : {"train", "validation", "test", "all"}
-        ``all`` needs no split.
+        Part of the dataset; ``all`` needs no split.
     img_size : tuple (width, height, channels) or None
-        What images are resized to; None takes them as they are, which must be alike then.
+        Size that images are resized to; None keeps their size, which must then be the same for all.
     seed : int
-        Of order and augmentation.
+        Seed of order and augmentation.
     shuffle : bool or "auto"
-        ``auto`` shuffles the training part, anew for each epoch, and leaves the others in the table's order, shard
-        after shard where they are in such.
+        ``auto`` shuffles the training part, anew for each epoch, and keeps other parts in the table's order, shard by
+        shard if there are shards.
     augment : Augmentation, None or "auto"
-        ``auto`` augments the training part as the paper does, and no other; None augments none.
+        ``auto`` augments the training part only, as in the paper; None augments nothing.
     dtype : {"float32", "uint8", "stored"}
-        Of images: 0 to 1, or 0 to 255, which takes a quarter of the memory on its way to the model. ``stored`` gives
-        all bands and their values as files have them, also of more than 8 bits; such images are neither resized nor
-        augmented here.
+        Type of images: 0 to 1, or 0 to 255, which takes a quarter of the memory. ``stored`` keeps all bands and values
+        of the files, also of more than 8 bits; such images are not resized or augmented.
     layout : str
-        Of a folder, as `read_dataset` takes it.
+        Layout of the folder (see `read_dataset`).
     labels : Labels or None
-        None takes those of the dataset's ``labels.json``; where there is none, UTM, scaled by the training part of a
-        dataset that is split, and else by all images.
+        None reads the dataset's ``labels.json`` or, without one, takes UTM scaled by the training part, or by all
+        images of a dataset that is not split.
     targets : sequence of str
-        What the labels are of, in this order: the ``image``'s centre on the ground and the ``camera``'s
-        place, as scaled eastings and northings; its ``height`` above ground in metres; its ``attitude``, yaw, tilt and
-        roll in degrees. With the last two ``auto`` augments nothing, as turning and zooming would make them wrong.
+        Contents of the labels, in order: the ``image``'s centre on the ground and the ``camera``'s position, as scaled
+        eastings and northings; its ``height`` above ground in metres; its ``attitude``, yaw, tilt and roll in degrees.
+        With the last two, ``auto`` augments nothing, as rotating and zooming would make them wrong.
     shards_at_once : int
-        Of a dataset in shards: how many of them shuffled images are taken from at a time. Shards are shuffled, and then
-        the images of so many together: with more the order is the more random, and more of them have to be kept of
-        those of an object store.
+        Number of shards from which shuffled images are taken at a time: some thousands of images, as captures pack
+        them. Shards are shuffled, then the images of so many together. A larger number makes the order more random, but
+        keeps more shards of an object store.
     cache_mb : float or None
-        Most disk space that shards of an object store take in the system's temporary folder; None has room for three
-        times as many as are taken at once.
+        Disk space for shards of an object store in the system's temporary folder; None for three times
+        ``shards_at_once``.
 
     Attributes
     ----------
     names : tuple of str
-        Images' names without ending.
+        Image names without ending.
     values : array (n, k) of float32
-        The labels' numbers.
+        Labels.
     columns : tuple of k str
-        What they are, with their units; ``easting`` and ``northing`` are scaled.
+        Names of the label columns, with units; ``easting`` and ``northing`` are scaled.
     labels : Labels
-        What the numbers mean, and the way back to latitude and longitude (`Labels.positions`).
+        Frame and scaler of positions; `Labels.positions` converts back to latitude and longitude.
     bands : Bands or None
-        Of images as stored, as the first one states them: names, and scale, offset and unit of their values
-        (`Bands.each_metadata`). None for others, and where nothing is stated.
+        Bands of images as stored, as the first one states them: names, and scale, offset and unit of values
+        (`Bands.each_metadata`). None for other images, and if nothing is stated.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, no such map type or part, no images in it, or a value that is not right.
+        The folder is not a dataset, lacks the map type or part, or has no images in it, or a value is invalid.
     """
 
     def __init__(
@@ -125,7 +118,7 @@ class LabelledImages:
         layout: str = "TerrAInav",
         labels: Labels | None = None,
         targets: Sequence[str] = (IMAGE,),
-        shards_at_once: int = SHARDS_AT_ONCE,
+        shards_at_once: int = 8,
         cache_mb: float | None = None,
     ) -> None:
         _check(part, shuffle, augment, dtype)
@@ -142,7 +135,7 @@ class LabelledImages:
         self.augment = usual if isinstance(augment, str) else augment
         self._is_stored = dtype == STORED
         if self._is_stored:
-            _check_as_stored(self.img_size, augment)
+            _check_stored(self.img_size, augment)
             self.augment = None
         self.images = _images(dataset, map_type)
         self._rows = _rows(self.images, part)
@@ -158,7 +151,7 @@ class LabelledImages:
             self.bands = read_band_metadata(self.file(0), self.shape[2])
 
     def _shape(self) -> tuple[int, int, int]:
-        """Height, width and channels of every image."""
+        """Height, width and channels of all images."""
         if self.img_size is not None:
             width, height, channels = self.img_size
             return height, width, channels
@@ -169,7 +162,7 @@ class LabelledImages:
         return first.height, first.width, len(first.getbands())
 
     def _stored(self, index: int) -> NDArray[Any]:
-        """Values (h, w, bands) of an image's file."""
+        """Read the values (h, w, bands) of an image's file."""
         found = self.images.pixels(int(self._rows[index]), file=self.file(index))
         return found[..., np.newaxis] if found.ndim == 2 else found
 
@@ -178,25 +171,25 @@ class LabelledImages:
 
     @property
     def folder(self) -> Address:
-        """Where the images are."""
+        """Folder or address of the images."""
         return self.images.folder
 
     def path(self, index: int) -> Path:
-        """File of an image; raises InvalidInput where images are no files of a folder of this machine."""
+        """File of an image; raises InvalidInput if images are not files of a local folder."""
         return self.images.path(int(self._rows[index]))
 
     def file(self, index: int) -> ImageFile:
-        """Source of an image: a path, an object or a range of a shard."""
+        """File of an image: a path, an object or a range of a shard."""
         found = self.images.file(int(self._rows[index]))
         if self._cache is None or not isinstance(found, StoredImage):
             return found
         return replace(found, copy=self._cache.copy(found.place.name))
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
-        """Indices (n,) in the order of an epoch: the same for the same seed and table on every machine.
+        """Indices (n,) in the order of an epoch, which depends on seed and table only.
 
-        A shuffled one sorts the raw stream of numpy's Philox (see `random_numbers`). Of a dataset in shards, images
-        stand together whose shards are taken at once; without shuffling those of each shard do, in the table's order.
+        A shuffled order sorts the raw stream of numpy's Philox (see `random_numbers`). In a dataset of shards, the
+        images of shards taken at once stay together; without shuffling, those of each shard, in the table's order.
         """
         if self._shards is not None:
             return self._shards.order(self._key(epoch))
@@ -205,17 +198,17 @@ class LabelledImages:
         return np.argsort(random_numbers(self._key(epoch), len(self)), kind="stable")
 
     def _key(self, epoch: int) -> str:
-        """Key of the order of an epoch; empty for the order of the table."""
+        """Key of an epoch's order; empty for the order of the table."""
         return f"{self.seed}:{epoch}" if self.shuffle else ""
 
     def image(self, index: int, epoch: int = 0) -> NDArray[Any]:
-        """Pixels (height, width, channels) of an image as it is in an epoch: of uint8, or as stored.
+        """Read an image for an epoch: pixels (height, width, channels) of uint8, or as stored.
 
         Raises
         ------
         InvalidInput
-            An image that cannot be read, is not of the size that the table says, or of another size than the others,
-            where none was asked for.
+            The image cannot be read, has another size than the table states, or, without ``img_size``, than the first
+            image.
         """
         path = self.file(index)
         if self._is_stored:
@@ -252,13 +245,13 @@ class LabelledImages:
                 channels,
             )
         if self.augment is not None:
-            found = self.augment.applied(found, self.names[index], self.seed, epoch)
+            found = self.augment.apply(found, self.names[index], self.seed, epoch)
         return np.asarray(found).reshape(self.shape)
 
     def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """Images and labels, as `take` returns them, that follow each other in the order of an epoch.
+        """Read images and labels like `take`, for indices that follow each other in the order of an epoch.
 
-        Shards of an object store are fetched whole, and those that come next meanwhile.
+        Shards of an object store are fetched whole, and the next ones in the background.
         """
         if self._shards is not None and self._cache is not None:
             needed, ahead = self._shards.ahead(indices, self._key(epoch))
@@ -267,12 +260,12 @@ class LabelledImages:
         return self.take(indices, epoch)
 
     def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """Images (b, height, width, channels) and labels (b, k) of some indices, as they are in an epoch.
+        """Read images (b, height, width, channels) and labels (b, k) for an epoch.
 
         Raises
         ------
         InvalidInput
-            As `image` does, or a batch that does not fit into memory.
+            As `image`, or the batch does not fit into memory.
         """
         try:
             images = np.empty((len(indices), *self.shape), self.dtype)
@@ -299,26 +292,26 @@ class Ordered(Protocol):
 
     @property
     def names(self) -> Sequence[str]:
-        """Names of all, one each."""
+        """Names of all samples."""
 
     @property
     def folder(self) -> Address:
-        """Where the images are."""
+        """Folder or address of the images."""
 
     def __len__(self) -> int: ...
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
-        """Numbers (n,) in the order of an epoch."""
+        """Indices (n,) in the order of an epoch."""
 
     def batch(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
-        """Images, or a tuple of such, and labels."""
+        """Images, or a tuple of arrays of images, and labels, for consecutive indices of an epoch."""
 
     def take(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
-        """The same of any numbers."""
+        """The same for any indices."""
 
 
 def make_samples(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]) -> Ordered:
-    """Samples of a dataset by a choice, or those that are given."""
+    """Make samples of a dataset by options, or return given ones."""
     if not isinstance(dataset, Ordered):
         return LabelledImages(dataset, **choice)
     if choice:
@@ -327,24 +320,24 @@ def make_samples(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]
 
 
 class Batches:
-    """Batches of images and labels as numpy arrays, each iteration those of the epoch that was set last.
+    """Batches of images and labels as numpy arrays; each iteration is over the epoch that was set last.
 
-    Batches come in the epoch's order, and are the same for any number of workers. Memory is taken for those that are
-    under way only: one, or with workers one for each of them and one ahead.
+    Batches are the same for any number of workers. Memory is needed for one batch, or with workers for one each and one
+    ahead.
 
     Parameters
     ----------
     batch_size : int
         The last batch may be smaller.
     workers : int
-        Threads that make batches; 0 makes each when it is asked for.
+        Threads that make batches ahead; 0 makes each when needed.
     **choice
-        As `LabelledImages` takes them.
+        Options of `LabelledImages`.
 
     Raises
     ------
     InvalidInput
-        As `LabelledImages` does, or a batch size below 1; and when an image cannot be read, which is named.
+        As `LabelledImages`, or the batch size is below 1; during iteration, an image cannot be read.
     """
 
     def __init__(
@@ -364,20 +357,20 @@ class Batches:
         self._workers = workers
 
     def set_epoch(self, epoch: int) -> None:
-        """Say which epoch the next iteration is of: it has its own order and augmentation."""
+        """Set the epoch of the next iteration, which decides order and augmentation."""
         self.epoch = epoch
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the epoch and the number of its batches that have been taken, to go on there another time."""
+        """Return the epoch and the number of its batches taken, to resume from there."""
         return self._position.state(self.epoch)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Have the next iteration go on where another one was, whatever the workers of either.
+        """Resume the next iteration where another one was, whatever the workers of either.
 
         Raises
         ------
         InvalidInput
-            A state of other images, another order or another batch size, or of a batch that an epoch does not have.
+            The state is of other images, another order or batch size, or a batch beyond the epoch.
         """
         self.epoch = self._position.load(state)
 
@@ -407,7 +400,7 @@ class Batches:
 
 
 class EpochPosition:
-    """Where in an epoch an iteration is: how many batches have been taken, not how many have been made ahead."""
+    """Position of an iteration in an epoch: the number of batches taken, without those made ahead."""
 
     def __init__(self, samples: Ordered, batch_size: int, batches: int) -> None:
         self._samples, self._batch_size, self._batches = samples, batch_size, batches
@@ -416,7 +409,7 @@ class EpochPosition:
         self.first = 0
 
     def begin(self, epoch: int) -> None:
-        """Have an iteration of an epoch begin with its first batch, or where a loaded state says."""
+        """Begin an iteration of an epoch, at its first batch or at a loaded position."""
         self.first = self._taken = self._loaded if epoch == self._epoch else 0
         self._epoch, self._loaded = epoch, 0
 
@@ -427,7 +420,7 @@ class EpochPosition:
             yield one
 
     def state(self, epoch: int) -> dict[str, Any]:
-        """Return the position in an epoch, with the digest by which loaders compare their batches."""
+        """Return the position in an epoch, with a digest of the batches."""
         return {
             "epoch": epoch,
             "batch": self._taken if epoch == self._epoch else 0,
@@ -436,7 +429,7 @@ class EpochPosition:
         }
 
     def load(self, state: Mapping[str, Any]) -> int:
-        """Take a position over; returns its epoch."""
+        """Load a position; returns its epoch."""
         try:
             epoch, batch, batch_size, order = (state[key] for key in ("epoch", "batch", "batch_size", "order"))
         except (KeyError, TypeError) as wrong:
@@ -456,20 +449,20 @@ class EpochPosition:
 
     @cached_property
     def _order(self) -> str:
-        """Digest of the images and of an order of theirs, from which all others follow."""
+        """Digest of the images and of their order in epoch 0, from which all other orders follow."""
         digest = blake2b(self._samples.order(0).astype("<i8").tobytes(), digest_size=16)
         digest.update("\n".join(self._samples.names).encode())
         return digest.hexdigest()
 
 
 def _is_whole(value: object) -> bool:
-    """Whether a value is an integer of Python or numpy, and not a boolean."""
+    """Whether a value is an integer of Python or numpy, not a boolean."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 @contextmanager
 def _pool(workers: int, waiting: deque[Future[Any]]) -> Iterator[ThreadPoolExecutor]:
-    """Threads whose work that has not begun is dropped in the end."""
+    """Open threads, and cancel work that has not begun at the end."""
     with ThreadPoolExecutor(workers) as pool:
         try:
             yield pool
@@ -479,17 +472,17 @@ def _pool(workers: int, waiting: deque[Future[Any]]) -> Iterator[ThreadPoolExecu
 
 
 def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
-    """Slices of so many things in batches.
+    """Divide a number of samples into slices of a batch each.
 
     Parameters
     ----------
     drop_last : bool
-        Leave out a last one that is smaller.
+        Leave out a last, smaller batch.
 
     Raises
     ------
     InvalidInput
-        A batch size below 1, or above the count if there were no batch then.
+        The batch size is below 1, or there would be no batch.
     """
     if batch_size < 1:
         raise InvalidInput("batch size {0}: must be 1 or more", batch_size)
@@ -500,7 +493,7 @@ def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
 
 
 def optional_module(name: str, title: str, extra: str) -> Any:
-    """Module that may be missing; raises OutputError that says how to get it."""
+    """Import a module that may be missing; raises OutputError with the way to install it."""
     try:
         return imported(name)
     except ImportError as missing:
@@ -518,7 +511,7 @@ def optional_module(name: str, title: str, extra: str) -> Any:
 
 
 def _check(part: str, shuffle: bool | str, augment: Augmentation | str | None, dtype: str) -> None:
-    """Raise InvalidInput for a choice that there is not."""
+    """Raise InvalidInput for unknown choices."""
     if part not in (*PARTS, ALL):
         raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join((*PARTS, ALL)))
     if shuffle not in (True, False, "auto"):
@@ -529,15 +522,15 @@ def _check(part: str, shuffle: bool | str, augment: Augmentation | str | None, d
         raise InvalidInput("dtype {0!r}: must be one of {1}", dtype, ", ".join(DTYPES))
 
 
-def _check_as_stored(img_size: tuple[int, int, int] | None, augment: Augmentation | str | None) -> None:
+def _check_stored(img_size: tuple[int, int, int] | None, augment: Augmentation | str | None) -> None:
     if img_size is not None:
-        raise InvalidInput("image size {0}: images are not resized as they are stored", " ".join(map(str, img_size)))
+        raise InvalidInput("image size {0}: stored images are not resized", " ".join(map(str, img_size)))
     if isinstance(augment, Augmentation):
-        raise InvalidInput("augment: images are not augmented as they are stored")
+        raise InvalidInput("augment: stored images are not augmented")
 
 
 def check_size(img_size: Sequence[int] | int) -> tuple[int, int, int]:
-    """Width, height and channels; raises InvalidInput for what is not such."""
+    """Check and return width, height and channels; raises InvalidInput."""
     if isinstance(img_size, int):
         raise InvalidInput("image size {0}: must be a width, a height and 1 or 3 channels", img_size)
     size = tuple(img_size)
@@ -546,23 +539,23 @@ def check_size(img_size: Sequence[int] | int) -> tuple[int, int, int]:
             "image size {0}: needs a width and a height of 1 px or more, and 1 or 3 channels",
             " ".join(map(str, size)),
         )
-    if size[0] * size[1] > _MOST_PX:
-        raise InvalidInput(
-            "image size {0} {1} {2}: must be {3:,} px or less in all", size[0], size[1], size[2], _MOST_PX
-        )
+    # Pillow warns of larger images: a quarter of a GB in colour.
+    most_px = 89_478_485
+    if size[0] * size[1] > most_px:
+        raise InvalidInput("image size {0} {1} {2}: must be {3:,} px or less in all", *size, most_px)
     return size
 
 
 def _images(dataset: Dataset, map_type: str | None) -> ImageSet:
     if map_type is None:
-        map_type = USUAL_MAP_TYPE if USUAL_MAP_TYPE in dataset.image_sets else next(iter(dataset.image_sets))
+        map_type = "satellite" if "satellite" in dataset.image_sets else next(iter(dataset.image_sets))
     return dataset.image_set(map_type)
 
 
 def _streamed(
     images: ImageSet, rows: NDArray[np.int64], shards_at_once: int, cache_mb: float | None
 ) -> tuple[Shards | None, ShardCache | None]:
-    """The shards that rows are in, and what fetches those of an object store."""
+    """Shards of rows, and the cache of those of an object store."""
     if not images.shards:
         return None, None
     shards = Shards([images.table.shard[row] for row in rows.tolist()], shards_at_once)
@@ -574,7 +567,7 @@ def _streamed(
 
 
 def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
-    """Rows of the table that are taken."""
+    """Rows of the table in a part; raises InvalidInput if there are none."""
     parts = image_parts(images.table)
     if part != ALL and parts is None:
         raise InvalidInput(
@@ -596,7 +589,7 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
 
 
 def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
-    """Raise InvalidInput for images of a part that there is not."""
+    """Raise InvalidInput for unknown parts in a table."""
     known = (*PARTS, GAP, "")
     odd = [name for name, part in zip(images.table.img_names, parts) if part not in known]
     if odd:
@@ -620,10 +613,10 @@ def _labels(dataset: Dataset, images: ImageSet) -> Labels:
 
 
 def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
-    """Raise InvalidInput for labels that are of another dataset.
+    """Raise InvalidInput for labels of another dataset.
 
-    Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n: images of the training part that
-    are, are none of those that the scaler was fitted on.
+    Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n. So the scaler was not fitted on an
+    image of the training part that is.
     """
     parts = image_parts(images.table)
     if labels.fitted_on != TRAIN or parts is None:
@@ -646,7 +639,7 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
 
 
 def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -> bool:
-    """Raise InvalidInput for targets that there are not; whether they hold for images that are turned and zoomed."""
+    """Raise InvalidInput for unknown targets; returns whether they stay valid for rotated and zoomed images."""
     named = [targets] if isinstance(targets, str) else list(targets)
     if not named or isinstance(targets, str) or len(set(named)) != len(named) or set(named) - set(TARGETS):
         raise InvalidInput("targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS))
@@ -661,7 +654,7 @@ def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -
 
 
 def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Labels (n, 1 to 3) of rows; raises InvalidInput for positions that the frame does not have, and missing poses."""
+    """Labels (n, 1 to 3) of rows; raises InvalidInput for positions outside the frame and for missing poses."""
     table = images.table
     if target in (HEIGHT, ATTITUDE):
         columns = (table.agl_m,) if target == HEIGHT else (table.yaw_deg, table.tilt_deg, table.roll_deg)

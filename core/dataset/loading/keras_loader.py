@@ -1,4 +1,4 @@
-"""Images and labels for Keras 3 with any backend, which is imported when `KerasDataset` is first asked for."""
+"""Load images and labels for Keras 3 with any backend; Keras is imported when `KerasDataset` is first used."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from .batches import Ordered, chunks, make_samples, optional_module
 
 
 class _KerasSamples:
-    """Batches by their number, for ``fit``, ``evaluate`` and ``predict``.
+    """Batches by index, for ``fit``, ``evaluate`` and ``predict``.
 
-    Images are arrays (b, height, width, channels), or with the channels second where
-    ``keras.config.image_data_format()`` says so, float32 of 0 to 1 or uint8; labels are float32 arrays (b, 2).
+    Images are arrays (b, height, width, channels), or (b, channels, height, width) according to
+    ``keras.config.image_data_format()``, of float32 from 0 to 1 or uint8; labels are float32 arrays (b, 2).
 
-    Each epoch has its own order and augmentation, which follow from the seed, the epoch and the images' names. ``fit``
-    begins with epoch 1, as Keras tells that an epoch is over before the first one; to have the order of `Batches` it is
-    given ``shuffle=False``, as it shuffles the batches otherwise once more, by Python's own random numbers. With
-    ``workers`` above 1, Keras also hands the first ``fit`` of a model what its queue held while it was built: the
-    images are the same, and come up to a batch earlier.
+    Order and augmentation follow from the seed, the epoch and the images' names. ``fit`` begins with epoch 1, as Keras
+    reports the end of an epoch before the first one. For the order of `Batches`, pass ``shuffle=False`` to ``fit``,
+    which otherwise shuffles the batches again with Python's random numbers. With ``workers`` above 1, the first ``fit``
+    of a model also gets batches that Keras queued while building it: the same images, up to a batch earlier.
 
     Parameters
     ----------
     workers, use_multiprocessing, max_queue_size
-        Of ``keras.utils.PyDataset``: threads, or processes, that make batches, and how many wait at most.
+        As for ``keras.utils.PyDataset``: threads or processes that make batches, and the most batches queued.
     **choice
         Options of `LabelledImages`: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
         shards_at_once, cache_mb.
@@ -38,7 +37,7 @@ class _KerasSamples:
     OutputError
         Keras or its backend is not installed.
     InvalidInput
-        As `LabelledImages` does, or a batch size below 1; and when an image cannot be read, which is named.
+        As `LabelledImages`, or the batch size is below 1; during iteration, an image cannot be read.
 
     Examples
     --------
@@ -65,16 +64,16 @@ class _KerasSamples:
 
     @property
     def epoch(self) -> int:
-        """The epoch that images are augmented and ordered for."""
+        """Epoch of the order and the augmentation."""
         return self._epoch_and_order[0]
 
     def set_epoch(self, epoch: int) -> None:
-        """Say which epoch comes next, as when training goes on; ``fit`` counts on from there."""
-        # Set in one go: threads of a queue that still make batches see the one or the other.
+        """Set the next epoch, such as to resume training; ``fit`` counts on from there."""
+        # Set together, as threads of a queue may still make batches.
         self._epoch_and_order = (epoch, self.samples.order(epoch))
 
     def on_epoch_end(self) -> None:
-        """Go on to the next epoch; Keras calls it, once before the first epoch of ``fit``, too."""
+        """Go to the next epoch. Keras calls it also before the first epoch of ``fit``."""
         self.set_epoch(self.epoch + 1)
 
     def __len__(self) -> int:

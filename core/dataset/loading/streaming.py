@@ -1,8 +1,7 @@
-"""Shards of an object store on their way into training: fetched whole before they are needed, and kept within bounds.
+"""Stream shards of an object store into training: fetch them whole before they are needed, within a limit of space.
 
-Samples come in an order in which those of a few shards stand together, a group. The shards of the group that is under
-way and of the next one are fetched into a folder that all workers of this machine share; the least recently needed ones
-make room for others.
+The order of samples keeps those of a few shards together, a group. The shards of the current group and of the next one
+are fetched into a folder that all workers of this machine share; the least recently needed ones make room for others.
 """
 
 from __future__ import annotations
@@ -28,30 +27,29 @@ from ...errors import InvalidInput, OutputError, TerrAInavError
 from ...storage.files import PARTIAL_ENDING, lock_tried
 from ...storage.stores import get_range
 
-#: Bytes of a shard that are asked for at a time: they are in memory once for each shard that is fetched.
+#: Bytes of a shard requested at a time, in memory once for each shard being fetched.
 _PART_BYTES = 16_000_000
-#: Pause before it is looked again whether another worker has fetched a shard, and how long that may take; what is not
-#: there by then is read image by image.
-_PAUSE_S, _PATIENCE_S = 0.005, 120.0
-_LOCK_ENDING, _ROOM = ".lock", "room.lock"
+#: Seconds between looks whether another worker has fetched a shard.
+_PAUSE_S = 0.005
+_LOCK_ENDING = ".lock"
 
 
 class Shards:
-    """The shards that some images are in, and which of them are taken at once in an epoch.
+    """Shards of images, and groups of them that are taken at once in an epoch.
 
     Parameters
     ----------
     names : sequence of str
-        The shard of each image.
+        Shard of each image.
     at_once : int
-        Shards that make a group.
+        Number of shards in a group.
 
     Attributes
     ----------
     names : tuple of str
-        Of the shards, in the order of the images.
+        Names of the shards, in the order of the images.
     of_image : array (n,)
-        Number of each image's shard among them.
+        Index of each image's shard among them.
     """
 
     def __init__(self, names: Sequence[str], at_once: int) -> None:
@@ -62,7 +60,7 @@ class Shards:
         self._last: tuple[str, Numbers, Numbers] | None = None
 
     def order(self, key: str) -> Numbers:
-        """Images in a random order that a text leads to, those of a group together; shard after shard for none."""
+        """Indices of images in a random order by a key, group by group; shard by shard for an empty key."""
         if not key:
             return np.argsort(self.of_image, kind="stable")
         groups, _ = self._groups(key)
@@ -70,14 +68,15 @@ class Shards:
         return found
 
     def ahead(self, indices: Sequence[int] | Numbers, key: str) -> tuple[list[str], list[str]]:
-        """Shards that some images are in; and with them those that come next, as they do in the order of ``key``.
+        """Shards of images, and the shards to fetch ahead in the order of ``key``.
 
-        The second are none where the images are not such as follow each other in that order.
+        The latter are those of the images' groups and of the next one; none if the images do not follow each other in
+        that order.
 
         Parameters
         ----------
         key : str
-            As `order` takes it.
+            As for `order`.
         """
         needed = np.unique(self.of_image[np.asarray(indices, np.int64)])
         groups, starts = self._groups(key)
@@ -89,7 +88,7 @@ class Shards:
         return [self.names[one] for one in needed], [self.names[one] for one in ahead]
 
     def _groups(self, key: str) -> tuple[Numbers, Numbers]:
-        """Group of each shard, and how many images come before each group and in all."""
+        """Group of each shard, and the number of images before each group and in all."""
         last = self._last
         if last is None or last[0] != key:
             place = np.arange(len(self.names))
@@ -97,37 +96,37 @@ class Shards:
                 place[np.argsort(random_numbers(f"{key}:shards", len(place)), kind="stable")] = place.copy()
             groups = place // self._at_once
             counts = np.bincount(groups, weights=self._images).astype(np.int64)
-            # Set in one go, as threads ask for it.
+            # Set together, as several threads read it.
             self._last = last = key, groups, np.concatenate([[0], np.cumsum(counts)])
         return last[1:]
 
 
 def random_numbers(key: str, count: int) -> NDArray[np.uint64]:
-    """Raw stream (count,) of numpy's Philox for a text, which numpy keeps the same in all versions (NEP 19)."""
+    """Raw stream (count,) of numpy's Philox for a key; numpy keeps it the same in all versions (NEP 19)."""
     number = int.from_bytes(blake2b(key.encode(), digest_size=16).digest(), "little")
     return np.random.Philox(key=number).random_raw(count)
 
 
 class ShardCache:
-    """Copies of a dataset's shards in a temporary folder, which ends with the instance that has made it.
+    """Copies of a dataset's shards in a temporary folder, which is removed with the instance that made it.
 
-    It can be pickled: the instances share the folder.
+    Pickled instances share the folder.
 
     Parameters
     ----------
     folder : Path
-        Of an object store, in which the shards are.
+        Address of the shards in an object store.
     sizes : mapping of str to int
-        Bytes of each shard.
+        Size of each shard in bytes.
     shards_at_once : int
-        Shards of a group.
+        Number of shards in a group.
     limit_bytes : int or None
-        Most that is kept; None has room for three groups.
+        Most bytes kept; None for three groups.
 
     Raises
     ------
     OutputError
-        There can be no temporary folder.
+        The temporary folder cannot be made.
     """
 
     def __init__(self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None) -> None:
@@ -149,46 +148,47 @@ class ShardCache:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         self._process, self._lock = os.getpid(), threading.Lock()
-        #: Names of shards that are to be fetched, and of those that are not to make room for others.
+        #: Names of shards to fetch, and of those to keep.
         self._waiting: deque[str] = deque()
         self._wanted: frozenset[str] = frozenset()
         #: Threads that fetch.
         self._fetching = 0
 
     def copy(self, name: str) -> Path:
-        """Where a shard's copy is, if it is there."""
+        """Path of a shard's copy, if it exists."""
         return self._place / name
 
     def hold(self, needed: Sequence[str], ahead: Sequence[str]) -> None:
-        """Have shards at hand, as far as there is room; those that come next are fetched meanwhile.
+        """Fetch shards if there is room, and the next ones in the background.
 
         Parameters
         ----------
         needed : sequence of str
-            Shards that are read next.
+            Shards to be read now.
         ahead : sequence of str
-            Those, and others that will be, in this order.
+            Those, and others to be read later, in this order.
 
         Raises
         ------
         InvalidInput
-            A shard of another length than it had.
+            A shard has another length than before.
         OutputError
-            One that cannot be fetched, or kept.
+            A shard cannot be fetched or written.
         """
         if self._process != os.getpid():
-            # Forked, perhaps while a thread had the lock, of which there is none here.
+            # After a fork: a thread that holds the lock does not exist in this process.
             self.__setstate__({})
         with self._lock:
             self._wanted = frozenset(ahead)
             self._waiting = deque(name for name in ahead if not self.copy(name).exists())
-            # At most four threads fetch in each process.
+            # Each process fetches with at most four threads.
             more = max(min(4, len(self._waiting)) - self._fetching, 0)
             self._fetching += more
         for _ in range(more):
             threading.Thread(target=self._fetch_waiting, daemon=True).start()
         for name in needed:
-            until = time.monotonic() + _PATIENCE_S
+            # A shard that another worker has not fetched by then is read image by image.
+            until = time.monotonic() + 120.0
             while not self._has_tried(name) and time.monotonic() < until:
                 time.sleep(_PAUSE_S)
 
@@ -204,16 +204,16 @@ class ShardCache:
                 self._has_tried(name, if_wanted=True)
 
     def _has_tried(self, name: str, *, if_wanted: bool = False) -> bool:
-        """Fetch a shard, if it is not there and there is room; False where somebody else is about it.
+        """Fetch a missing shard if there is room; returns False if another worker is fetching it.
 
-        With ``if_wanted``, one that has made room for others meanwhile is left alone.
+        With ``if_wanted``, a shard that is no longer to be kept is skipped.
         """
         copy = self.copy(name)
         if self._sizes[name] > self.limit_bytes:
             return True
         try:
             with suppress(FileNotFoundError):
-                # Says that it has been needed, too.
+                # Also marks it as recently needed.
                 os.utime(copy)
                 return True
             self._place.mkdir(exist_ok=True)
@@ -251,7 +251,7 @@ class ShardCache:
             raise
 
     def _reserve(self, partial: Path, size: int) -> bool:
-        """Make room for a shard, and a file of its size; whether there is room."""
+        """Make room for a shard, and a file of its size; returns whether there is room."""
         with self._room():
             partial.unlink(missing_ok=True)
             if not self._makes_room(size):
@@ -262,9 +262,9 @@ class ShardCache:
 
     @contextmanager
     def _room(self) -> Iterator[None]:
-        """Keep others from changing what is kept."""
+        """Lock the cache against other workers."""
         while True:
-            with lock_tried(self.copy(_ROOM)) as held:
+            with lock_tried(self.copy("room.lock")) as held:
                 if held:
                     yield
                     return
@@ -274,7 +274,7 @@ class ShardCache:
         kept = []
         with os.scandir(self._place) as entries:
             for entry in entries:
-                # What could not be fetched is removed at any time.
+                # Files of failed fetches may be removed at any time.
                 with suppress(FileNotFoundError):
                     if not entry.name.endswith(_LOCK_ENDING):
                         kept.append((entry.stat().st_mtime_ns, entry.stat().st_size, entry.name))
@@ -283,7 +283,7 @@ class ShardCache:
             if room >= size:
                 break
             if name not in self._wanted and not name.endswith(PARTIAL_ENDING):
-                # Others may be reading it; they go on, or read what they need from the store.
+                # Workers that read it continue, or read images from the store.
                 with suppress(OSError):
                     self.copy(name).unlink()
                     room += one
@@ -291,6 +291,6 @@ class ShardCache:
 
 
 def _remove(folder: Path, maker: int) -> None:
-    """Remove a cache, if this is the process that has made it."""
+    """Remove a cache, if this process made it."""
     if os.getpid() == maker:
         shutil.rmtree(folder, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""Images and labels for PyTorch, which is imported when `TorchDataset` is first asked for."""
+"""Load images and labels for PyTorch, which is imported when `TorchDataset` is first used."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .batches import EpochPosition, Ordered, chunks, make_samples, optional_modu
 
 
 class _Order:
-    """Row numbers of each batch of the epoch that a dataset is at, as a sampler gives them."""
+    """Sampler of a dataset's current epoch: indices of each batch."""
 
     def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
         self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
@@ -35,11 +35,11 @@ class _Order:
 
 
 class _TorchSamples:
-    """Map-style dataset: (image, label) of an index, or (images, labels) of a list of them.
+    """Map-style dataset: (image, label) of an index, or (images, labels) of a list of indices.
 
-    Images are tensors (channels, height, width) or (b, channels, height, width), float32 of 0 to 1 or uint8; labels
-    are float32 tensors (2,) or (b, 2). What is done to an image follows from the seed, the epoch and its name; any
-    number of workers gives the same.
+    Images are tensors (channels, height, width) or (b, channels, height, width) of float32 from 0 to 1 or uint8; labels
+    are float32 tensors (2,) or (b, 2). Augmentation follows from the seed, the epoch and the image's name, whatever the
+    number of workers.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class _TorchSamples:
     OutputError
         PyTorch is not installed.
     InvalidInput
-        As `LabelledImages` does; and when an image cannot be read, which is named.
+        As `LabelledImages`; during iteration, an image cannot be read.
 
     Examples
     --------
@@ -74,11 +74,11 @@ class _TorchSamples:
 
     @property
     def epoch(self) -> int:
-        """The epoch that images are augmented and ordered for."""
+        """Epoch of the order and the augmentation."""
         return int(self._epoch.item())
 
     def set_epoch(self, epoch: int) -> None:
-        """Say which epoch comes next: before a loader's iteration begins, never during it."""
+        """Set the next epoch: before a loader's iteration begins, not during it."""
         self._epoch[0] = epoch
 
     def __len__(self) -> int:
@@ -96,39 +96,39 @@ class _TorchSamples:
         return tuple(one[0] for one in images) if isinstance(images, tuple) else images[0], labels[0]
 
     def batches(self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any) -> Any:
-        """``torch.utils.data.DataLoader`` of the epoch's batches, in the order that `Batches` has, too.
+        """Make a ``torch.utils.data.DataLoader`` of the epoch's batches, in the order of `Batches`.
 
-        Workers make whole batches, two each ahead of what is taken, and stay from one epoch to the next. The loader has
-        ``state_dict()`` and ``load_state_dict(state)``, as `Batches` has them, to go on in the middle of an epoch.
+        Workers make whole batches, two each ahead, and stay from one epoch to the next. Like `Batches`, the loader has
+        ``state_dict()`` and ``load_state_dict(state)`` to resume in the middle of an epoch.
 
         Parameters
         ----------
         drop_last : bool
-            Leave out a last batch that is smaller.
+            Leave out a last, smaller batch.
         **options
-            Further ones of ``DataLoader``, such as ``pin_memory``. Without a ``multiprocessing_context``, the worker
-            processes of a dataset in an object store are started anew (``forkserver`` or ``spawn``).
+            Other options of ``DataLoader``, such as ``pin_memory``. For a dataset in an object store, the default of
+            ``multiprocessing_context`` is ``forkserver`` or ``spawn``.
 
         Raises
         ------
         InvalidInput
-            A batch size below 1, no batch at all, or workers below 0.
+            The batch size is below 1, there would be no batch, or workers are below 0.
         """
         if workers < 0:
             raise InvalidInput("workers {0}: must be 0 or more", workers)
         order = _Order(self, batch_size, drop_last)
-        # Each worker is a process: those beyond the batches would have nothing to do.
+        # More workers than batches would have nothing to do.
         workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
         if workers and is_address(self.samples.folder):
-            # What asks a store has threads, in whose midst a fork may leave a lock that nobody opens any more.
+            # Clients of stores have threads, whose locks a fork could leave locked for ever.
             method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
             options.setdefault("multiprocessing_context", method)
         return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
 
 
 def _tensor(pixels: NDArray[Any]) -> Any:
-    """Tensor (b, channels, height, width) of pixels (b, height, width, channels)."""
+    """Convert pixels (b, height, width, channels) to a tensor (b, channels, height, width)."""
     return _torch().from_numpy(np.ascontiguousarray(pixels.transpose(0, 3, 1, 2)))
 
 
@@ -137,22 +137,22 @@ def _torch() -> Any:
 
 
 class _Resumable:
-    """Mixin by which a PyTorch loader resumes in the middle of an epoch."""
+    """Mixin that lets a PyTorch loader resume in the middle of an epoch."""
 
     dataset: _TorchSamples
     sampler: _Order
 
     def __iter__(self) -> Iterator[Any]:
-        # Here, as the base asks for its sampler's order twice.
+        # Not in the sampler, which the base class iterates twice.
         self.sampler.position.begin(self.dataset.epoch)
         return self.sampler.position.counted(super().__iter__())  # type: ignore[misc]
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the epoch and the number of its batches that have been taken, to go on there another time."""
+        """Return the epoch and the number of its batches taken, to resume from there."""
         return self.sampler.position.state(self.dataset.epoch)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Have the next iteration go on where another one was, whatever the workers of either."""
+        """Resume the next iteration where another one was, whatever the workers of either."""
         self.dataset.set_epoch(self.sampler.position.load(state))
 
 

@@ -89,7 +89,7 @@ def test_loaders_refuse_what_they_would_change(dataset):
     assert "\n" not in str(caught.value)
     with pytest.raises(InvalidInput, match="not resized as they are stored"):
         LabelledImages(dataset, part="all", dtype="stored", img_size=(8, 8, 3))
-    with pytest.raises(InvalidInput, match="not augmented as they are stored"):
+    with pytest.raises(InvalidInput, match="stored images are not augmented"):
         LabelledImages(dataset, part="all", dtype="stored", augment=Augmentation())
 
 

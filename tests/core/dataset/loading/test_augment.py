@@ -93,7 +93,7 @@ def test_the_centre_stays_where_it_is(size):
     spot = np.exp(-((x - width / 2) ** 2 + 2.0 * (y - height / 2) ** 2) / 60.0)
     image = Image.fromarray((250 * spot).astype(np.uint8))
     for name in NAMES[:40]:
-        found = np.asarray(ALL.applied(image, name, 2024, 3), np.float64)
+        found = np.asarray(ALL.apply(image, name, 2024, 3), np.float64)
         found -= found.min()
         assert (found * x).sum() / found.sum() == pytest.approx(width / 2, abs=SPOT_TOLERANCE_PX)
         assert (found * y).sum() / found.sum() == pytest.approx(height / 2, abs=SPOT_TOLERANCE_PX)
@@ -169,7 +169,7 @@ greys = [bytes((i * k) % 251 for i in range(97 * 61)) for k in (3, 7, 11)]
 image = Image.merge("RGB", [Image.frombytes("L", (97, 61), one) for one in greys])
 every = Augmentation(180.0, contrast=0.4, brightness=0.3)
 for number in range(10):
-    whole.update(every.applied(image, f"name {number}", 2024, number).tobytes())
+    whole.update(every.apply(image, f"name {number}", 2024, number).tobytes())
 print(whole.hexdigest())
 """
 

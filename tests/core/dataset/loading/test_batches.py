@@ -180,7 +180,7 @@ def test_what_is_done_to_an_image_follows_from_seed_epoch_and_name_alone(folder)
     for index, number in enumerate(numbers_of(train)):
         image = train.image(index, 2)
         np.testing.assert_array_equal(image, every.image(number, 2))
-        meant = usual.applied(Image.fromarray(pixels_of(number)), train.names[index], 2024, 2)
+        meant = usual.apply(Image.fromarray(pixels_of(number)), train.names[index], 2024, 2)
         np.testing.assert_array_equal(image, np.asarray(meant))
     assert train.augment == usual
     assert LabelledImages(folder, augment=None).augment is None
