@@ -58,13 +58,9 @@ from .plain import plain_label, shown_plain
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, distinct to colour-blind people.
 WRONG_COLOUR = "#D55E00"
-#: Share of that colour in the background of a spin box.
-_TINT = 0.3
 _WRONG = "terrainavWrong"
 #: Entries with room beside them for a message.
 _BESIDE = "terrainavBeside"
-#: Decimals up to which a number is shown as typed; significant digits of others.
-_TYPED_DECIMALS, _READ_DIGITS = 6, 5
 STYLE_SHEET = f"""
 QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border: 2px solid {WRONG_COLOUR};
@@ -75,8 +71,6 @@ QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
 #: Characters of a formula that an entry evaluates.
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
-#: Characters of a text shown in its tooltip, and measured for its width: screens are no wider.
-_MOST_TIP, _MOST_MEASURED = 200, 10_000
 #: A text with an underlined letter, and a function that sets its text.
 _Text = tuple[str, Callable[[str], None]]
 _Made = TypeVar("_Made", bound=QWidget)
@@ -234,8 +228,8 @@ class ShortLine(QLineEdit):
         room = self.style().subElementRect(QStyle.SubElement.SE_LineEditContents, option, self).width()
         # Qt leaves two pixels on either side of the text, and one for the cursor.
         # An entry leaves 5 px free beside its text.
-        is_cut = self.fontMetrics().horizontalAdvance(text[:_MOST_MEASURED]) > room - 5
-        begins = f"{whole[:_MOST_TIP]}\n" if whole != text or is_cut else ""
+        is_cut = self.fontMetrics().horizontalAdvance(text[:10_000]) > room - 5
+        begins = f"{whole[:200]}\n" if whole != text or is_cut else ""
         super().setToolTip(shown_plain(begins + self._tip))
 
 
@@ -528,10 +522,11 @@ def _result(text: str) -> float | None:
 
 def short_number(value: float) -> float:
     """Number rounded to readable digits if it has more decimals than people type: 330.26666… becomes 330.27."""
-    if not math.isfinite(value) or round(value, _TYPED_DECIMALS) == value:
+    # Up to 6 decimals may have been typed; others show 5 significant digits.
+    if not math.isfinite(value) or round(value, 6) == value:
         return value
     before = math.floor(math.log10(abs(value))) + 1
-    return round(value, max(_READ_DIGITS - before, 1))
+    return round(value, max(5 - before, 1))
 
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:
@@ -715,7 +710,7 @@ def _tinted(base: QColor) -> QColor:
     """A theme's colour blended with that of errors."""
     wrong = QColor(WRONG_COLOUR)
     parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
-    return QColor(*(round((1.0 - _TINT) * own + _TINT * other) for own, other in parts))
+    return QColor(*(round(0.7 * own + 0.3 * other) for own, other in parts))
 
 
 def _texts(panel: QWidget) -> Iterator[_Text]:

@@ -57,7 +57,6 @@ EDGE_TOLERANCE_M = 0.1
 #: one way where the places are this near.
 _LOOKED_AT_SHARE = 0.5
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
-_HALF_TURN_DEG = 180.0
 
 
 class Found(NamedTuple):
@@ -483,7 +482,7 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
     for start, end in zip(ring, ring[1:]):
         for lon, lat in _edge(start, end, place, name):
             corners.append((nearest_turn(lon, corners[-1][0]), lat))
-    if abs(corners[-1][0] - first[0]) > _HALF_TURN_DEG:
+    if abs(corners[-1][0] - first[0]) > 180.0:
         if is_hole:
             raise InvalidInput(
                 tr("{feature} has a hole around a pole: cut it into parts without one").format(feature=name)
@@ -498,18 +497,17 @@ def _around_pole(corners: list[Position]) -> list[Position]:
     """Ring of corners around a pole, the last above the first: from 180° W to 180° E, and back along the pole."""
     if corners[-1][0] < corners[0][0]:
         corners.reverse()
-    turn = 2.0 * _HALF_TURN_DEG
-    west = math.floor((corners[0][0] + _HALF_TURN_DEG) / turn) * turn + _HALF_TURN_DEG
+    west = math.floor((corners[0][0] + 180.0) / 360.0) * 360.0 + 180.0
     cut = next(at for at, (lon, _) in enumerate(corners) if lon >= west)
     (lon0, lat0), (lon1, lat1) = corners[cut - 1 : cut + 1]
     lat = lat0 + (west - lon0) / (lon1 - lon0) * (lat1 - lat0)
-    after = [(x - west - _HALF_TURN_DEG, y) for x, y in corners[cut:] if x != west]
+    after = [(x - west - 180.0, y) for x, y in corners[cut:] if x != west]
     # The first corner is repeated at the end.
-    before = [(x - west + _HALF_TURN_DEG, y) for x, y in corners[1:cut]]
+    before = [(x - west + 180.0, y) for x, y in corners[1:cut]]
     pole = math.copysign(90.0, corners[0][1])
     # Corners along the pole, less than half a turn apart.
-    along = [(share * _HALF_TURN_DEG, pole) for share in (1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0)]
-    return [(-_HALF_TURN_DEG, lat), *after, *before, (_HALF_TURN_DEG, lat), *along]
+    along = [(share * 180.0, pole) for share in (1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0)]
+    return [(-180.0, lat), *after, *before, (180.0, lat), *along]
 
 
 def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iterator[Position]:

@@ -43,12 +43,8 @@ GRIPS = (
 )
 #: Least span of a box: a decimetre on the ground, visible in the entries' seven decimals.
 LEAST_SPAN_DEG = 1e-6
-_POLE_DEG = 90.0
-_TURN_DEG = 360.0
 #: Most corners with handles: more would merge and be slow to redraw at every move.
 MOST_CORNERS = 2_000
-#: Segments of an edge that is a curve on the canvas, and the deviation, as share of its length, that makes it one.
-_CURVE_STEPS, _CURVED = 16, 0.002
 
 
 class Corner(NamedTuple):
@@ -177,8 +173,8 @@ class AreaOutline:
                     parts.append([ring for ring in rings if len(ring) >= 3])
         shape = QgsGeometry.fromMultiPolygonXY(parts) if parts else QgsGeometry()
         box = degrees.boundingBox()
-        reaches_pole = max(abs(box.yMinimum()), abs(box.yMaximum())) >= _POLE_DEG
-        is_around = reaches_pole and box.width() >= _TURN_DEG and self._cut_deg is None
+        reaches_pole = max(abs(box.yMinimum()), abs(box.yMaximum())) >= 90.0
+        is_around = reaches_pole and box.width() >= 360.0 and self._cut_deg is None
         return around_pole(shape) if is_around and not self._is_geographic else shape
 
     def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
@@ -204,7 +200,7 @@ class AreaOutline:
 
     def _place_corners(self, area: Polygon | Polygons) -> None:
         shapes = area_rings(area)
-        if area.bounds.span_deg >= _TURN_DEG or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS:
+        if area.bounds.span_deg >= 360.0 or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS:
             return
         for part, rings in enumerate(shapes):
             for number, ring in enumerate(rings):
@@ -225,9 +221,10 @@ class AreaOutline:
     ) -> list[tuple[QgsPointXY, QgsPointXY]]:
         """Segments of an edge, given its start, middle and end: several if it is a curve."""
         first, middle, last = places
-        if _distance(middle, first, last) <= _CURVED * first.distance(last):
+        # An edge that deviates by at most 0.2 % of its length counts as straight on the canvas.
+        if _distance(middle, first, last) <= 0.002 * first.distance(last):
             return [(first, last)]
-        return list(self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)]))
+        return list(self._segments([_between(start, end, step / 16) for step in range(17)]))
 
     def _is_cut(self, start: Position, end: Position) -> bool:
         """Whether the map is cut between two places."""
@@ -313,16 +310,16 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
 
 def wrapped(lon_deg: float) -> float:
     """Longitude in [-180, 180)."""
-    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % _TURN_DEG - 180.0
+    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0
 
 
 def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
     """Box whose longitudes may continue across the antimeridian."""
-    if east_deg - west_deg >= _TURN_DEG:
+    if east_deg - west_deg >= 360.0:
         return Box(north_deg, -180.0, south_deg, 180.0)
-    turn = _TURN_DEG * math.floor((west_deg + 180.0) / _TURN_DEG)
+    turn = 360.0 * math.floor((west_deg + 180.0) / 360.0)
     west, east = west_deg - turn, east_deg - turn
-    return Box(north_deg, west, south_deg, east - _TURN_DEG if east > 180.0 else east)
+    return Box(north_deg, west, south_deg, east - 360.0 if east > 180.0 else east)
 
 
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
@@ -332,7 +329,7 @@ def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     it would change its shape.
     """
     bounds = area.bounds
-    if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= _TURN_DEG:
+    if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= 360.0:
         return area
     limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
     dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
@@ -359,9 +356,9 @@ def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float)
     if "south" in edges:
         south = max(min(south + dlat_deg, north - LEAST_SPAN_DEG), -_limit(abs(south)))
     if "west" in edges:
-        west = max(min(west + dlon_deg, east - LEAST_SPAN_DEG), east - _TURN_DEG)
+        west = max(min(west + dlon_deg, east - LEAST_SPAN_DEG), east - 360.0)
     if "east" in edges:
-        east = min(max(east + dlon_deg, west + LEAST_SPAN_DEG), west + _TURN_DEG)
+        east = min(max(east + dlon_deg, west + LEAST_SPAN_DEG), west + 360.0)
     return continuous_box(north, west, south, east)
 
 
@@ -374,7 +371,7 @@ def area_middle(area: Area) -> tuple[float, float]:
 def count_turns(area: Area, lon_deg: float) -> int:
     """Turns around the Earth from an area, whose longitudes continue beyond 180 from its west, to a longitude."""
     box = area.bounds
-    return round((lon_deg - box.west_deg - box.span_deg / 2.0) / _TURN_DEG)
+    return round((lon_deg - box.west_deg - box.span_deg / 2.0) / 360.0)
 
 
 def area_rings(area: Polygon | Polygons) -> list[list[list[Position]]]:
@@ -445,7 +442,7 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
 
 def _kept(lat_deg: float) -> float:
     """Latitude limited to the poles, which rounding may exceed."""
-    return min(max(lat_deg, -_POLE_DEG), _POLE_DEG)
+    return min(max(lat_deg, -90.0), 90.0)
 
 
 def kept_lat(lat_deg: float, dlat_deg: float) -> float:
@@ -455,4 +452,4 @@ def kept_lat(lat_deg: float, dlat_deg: float) -> float:
 
 
 def _limit(lat_deg: float) -> float:
-    return MAX_LAT_DEG if lat_deg <= MAX_LAT_DEG else _POLE_DEG
+    return MAX_LAT_DEG if lat_deg <= MAX_LAT_DEG else 90.0

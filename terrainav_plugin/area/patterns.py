@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera, Poses
     from ..form.state import FormState
 
-#: Initial heights and number of random poses, and the most of them.
-_RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
 
 #: Menu entries that open a pattern's dialog; an orbit needs a click on the map first.
 PATTERNS = (AreaAction.CORRIDOR, AreaAction.FACADE, AreaAction.STRUCTURE, AreaAction.RANDOM)
@@ -239,15 +237,15 @@ class RandomDialog(QDialog):
             )
         )
         form.addRow(words)
-        self.count = spin("count", 1, _MOST_RANDOM, 0, "", tr("Number of images"))
-        self.count.setValue(_RANDOM_COUNT)
+        self.count = spin("count", 1, 1_000_000, 0, "", tr("Number of images"))
+        self.count.setValue(500)
         form.addRow(tr("&Images"), self.count)
         agl, tilt = field_named(Flight, "agl_m"), field_named(Attitude, "tilt_deg")
         self.low, self.high = (number_entry(agl, name) for name in ("lowest", "highest"))
         self.tilt = spin(
             "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Maximum tilt; the minimum is 0")
         )
-        for box, value in ((self.low, _RANDOM_LOW_M), (self.high, _RANDOM_HIGH_M), (self.tilt, 0.0)):
+        for box, value in ((self.low, 80.0), (self.high, 150.0), (self.tilt, 0.0)):
             box.setValue(value)
         form.addRow(tr("&Height above ground, from and to"), row(self.low, self.high))
         form.addRow(tr("&Tilt up to"), self.tilt)

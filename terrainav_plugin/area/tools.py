@@ -46,8 +46,6 @@ from .outline import (
 
 #: Distance in screen pixels at which the pointer grips an edge, a corner or a point.
 _REACH_PX = 8.0
-#: Screen pixels that an arrow key moves the area, without and with Shift.
-_STEP_PX, _FAR_STEP_PX = 1, 10
 _ARROWS = {
     Qt.Key.Key_Left: (-1, 0),
     Qt.Key.Key_Right: (1, 0),
@@ -488,7 +486,7 @@ class AreaTool(TemporaryTool):
 
     def _step(self, event: QKeyEvent) -> None:
         far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
-        pixels = _FAR_STEP_PX if far else _STEP_PX
+        pixels = 10 if far else 1
         across, down = (pixels * way for way in _ARROWS[event.key()])
         lon, lat = area_middle(self._area)
         middle = None if self._outline is None else self._outline.project(lon, lat)

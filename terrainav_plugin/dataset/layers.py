@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 #: Name of the file of failed images, beside the dataset's footprints.
 FAILED_FILE = "failed.geojson"
 _FAILED_MARK = f'"{FAILED}"'.encode()
-_HALF_TURN_DEG = 180.0
 _WITHOUT_CUTS = f"difference(boundary($geometry), geom_from_wkt('{CUTS_WKT}'))"
 _NAME = re.compile(rb'"name": "([^"]*)"')
 
@@ -103,7 +102,7 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
     Only for layers that reach both, as drawing by an expression is slower.
     """
     extent = layer.extent()
-    if extent.xMinimum() > -_HALF_TURN_DEG or extent.xMaximum() < _HALF_TURN_DEG:
+    if extent.xMinimum() > -180.0 or extent.xMaximum() < 180.0:
         return
     symbol = layer.renderer().symbol()
     outline = symbol.symbolLayer(0)

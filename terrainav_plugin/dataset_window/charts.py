@@ -19,7 +19,6 @@ LOWEST, HIGHEST = 0.0, 8.0
 DECIMALS = 2
 #: Steps of the threshold in bits: by arrow key, with Shift, and by page key.
 _STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
-_USUAL_PX, _LEAST_PX = (420, 190), (240, 140)
 _TICK_PX, _GAP_PX = 4, 3
 _HANDLE_PX = 5.0
 #: Least height of a non-empty bin: a few images among thousands matter most.
@@ -128,11 +127,11 @@ class Chart(QWidget):
 
     def sizeHint(self) -> QSize:
         """Enough room to show the shape of a distribution."""
-        return QSize(*_USUAL_PX)
+        return QSize(420, 190)
 
     def minimumSizeHint(self) -> QSize:
         """Enough room for the axes and a line."""
-        return QSize(*_LEAST_PX)
+        return QSize(240, 140)
 
     # --- differences between the charts
 

@@ -23,8 +23,6 @@ from ...core.mission.areas.area import Box
 from ..i18n import tr, translate
 
 LON_LAT = "EPSG:4326"
-#: Points along a side: between two of them a parallel bulges by less than 1/16000 of the side.
-_POINTS_A_SIDE = 64
 
 
 def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoordinateTransform:
@@ -203,7 +201,8 @@ class ClickTool(TemporaryTool):
 
 
 def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
-    steps = [step / _POINTS_A_SIDE for step in range(_POINTS_A_SIDE)]
+    # Between two of 64 points, a parallel bulges by less than 1/16000 of the side.
+    steps = [step / 64 for step in range(64)]
     west, south, east, north = (
         rectangle.xMinimum(),
         rectangle.yMinimum(),

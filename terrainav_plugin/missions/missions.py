@@ -47,8 +47,8 @@ if TYPE_CHECKING:
 
 #: Topic of the message that asks for the user's agreement.
 _UNAGREED, _MISSION, _DATASETS = "unagreed", "mission", "datasets"
-#: Most characters of a name in a menu or message, and most places that a message names.
-_MOST_TITLE, _MOST_PLACES = 100, 3
+#: Most characters of a name in a menu or message.
+_MOST_TITLE = 100
 #: Entries of a form without an area, and without the entries that depend on it.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
 
@@ -547,7 +547,7 @@ class Missions(QObject):
         if not self._unagreed:
             return
         named = dict.fromkeys(one_line(place, _MOST_TITLE) for one, _ in self._unagreed.values() for place in one)
-        shown = ", ".join([*named][:_MOST_PLACES]) + (" …" if len(named) > _MOST_PLACES else "")
+        shown = ", ".join([*named][:3]) + (" …" if len(named) > 3 else "")
         with self._messages.topic(_UNAGREED):
             self._messages.warning(
                 tr(

@@ -27,9 +27,6 @@ from ..widgets import ElidedLabel, named, push_button, tool_button
 if TYPE_CHECKING:
     from ..capture.queue import Runs
 
-#: Characters of a run's title and text that always fit.
-_TITLE_LETTERS, _TEXT_LETTERS = 10, 8
-
 
 class RunPanel(QObject):
     """Keep the list up to date with the queue of captures.
@@ -245,7 +242,7 @@ class RunRow(QFrame):
     def __init__(self, title: str) -> None:
         super().__init__()
         self.setFrameShape(QFrame.Shape.StyledPanel)
-        self.title = named(ElidedLabel(Qt.TextElideMode.ElideMiddle, _TITLE_LETTERS), "run_title")
+        self.title = named(ElidedLabel(Qt.TextElideMode.ElideMiddle, 10), "run_title")
         font = self.title.font()
         font.setBold(True)
         self.title.setFont(font)
@@ -254,7 +251,7 @@ class RunRow(QFrame):
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(4)
-        self.text = named(ElidedLabel(Qt.TextElideMode.ElideRight, _TEXT_LETTERS), "run_text")
+        self.text = named(ElidedLabel(Qt.TextElideMode.ElideRight, 8), "run_text")
         self.buttons = self._make_buttons(title)
         self._lay_out()
 

@@ -54,14 +54,10 @@ if TYPE_CHECKING:
     from ...core.imagery.services.detecting import FoundService
     from ...core.imagery.trial import Trial
 
-#: Default limits of a source without known terms; ask the server's operator before exceeding them.
-_CONNECTIONS, _REQUESTS_PER_S = 4, 10.0
 #: Entries for fields of a source; all other fields come from its address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
 #: Parameter that selects a layer in a service's name, by kind.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
-#: Rows of the list of layers, and width of the test tile, px.
-_LAYERS_ROOM_PX, _TILE_ROOM_PX = 110, 128
 #: Most reference systems named by an entry of the list.
 _SYSTEMS_NAMED = 3
 
@@ -135,12 +131,12 @@ class AddSourceDialog(QDialog):
         self.key = line_edit("key", tr("API key for {key} in the address; kept in QGIS's authentication database"))
         self.key.setEchoMode(QLineEdit.EchoMode.Password)
         self.layers = named(QListWidget(), "layers", tr("Layers that the service offers"))
-        self.layers.setMaximumHeight(_LAYERS_ROOM_PX)
+        self.layers.setMaximumHeight(110)
         self.system = combo("system", (), tr("Coordinate reference system of the images"))
         self.notice = wrapped_label("notice")
         self.test = push_button("test", tr("&Test"), tr("Fetch one tile and show it"))
         self.tile = named(QLabel(), "tile")
-        self.tile.setFixedSize(_TILE_ROOM_PX, _TILE_ROOM_PX)
+        self.tile.setFixedSize(128, 128)
         self.about_tile = wrapped_label("about_tile")
         self.name = line_edit("name", tr("Names it in missions and on the command line: lower-case letters and digits"))
         self.title = line_edit("title", tr("What you call it"))
@@ -157,11 +153,12 @@ class AddSourceDialog(QDialog):
         self.tile_px = combo("tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile"))
         tip = tr("Requests under way at once, as many as the provider allows")
         self.connections = whole_spin("connections", 1, 64, tip)
-        self.connections.setValue(_CONNECTIONS)
+        # Moderate limits for a source without known terms; ask the server's operator before exceeding them.
+        self.connections.setValue(4)
         self.rate = spin(
             "rate", 0.1, 10_000.0, 1, tr(" a second"), tr("Requests a second, as many as the provider allows")
         )
-        self.rate.setValue(_REQUESTS_PER_S)
+        self.rate.setValue(10.0)
         tip = tr("Leave it ticked only where the provider's terms allow storing")
         self.cached = tick("cached", tr("Tiles may be kept in the cache"), tip)
         self.cached.setChecked(True)

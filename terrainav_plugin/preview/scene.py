@@ -37,8 +37,8 @@ MOST_DRAWN = 1000
 #: Up to this many images are drawn however small they are: otherwise nothing would be visible from afar.
 FEW = 100
 _DENSITY_MARGIN = 0.25
-#: Bulge of a footprint's edges beyond the rectangle of its corners, as share, and the degrees up to which it holds.
-_BULGE, _STRAIGHT_DEG = 0.01, 0.5
+#: Bulge of a footprint's edges beyond the rectangle of its corners, as a share, for footprints of up to half a degree.
+_BULGE = 0.01
 
 
 class Drawing(NamedTuple):
@@ -231,7 +231,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     margin = _BULGE * np.maximum(north - south, east - west)
     south, north, west, east = south - margin, north + margin, west - margin, east + margin
     ample = np.flatnonzero(
-        ~corners.hit.all(axis=1) | (plan.views.poles != 0) | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
+        ~corners.hit.all(axis=1) | (plan.views.poles != 0) | (np.maximum(north - south, east - west) > 0.5)
     )
     if len(ample):
         reach = _horizon_deg(plan.height_m[ample])

@@ -19,7 +19,6 @@ from ...core.errors import InvalidInput
 from ...core.text.plain import one_line
 from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
-from ..map.canvas import check_crs
 from ..tasks import required_crs
 
 if TYPE_CHECKING:
@@ -65,6 +64,8 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
 
 def check_parameter_crs(run: AlgorithmRun, name: str) -> None:
     """Check the CRS of an extent or a point with `check_crs`, if it has one; raises InvalidInput."""
+    from ..map.canvas import check_crs
+
     named = _NUMBERS_OF_CRS.fullmatch(str(run.parameters.get(name)))
     if named is not None:
         crs, degrees = QgsCoordinateReferenceSystem(named[1].strip()), QgsCoordinateReferenceSystem(_GEOGRAPHIC)

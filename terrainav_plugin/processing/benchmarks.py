@@ -47,8 +47,7 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
 _GROUP = "benchmarks"
-#: Largest overlap in percent: with more, the number of tiles explodes.
-_PERCENT, _MOST_OVERLAP = 100.0, 99.0
+_PERCENT = 100.0
 #: Figures of all queries that become outputs, by their names in the core.
 _FIGURES = {
     "QUERY_COUNT": "queries",
@@ -170,7 +169,7 @@ class MakeBenchmark(WithImagery):
                 _PERCENT * TILE_OVERLAP,
                 False,
                 0.0,
-                _MOST_OVERLAP,
+                99.0,  # With more, the number of tiles explodes.
             ),
             tr("Share of a tile that its neighbour repeats."),
             advanced=True,

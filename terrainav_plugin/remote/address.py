@@ -23,8 +23,6 @@ from ..i18n import tr
 
 #: Files of a dataset whose addresses stand for it.
 _INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "croissant.json", "plan.csv")
-#: Validity of a signed URL in seconds.
-_SIGNED_S = 600
 
 
 class DatasetAddress(NamedTuple):
@@ -123,7 +121,7 @@ class DatasetAddress(NamedTuple):
         options = _store_options(os.environ)
         if (os.environ.get("AWS_NO_SIGN_REQUEST") or "").lower() not in ("yes", "true", "on", "1"):
             with _gdal_options(options):
-                signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", [f"EXPIRATION_DELAY={_SIGNED_S}"])
+                signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", ["EXPIRATION_DELAY=600"])
             if signed:
                 return str(signed)
         # Without credentials: public files.

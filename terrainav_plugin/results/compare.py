@@ -18,8 +18,6 @@ from ..map.mission_group import mission_layers
 from ..tasks import single_shot
 from ..widgets import combo, growing_form, push_button, spin, wrapped_label
 
-_LEAST_S, _MOST_S, _USUAL_S = 0.2, 10.0, 1.0
-
 
 class Compare(QObject):
     """The small window, and the layers shown while it is open."""
@@ -215,8 +213,8 @@ class CompareDialog(QDialog):
         self.switch.clicked.connect(lambda _checked: self.switch_wanted.emit())
         self.flicker = push_button("compare_flicker", tr("&Flicker"), tr("Switch again and again"))
         self.flicker.setCheckable(True)
-        self.pause = spin("compare_pause", _LEAST_S, _MOST_S, 1, tr(" s"), tr("Time that each image is shown"))
-        self.pause.setValue(_USUAL_S)
+        self.pause = spin("compare_pause", 0.2, 10.0, 1, tr(" s"), tr("Time that each image is shown"))
+        self.pause.setValue(1.0)
         self.closing = push_button("compare_close", tr("&Close"), tr("Show the map as it was before"))
         self.closing.clicked.connect(lambda _checked: self.close())
         self._lay_out()

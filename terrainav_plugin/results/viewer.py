@@ -30,12 +30,8 @@ from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import CapturedImage, ViewedImage
 
-_LEAST_PX = 160
-_USUAL_PX = (400, 300)
-#: Of the legend's colours, and of the ring around the pixel under the mouse.
-_LEGEND_PX, _RING_PX = 10, 5.0
 #: Metadata that other rows show already, or that only programs need.
-_TOLD = {
+_OMITTED = {
     "AREA_OR_POINT",
     "NAME",
     "MAP_TYPE",
@@ -275,11 +271,11 @@ class PictureView(QWidget):
 
     def sizeHint(self) -> QSize:
         """Room for an image of four by three."""
-        return QSize(*_USUAL_PX)
+        return QSize(400, 300)
 
     def minimumSizeHint(self) -> QSize:
         """Room for a small image."""
-        return QSize(_LEAST_PX, _LEAST_PX * 3 // 4)
+        return QSize(160, 120)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
         """Paint."""
@@ -300,7 +296,7 @@ class PictureView(QWidget):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for colour, width in ((Qt.GlobalColor.black, 3.0), (Qt.GlobalColor.white, 1.0)):
             painter.setPen(QPen(QColor(colour), width))
-            painter.drawEllipse(middle, _RING_PX, _RING_PX)
+            painter.drawEllipse(middle, 5.0, 5.0)
 
 
 class DepthPane(QWidget):
@@ -375,7 +371,7 @@ class Legend(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("depth_legend")
-        self.setFixedHeight(_LEGEND_PX)
+        self.setFixedHeight(10)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
         """Paint."""
@@ -432,7 +428,7 @@ def details(seen: ViewedImage) -> Iterator[tuple[str, str]]:
         yield tr("Zoom"), str(pose.get("zoom", ""))
     yield tr("Column, row"), f"{pose.get('column', '')}, {pose.get('row', '')}"
     for name, value in metadata.items():
-        if name not in _TOLD and not name.startswith(("TIFFTAG_", "EXIF_")):
+        if name not in _OMITTED and not name.startswith(("TIFFTAG_", "EXIF_")):
             yield name.replace("_", " ").capitalize(), value
     yield tr("File"), str(seen.picture.path) if seen.fetched is None else seen.fetched.place
 
