@@ -97,7 +97,7 @@ class TerrAInavPlugin:
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
         # QGIS looks for a layer's file before it reports that the project is read.
-        self._path_finder = QgsPathResolver.setPathPreprocessor(_found)
+        self._path_finder = QgsPathResolver.setPathPreprocessor(_local_source)
         self.iface.projectRead.connect(self._project_read)
         self.iface.newProjectCreated.connect(self._project_begun)
         # Do not delay QGIS's start: nothing runs before it has a window.
@@ -300,7 +300,7 @@ class OptionsFactory(QgsOptionsWidgetFactory):
         return page
 
 
-def _found(source: str) -> str:
+def _local_source(source: str) -> str:
     """Local copy of a project's file that belongs to a remote dataset; other files unchanged."""
     if COPIES not in source.replace("\\", "/"):
         return source

@@ -254,7 +254,7 @@ def hold_crs() -> None:
         QgsCoordinateReferenceSystem(identifier)
 
 
-def held_crs(text: str) -> bool:
+def read_crs_on_main_thread(text: str) -> bool:
     """Have the main thread read a CRS (a code or WKT) before this one; False if it did not in time."""
     if text in CRS_IDS:
         return True

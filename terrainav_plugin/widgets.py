@@ -343,13 +343,13 @@ class NumberBox(QgsDoubleSpinBox):
     ----------
     times : float
         Factor from the value in the form's state to that shown: 100 for a share in percent.
-    may_be_left_out : bool
+    is_optional : bool
         Whether the least value stands for "not set".
     """
 
     judged = pyqtSignal()
     times: float = 1.0
-    may_be_left_out: bool = False
+    is_optional: bool = False
     #: While the box is set up or a number is entered, its text was not typed.
     _is_typed_into: bool = False
 
@@ -362,9 +362,9 @@ class NumberBox(QgsDoubleSpinBox):
         self.lineEdit().textChanged.connect(self._judge)
         self.editingFinished.connect(self.say_problem)
 
-    def let_be_left_out(self, below: float) -> None:
+    def allow_unset(self, below: float) -> None:
         """Let a value below the range stand for "not set", shown as such."""
-        self.may_be_left_out = True
+        self.is_optional = True
         self.setMinimum(below)
         self.setSpecialValueText(tr("not set"))
 
@@ -390,7 +390,7 @@ class NumberBox(QgsDoubleSpinBox):
         if not self.decimals() and value != int(value):
             return tr("“{text}”: must be a whole number").format(text=text)
         least, most = (localized(f"{end:.15g}") for end in (self.minimum(), self.maximum()))
-        if self.may_be_left_out:
+        if self.is_optional:
             right = tr("“{text}”: must be above {least} and at most {most}, or empty")
         else:
             right = tr("“{text}”: must be from {least} to {most}")
@@ -434,7 +434,7 @@ class NumberBox(QgsDoubleSpinBox):
         value = self._read(self._typed(text))
         if value is not None:
             return value
-        left_out = self.may_be_left_out and self.value() == self.minimum()
+        left_out = self.is_optional and self.value() == self.minimum()
         return self.minimum() + 1.0 if left_out else self.value()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -446,7 +446,7 @@ class NumberBox(QgsDoubleSpinBox):
 
     def number(self) -> float | int | None:
         """Number entered, an int if there are no decimals; None if not set."""
-        if self.may_be_left_out and (self.value() == self.minimum() or self.unread() is not None):
+        if self.is_optional and (self.value() == self.minimum() or self.unread() is not None):
             return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
@@ -462,7 +462,7 @@ class NumberBox(QgsDoubleSpinBox):
 
     def _read(self, text: str) -> float | None:
         """Number of a text, in the range and rounded to the decimals; None if it is invalid."""
-        if self.may_be_left_out and text in ("", self.specialValueText()):
+        if self.is_optional and text in ("", self.specialValueText()):
             return self.minimum()
         value = self._number(text)
         if value is not None and self.decimals():
@@ -470,7 +470,7 @@ class NumberBox(QgsDoubleSpinBox):
             value = round(value, self.decimals())
         if value is None or not self.minimum() <= value <= self.maximum():
             return None
-        left_out = self.may_be_left_out and value == self.minimum()
+        left_out = self.is_optional and value == self.minimum()
         return None if left_out or (not self.decimals() and value != int(value)) else value
 
     def _number(self, text: str) -> float | None:

@@ -17,7 +17,7 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons
 from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
-from ..form.area import FormError, area_words, entered_area, entered_no_fly, replace_area
+from ..form.area import FormError, describe_area, entered_area, entered_no_fly, replace_area
 from ..form.mission_form import takeoff, takeoff_text
 from ..form.state import FormState
 from ..i18n import tr, translate
@@ -391,7 +391,7 @@ class AreaControl(QObject):
                 *canvas_lon_lat(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
             )
         step = tr("poses of {file}").format(file=Path(path).name)
-        self._open(dialog, lambda: self.read(step, lambda: pose_file(path, dialog.how())))
+        self._open(dialog, lambda: self.read(step, lambda: pose_file(path, dialog.pose_settings())))
 
     @staticmethod
     def _open(dialog: QDialog, take: Callable[[], None]) -> None:
@@ -522,8 +522,8 @@ class AreaControl(QObject):
         """Show the coordinates of an area while it is dragged."""
         state = self._editing.state()
         self._entries.show_edges(replace_area(state, area))
-        self._entries.show_words(
-            area_words(area, state.agl_unit),
+        self._entries.show_description(
+            describe_area(area, state.agl_unit),
             not isinstance(area, Box),
             is_ground=area.covers_ground,
         )

@@ -10,7 +10,7 @@ from ...core.errors import InvalidInput
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
 from ..compat import POLYGON
 from ..i18n import tr
-from .outline import Corner, area_rings, kept_lat, polygon_geometry
+from .outline import Corner, area_rings, move_latitude, polygon_geometry
 
 #: Fewest corners of a ring.
 LEAST_CORNERS = 3
@@ -38,7 +38,7 @@ def move_corner(area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_
 
     def move(ring: list[Position]) -> None:
         lon, lat = ring[corner.at]
-        ring[corner.at] = pointed(lon + dlon_deg, kept_lat(lat, dlat_deg))
+        ring[corner.at] = pointed(lon + dlon_deg, move_latitude(lat, dlat_deg))
 
     return _changed(area, corner, move)
 

@@ -84,12 +84,12 @@ class LayerDialog(QDialog):
         """Describe the area that a layer gives."""
         ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         ok.setEnabled(layer is not None)
-        self.words.setText(self._words(layer) if layer is not None else tr("The project has no such layer."))
+        self.words.setText(self._describe(layer) if layer is not None else tr("The project has no such layer."))
 
     def _add_entries(self) -> None:
         """Add further entries."""
 
-    def _words(self, layer: QgsMapLayer) -> str:
+    def _describe(self, layer: QgsMapLayer) -> str:
         return tr(
             "The smallest box of longitudes and latitudes around it ({crs}), or its rectangle, as a "
             "polygon, if the box would be much larger."
@@ -140,7 +140,7 @@ class PolygonDialog(LayerDialog):
             tr("Click a polygon of this layer on the map; it becomes the area"),
         )
 
-    def _words(self, layer: QgsVectorLayer) -> str:
+    def _describe(self, layer: QgsVectorLayer) -> str:
         selected, count = layer.selectedFeatureCount(), layer.featureCount()
         if count == 1:
             return tr("Its only polygon will be used.")
@@ -266,7 +266,7 @@ class PointsDialog(LayerDialog):
         self.agl_field.setEnabled(False)
         self.by_value.setChecked(True)
 
-    def _words(self, layer: QgsVectorLayer) -> str:
+    def _describe(self, layer: QgsVectorLayer) -> str:
         return tr("One image above each point ({crs}).").format(crs=layer.crs().authid() or tr("no CRS"))
 
 
@@ -333,7 +333,7 @@ class LineDialog(LayerDialog):
         self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
         self.form.addRow(tr("&Height above ground"), row(self.agl, self.unit, stretch=0))
 
-    def _words(self, layer: QgsVectorLayer) -> str:
+    def _describe(self, layer: QgsVectorLayer) -> str:
         selected, count = layer.selectedFeatureCount(), layer.featureCount()
         if selected > 1:
             which = tr("{n} lines are selected and will be flown one after the other.").format(n=number_text(selected))
@@ -393,7 +393,7 @@ class PosesDialog(QDialog):
         self.origin_lat.setValue(lat_deg)
         self.origin_lon.setValue(lon_deg)
 
-    def how(self) -> PoseFile:
+    def pose_settings(self) -> PoseFile:
         """Return how to read the file; raises InvalidInput."""
         file_format = self.format.currentData()
         is_local, by_value = file_format in LOCAL_FORMATS, self.by_value.isChecked()
@@ -428,7 +428,7 @@ class PosesDialog(QDialog):
         choose(self.interval_in, "every_s" if is_log else "")
         self._show_interval()
         self.ground.setSpecialValueText(tr("the origin") if is_local else tr("home") if is_log else tr("not set"))
-        self.words.setText(self._words(file_format))
+        self.words.setText(self._describe(file_format))
 
     def _show_times(self, file_format: str) -> None:
         """Offer units of time if the file does not state one."""
@@ -469,7 +469,7 @@ class PosesDialog(QDialog):
         self.by_file = named(QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", field_tip(ground))
         self.by_value = named(QRadioButton(tr("&Height of all")), "by_value", field_tip(agl))
         self.ground = spin("ground", ground.least, ground.most, 3, ground.unit.suffix, field_tip(ground))
-        self.ground.let_be_left_out(ground.least - 1.0)
+        self.ground.allow_unset(ground.least - 1.0)
         self.ground.enter(None)
         self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", field_tip(agl))
         self.agl.setValue(self._state.agl)
@@ -504,7 +504,7 @@ class PosesDialog(QDialog):
         self.times = combo("times", (), field_tip(times))
         self.times.setMinimumContentsLength(len(tr("as in the file")))
         self.flight: NumberBox = spin("flight", flight.least, flight.most, 0, "", field_tip(flight))
-        self.flight.let_be_left_out(flight.least - 1.0)
+        self.flight.allow_unset(flight.least - 1.0)
         self.flight.enter(None)
         self.form.addRow(field_label(times), self.times)
         self.form.addRow(field_label(flight), self.flight)
@@ -513,7 +513,7 @@ class PosesDialog(QDialog):
         self.form.addRow(self.restart)
 
     @staticmethod
-    def _words(file_format: str) -> str:
+    def _describe(file_format: str) -> str:
         if file_format in LOCAL_FORMATS:
             return tr("Poses in metres in a local frame, whose place is not in the file.")
         if file_format == "gpx":

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from ...core.mission.areas.area import Area, Polygon
 from ..form.area import (
     FormError,
-    area_words,
+    describe_area,
     entered_area,
     entered_no_fly,
     no_fly_text,
@@ -76,7 +76,7 @@ class AreaEditing(QObject):
             widget.installEventFilter(self.undo_keys)
         for name, edit in entries.edges.items():
             edit.textChanged.connect(partial(self._take_typed, name))
-            edit.editingFinished.connect(partial(self._take_left, name))
+            edit.editingFinished.connect(partial(self._finish_edge, name))
 
     def state(self) -> FormState:
         """State of the form."""
@@ -121,10 +121,10 @@ class AreaEditing(QObject):
         state = self._read()
         area = entered_area(state)
         if (area, state.agl_unit) != self._worded[:2]:
-            self._worded = area, state.agl_unit, "" if area is None else area_words(area, state.agl_unit)
+            self._worded = area, state.agl_unit, "" if area is None else describe_area(area, state.agl_unit)
         is_ground = area is not None and area.covers_ground
         self._entries.show_no_fly(len(entered_no_fly(state)))
-        self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost, is_ground)
+        self._entries.show_description(self._worded[2], bool(self._entries.shape), self._shape_lost, is_ground)
         self.noted.emit()
 
     def _set(self, state: FormState, step: str, joined: bool = False) -> None:
@@ -144,7 +144,7 @@ class AreaEditing(QObject):
         self.typed.emit()
         self.coordinates_entered.emit()
 
-    def _take_left(self, name: str) -> None:
+    def _finish_edge(self, name: str) -> None:
         """Spread coordinates typed into one edge when it loses the focus."""
         text = self._entries.edges[name].text()
         if not self.wrong and looks_like_coordinates(text) and not self._is_spread(name, text):

@@ -101,7 +101,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.edit.setCheckable(True)
         self.undo = _tool_button("undo_area", "/mActionUndo.svg")
         self.redo = _tool_button("redo_area", "/mActionRedo.svg")
-        self.words = named(QLabel(), "area_words")
+        self.words = named(QLabel(), "describe_area")
         self.words.setWordWrap(True)
         self.words.setTextFormat(Qt.TextFormat.RichText)
         self.words.linkActivated.connect(self.box_wanted)
@@ -130,7 +130,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             with QSignalBlocker(edit):
                 edit.enter(getattr(state, name))
 
-    def show_words(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
+    def show_description(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
         """Describe the area; empty for none.
 
         Parameters

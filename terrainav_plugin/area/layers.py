@@ -43,7 +43,7 @@ from ...core.poses.reading import read_poses_file
 from ...core.poses.settings import LineFlight, PoseFile
 from ...core.text.plain import time_s
 from ..compat import LINE, POINT, POLYGON
-from ..form.area import point_words
+from ..form.area import angle_names
 from ..i18n import number_text, tr, translate
 from ..map.canvas import LON_LAT, check_crs, rectangle_box
 from ..tasks import Task, required_crs
@@ -186,7 +186,7 @@ def read_points(
         if number % 256 == 0 and cancelled():
             raise Cancelled
         name = tr("feature {id}").format(id=feature.id())
-        agl, values = _agl_m(feature, fields, name), _own_values(feature, fields, name)
+        agl, values = _agl_m(feature, fields, name), _point_values(feature, fields, name)
         place = _Places(crs, context, name)
         for point in _points(feature.geometry(), name):
             lon, lat = place(point)
@@ -288,7 +288,7 @@ def flown_lines(
 
     def flown(lines: list[Floats]) -> Found:
         found = fly(lines, flight, start_s)
-        return Found(found.points, agl_m, flown_words(found))
+        return Found(found.points, agl_m, describe_flight(found))
 
     return line_reader(layer, agl_m, flown, project)
 
@@ -319,7 +319,7 @@ def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], 
     return read
 
 
-def flown_words(flown: FlownLine) -> str:
+def describe_flight(flown: FlownLine) -> str:
     """Deviation of a flight from its line, and its slow turns."""
     words = tr("The flight misses the corners of its line by up to {missed} m.").format(
         missed=number_text(flown.missed_m, ",.1f")
@@ -487,13 +487,13 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
             raise InvalidInput(
                 tr("{feature} has a hole around a pole: cut it into parts without one").format(feature=name)
             )
-        return _around_pole(corners)
+        return _close_along_pole(corners)
     if len(corners) > 1 and corners[-1] == first:
         corners.pop()
     return corners
 
 
-def _around_pole(corners: list[Position]) -> list[Position]:
+def _close_along_pole(corners: list[Position]) -> list[Position]:
     """Ring of corners around a pole, the last above the first: from 180° W to 180° E, and back along the pole."""
     if corners[-1][0] < corners[0][0]:
         corners.reverse()
@@ -567,7 +567,7 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
     return agl
 
 
-def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str, float]:
+def _point_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str, float]:
     """Angles and time of a feature's points, named as in `Points`."""
     found = {}
     for angle, field in (
@@ -578,7 +578,7 @@ def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str
     ):
         if not field:
             continue
-        what = tr("{feature}: {what} in “{field}”").format(feature=name, what=point_words()[angle], field=field)
+        what = tr("{feature}: {what} in “{field}”").format(feature=name, what=angle_names()[angle], field=field)
         degrees = _number(feature, field, what)
         declared = None if angle == "gimbal_pitch" else field_named(Attitude, f"{angle}_deg")
         least, most = (-180.0, 90.0) if declared is None else (declared.least, declared.most)

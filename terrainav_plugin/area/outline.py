@@ -24,8 +24,8 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
 from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
-from ..map.canvas import canvas_lon_lat, to_lon_lat
-from ..map.outlines import around_pole
+from ..map.canvas import canvas_lon_lat, continuous_box, to_lon_lat, wrap_longitude
+from ..map.outlines import remove_pole_seams
 
 #: Segments in which a side is drawn; it may be a curve on the canvas.
 _STEPS = 48
@@ -175,7 +175,7 @@ class AreaOutline:
         box = degrees.boundingBox()
         reaches_pole = max(abs(box.yMinimum()), abs(box.yMaximum())) >= 90.0
         is_around = reaches_pole and box.width() >= 360.0 and self._cut_deg is None
-        return around_pole(shape) if is_around and not self._is_geographic else shape
+        return remove_pole_seams(shape) if is_around and not self._is_geographic else shape
 
     def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
         placed = self.project_all([(corner.x(), corner.y()) for corner in ring])
@@ -308,20 +308,6 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
     return not isinstance(area, (Polygon, Polygons)) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
 
 
-def wrapped(lon_deg: float) -> float:
-    """Longitude in [-180, 180)."""
-    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0
-
-
-def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
-    """Box whose longitudes may continue across the antimeridian."""
-    if east_deg - west_deg >= 360.0:
-        return Box(north_deg, -180.0, south_deg, 180.0)
-    turn = 360.0 * math.floor((west_deg + 180.0) / 360.0)
-    west, east = west_deg - turn, east_deg - turn
-    return Box(north_deg, west, south_deg, east - 360.0 if east > 180.0 else east)
-
-
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     """Area moved by degrees: freely across the antimeridian, but limited in latitude.
 
@@ -340,11 +326,16 @@ def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
         return Polygons(tuple(_moved_polygon(part, dlat, dlon_deg) for part in area.parts))
     if isinstance(area, Polygon):
         return _moved_polygon(area, dlat, dlon_deg)
-    return replace(area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses))
+    return replace(
+        area,
+        poses=tuple((_clamp_latitude(lat + dlat), wrap_longitude(lon + dlon_deg), agl) for lat, lon, agl in area.poses),
+    )
 
 
 def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygon:
-    return Polygon(tuple(tuple((lon + dlon_deg, _kept(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings))
+    return Polygon(
+        tuple(tuple((lon + dlon_deg, _clamp_latitude(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings)
+    )
 
 
 def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float) -> Box:
@@ -365,7 +356,7 @@ def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float)
 def area_middle(area: Area) -> tuple[float, float]:
     """Longitude and latitude of the middle of an area's bounds."""
     box = area.bounds
-    return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
+    return wrap_longitude(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
 def count_turns(area: Area, lon_deg: float) -> int:
@@ -440,12 +431,12 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
     return math.hypot(at.x() - start.x() - along * dx, at.y() - start.y() - along * dy)
 
 
-def _kept(lat_deg: float) -> float:
+def _clamp_latitude(lat_deg: float) -> float:
     """Latitude limited to the poles, which rounding may exceed."""
     return min(max(lat_deg, -90.0), 90.0)
 
 
-def kept_lat(lat_deg: float, dlat_deg: float) -> float:
+def move_latitude(lat_deg: float, dlat_deg: float) -> float:
     """Latitude moved by degrees, with the limits of `moved`."""
     limit = _limit(abs(lat_deg))
     return min(max(lat_deg + dlat_deg, -limit), limit)

@@ -97,7 +97,7 @@ class _PatternDialog(LayerDialog):
     def _add_entries(self) -> None:
         self.entries = _Entries(self.PART, self.form)
 
-    def _words(self, layer: QgsVectorLayer) -> str:
+    def _describe(self, layer: QgsVectorLayer) -> str:
         selected, count = layer.selectedFeatureCount(), layer.featureCount()
         if selected:
             which = tr("Selected features are taken: {n}.").format(n=number_text(selected))

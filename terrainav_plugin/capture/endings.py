@@ -13,7 +13,7 @@ from ...core.errors import TerrAInavError
 from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
 from ..i18n import number_text, tr, translate
 from ..paths import open_in_system
-from .run import BackgroundRun, Stage, done_text, mention_kept_images
+from .run import BackgroundRun, Stage, done_text, note_saved_images
 
 if TYPE_CHECKING:
     from ..dataset.placing import OpenProject
@@ -138,7 +138,7 @@ class Endings(QObject):
     def _say(self, run: BackgroundRun, is_open: bool) -> None:
         result, name = run.result, run.name
         if run.task.error:
-            self._messages.failed(mention_kept_images(translate(run.task.error), result), run.task.trace)
+            self._messages.failed(note_saved_images(translate(run.task.error), result), run.task.trace)
         elif run.stage is Stage.STOPPED and result is None:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:

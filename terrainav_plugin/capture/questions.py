@@ -51,7 +51,7 @@ class Questions:
         self._messages, self._window = messages, window
         self._mark, self._capture_into, self._taken = mark, capture_into, taken
 
-    def folder_is_given(self, text: str) -> bool:
+    def has_folder(self, text: str) -> bool:
         """Whether a writable folder is chosen; shows the problem at the field otherwise."""
         if not text.strip():
             message = tr("no folder: choose where to save the images")

@@ -122,7 +122,7 @@ class Runs(QObject):
 
     def can_start(self, state: FormState) -> bool:
         """Whether there is a folder for the capture, and the key of its source; reports what is missing."""
-        return self.questions.folder_is_given(state.folder) and self.questions.has_usable_key(state.source_name)
+        return self.questions.has_folder(state.folder) and self.questions.has_usable_key(state.source_name)
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after the questions."""

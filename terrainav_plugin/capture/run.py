@@ -116,10 +116,10 @@ class BackgroundRun(QObject):
     @property
     def can_pause(self) -> bool:
         """Whether pausing is possible: not while a mosaic is made."""
-        return self.stage is Stage.PAUSED or (self.stage is Stage.RUNNING and not self.all_made)
+        return self.stage is Stage.PAUSED or (self.stage is Stage.RUNNING and not self.has_all_images)
 
     @property
-    def all_made(self) -> bool:
+    def has_all_images(self) -> bool:
         """Whether every image is there or has failed."""
         progress = self.progress
         return progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
@@ -146,7 +146,7 @@ class BackgroundRun(QObject):
             self._become(Stage.STOPPED)
             self.ended.emit(self)
         elif self.under_way:
-            end = self.task.cancel if self.stage is Stage.STOPPING or self.all_made else self.task.stop
+            end = self.task.cancel if self.stage is Stage.STOPPING or self.has_all_images else self.task.stop
             # Before the task is cancelled, which may end it at once.
             self._become(Stage.STOPPING)
             end()
@@ -247,7 +247,7 @@ def done_text(result: CaptureResult) -> str:
     return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
 
 
-def mention_kept_images(error: str, result: CaptureResult | None) -> str:
+def note_saved_images(error: str, result: CaptureResult | None) -> str:
     """Error of a run, with a note that images were saved."""
     return error if result is None else tr("{error} (the images were saved)").format(error=error)
 
@@ -278,7 +278,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
 def _end_text(run: BackgroundRun) -> str:
     result = run.result
     if run.task.error:
-        return mention_kept_images(translate(run.task.error), result)
+        return note_saved_images(translate(run.task.error), result)
     if result is None:
         return tr("Stopped before the first image")
     there = number_text(result.written + result.skipped)

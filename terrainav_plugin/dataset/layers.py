@@ -30,7 +30,7 @@ from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
-from ..tasks import CRS_IDS, crs_named, held_crs
+from ..tasks import CRS_IDS, crs_named, read_crs_on_main_thread
 from .footprints import feature_lines, read_feature
 from .mosaic import MosaicRaster
 
@@ -77,7 +77,7 @@ def open_results(folder: Path, mission: Mission, mosaics: list[MosaicRaster]) ->
 
 def _opened(mosaic: MosaicRaster) -> QgsRasterLayer | None:
     crs = mosaic.crs()
-    return _move_to_main_thread(open_raster(mosaic.path, mosaic.title), crs) if held_crs(crs) else None
+    return _move_to_main_thread(open_raster(mosaic.path, mosaic.title), crs) if read_crs_on_main_thread(crs) else None
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:

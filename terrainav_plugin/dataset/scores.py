@@ -26,7 +26,7 @@ REFERENCE, QUERIES, ERRORS = "reference", "queries", "errors"
 _TOP, _BOTTOM = 0, -1
 
 
-def into_group(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
+def group_post_processor(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
     """Style a layer that Processing has loaded, and move it into the group of the benchmark's folder.
 
     Parameters

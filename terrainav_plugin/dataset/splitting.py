@@ -23,7 +23,7 @@ class Line(NamedTuple):
     warns: bool = False
 
 
-def ways() -> dict[str, str]:
+def split_methods() -> dict[str, str]:
     """Methods of splitting, with titles."""
     return {
         AUTO: tr("Automatic: blocks where images overlap"),

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 
 from ...core.dataset.folder import AUTO, PARTS, SEED, SHARES
-from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, Line, frames, helps, outcome, parts, titles, ways
+from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, Line, frames, helps, outcome, parts, split_methods, titles
 from ..i18n import number_text, tr
 from ..widgets import (
     NumberBox,
@@ -145,7 +145,7 @@ class SplitTab(Tab):
             if task.options["dry_run"]
             else tr("Written to the tables: {how}.")
         )
-        how = ways()[task.made.how]
+        how = split_methods()[task.made.how]
         if task.made.blocks is not None:
             how = tr("{count} blocks with sides of {side} m").format(
                 count=number_text(task.made.blocks), side=number_text(task.made.block_m, ",.0f")
@@ -159,7 +159,7 @@ class SplitTab(Tab):
 
     def _make_entries(self) -> None:
         text = helps()
-        self.how = combo("split_how", list(ways().items()), text["how"])
+        self.how = combo("split_how", list(split_methods().items()), text["how"])
         self.how.currentIndexChanged.connect(lambda _index: self.enable())
         self.shares: dict[str, NumberBox] = {}
         for part, share in zip(PARTS, SHARES):
@@ -171,7 +171,7 @@ class SplitTab(Tab):
         self.seed = whole_spin("split_seed", 0, HIGHEST_SEED, text["seed"])
         self.seed.setValue(SEED)
         self.block = spin("split_block", 0.0, WIDEST_M, 1, "", text["block"])
-        self.block.may_be_left_out = True
+        self.block.is_optional = True
         self.block.setSpecialValueText(tr("automatic"))
         self.gap = spin("split_gap", 0.0, WIDEST_M, 1, "", text["gap"])
         self.frame = combo("split_frame", [(value, title) for value, title in frames().items()], text["frame"])

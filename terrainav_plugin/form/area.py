@@ -269,17 +269,17 @@ def size_text(box: Box, unit: str) -> str:
     return f"{width} × {height}, {area_text(box.area_m2(), unit)}"
 
 
-def area_words(area: Area, unit: str) -> str:
+def describe_area(area: Area, unit: str) -> str:
     """One-line description of an area, in metric or imperial units."""
     if isinstance(area, Box):
         return tr("Box, {size}").format(size=size_text(area, unit))
     if not isinstance(area, Points):
-        return _polygon_words(area, unit)
+        return _describe_polygons(area, unit)
     heights = [agl / LENGTHS_M[unit] for _, _, agl in area.poses]
     words = [tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))]
     low, high = (localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights)))
     words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
-    own = [what for name, what in point_words().items() if name in ANGLES and area.stated_deg(name)]
+    own = [what for name, what in angle_names().items() if name in ANGLES and area.stated_deg(name)]
     own += [tr("time")] if area.times_s else []
     if len(heights) == 1 and area.yaws_deg:
         words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
@@ -290,7 +290,7 @@ def area_words(area: Area, unit: str) -> str:
     return ", ".join(words)
 
 
-def point_words() -> dict[str, str]:
+def angle_names() -> dict[str, str]:
     """Names of the angles of points."""
     return {"yaw": tr("yaw"), "tilt": tr("tilt"), "gimbal_pitch": tr("gimbal pitch"), "roll": tr("roll")}
 
@@ -345,7 +345,7 @@ def _number(text: str) -> float:
         raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
 
 
-def _polygon_words(polygon: Polygon | Polygons, unit: str) -> str:
+def _describe_polygons(polygon: Polygon | Polygons, unit: str) -> str:
     parts = polygon.parts
     corners = sum(len(ring) for part in parts for ring in part.rings)
     words = [tr("Polygon") if len(parts) == 1 else tr("{n} polygons").format(n=number_text(len(parts)))]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..i18n import number_text, tr, translate
 from ..units import gsd_text, length_text
-from .area import area_words, entered_area
+from .area import describe_area, entered_area
 from .state import DECLARED, SENSOR, FormState
 from .text import short_aspect
 
@@ -40,7 +40,7 @@ def headings(state: FormState, source: str) -> dict[str, str]:
 
 def _area(state: FormState) -> str:
     area = entered_area(state)
-    return tr("none yet") if area is None else area_words(area, state.agl_unit)
+    return tr("none yet") if area is None else describe_area(area, state.agl_unit)
 
 
 def _camera(state: FormState) -> str:

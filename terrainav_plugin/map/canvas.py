@@ -39,7 +39,12 @@ def canvas_lon_lat(point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project
         The place is outside the domain of the project's CRS.
     """
     lon, lat = _transformed(point, to_lon_lat(crs, project))
-    return _wrap(lon), lat
+    return wrap_longitude(lon), lat
+
+
+def wrap_longitude(lon_deg: float) -> float:
+    """Longitude in [-180, 180)."""
+    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0
 
 
 def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
@@ -75,11 +80,16 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
         else:
             south = -90.0
         return Box(north, -180.0, south, 180.0)
-    if east - west >= 360.0:
-        return Box(north, -180.0, south, 180.0)
-    turn = 360.0 * math.floor((west + 180.0) / 360.0)
-    west, east = west - turn, east - turn
-    return Box(north, west, south, east - 360.0 if east > 180.0 else east)
+    return continuous_box(north, west, south, east)
+
+
+def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
+    """Box whose longitudes may continue across the antimeridian."""
+    if east_deg - west_deg >= 360.0:
+        return Box(north_deg, -180.0, south_deg, 180.0)
+    turn = 360.0 * math.floor((west_deg + 180.0) / 360.0)
+    west, east = west_deg - turn, east_deg - turn
+    return Box(north_deg, west, south_deg, east - 360.0 if east > 180.0 else east)
 
 
 def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
@@ -249,7 +259,3 @@ def _outside(transform: QgsCoordinateTransform) -> InvalidInput:
 
 def _named(crs: QgsCoordinateReferenceSystem) -> str:
     return crs.authid() or crs.description() or tr("(custom)")
-
-
-def _wrap(lon_deg: float) -> float:
-    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0

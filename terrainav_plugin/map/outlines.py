@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CUTS_WKT",
-    "around_pole",
     "flight_lines",
     "footprint_shapes",
     "metres",
     "placed",
+    "remove_pole_seams",
     "ring_polygon",
     "seen_edges",
 ]
@@ -72,7 +72,7 @@ def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
         x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
         reached = np.isfinite(x)
         shape = _polygons([(x[reached], y[reached])] if reached.sum() > 2 else [])
-        return shape if kept.all() else around_pole(shape)
+        return shape if kept.all() else remove_pole_seams(shape)
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     lon, lat = cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)
     return _polygons([metres(*part) for part in cut_at_antimeridian(lon, lat)])
@@ -112,7 +112,7 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
     return geometry if geometry.isGeosValid() else _only_polygons(geometry.makeValid())
 
 
-def around_pole(shape: QgsGeometry) -> QgsGeometry:
+def remove_pole_seams(shape: QgsGeometry) -> QgsGeometry:
     """Polygons in a CRS with the pole as a point, without the way to it and back that rings have in degrees."""
     # Once they coincide, the ways there and back bound nothing.
     return _only_polygons(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())

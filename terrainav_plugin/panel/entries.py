@@ -296,7 +296,7 @@ def declared_number(name: str) -> NumberBox:
     number = spin(name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, field_tip(field))
     number.times = unit.times
     if field.optional and name in ENTERED_AS_DECLARED:
-        number.let_be_left_out(least if field.least is None else field.least - 1.0)
+        number.allow_unset(least if field.least is None else field.least - 1.0)
     return number
 
 

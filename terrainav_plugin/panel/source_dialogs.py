@@ -359,7 +359,7 @@ class AddSourceDialog(QDialog):
             return
         offered = self._found.layers or ()
         for layer in sorted(offered, key=lambda one: one.title.casefold()):
-            item = QListWidgetItem(_layer_words(layer))
+            item = QListWidgetItem(_describe_layer(layer))
             item.setData(Qt.ItemDataRole.UserRole, layer)
             item.setToolTip(shown_plain(", ".join((layer.name, *layer.sets, *layer.systems))))
             self.layers.addItem(item)
@@ -580,7 +580,7 @@ class ServiceDialog(QDialog):
         try:
             if task.error or task.entry is None:
                 raise SourceError(task.error or tr("nothing was answered"))
-            self.added = kept(task.entry, self._service, self._chosen())
+            self.added = save_layer(task.entry, self._service, self._chosen())
         except TerrAInavError as wrong:
             self.notice.setText(translate(wrong))
             self._show_ready()
@@ -602,7 +602,7 @@ class ServiceDialog(QDialog):
         self.buttons.button(QDialogButtonBox.StandardButton.Ok).setEnabled(ready)
 
 
-def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
+def save_layer(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     """Save a layer as a user's source, with the connection's authentication; returns its name.
 
     Raises
@@ -635,7 +635,7 @@ def _free_name(words: str) -> str:
     return name
 
 
-def _layer_words(layer: Offered) -> str:
+def _describe_layer(layer: Offered) -> str:
     """Title of a layer, with its reference systems and dates, if known."""
     codes = list(layer.systems[:_SYSTEMS_NAMED])
     if len(layer.systems) > _SYSTEMS_NAMED:

@@ -224,7 +224,7 @@ def _bounds(plan: Plan, boxes: Rects) -> Rect:
 def _seen(plan: Plan, windows: Rects) -> Rects:
     """Bounding rectangles of what camera frames show; generous if the horizon or a pole may be visible."""
     if not windows.world.wraps:
-        return _seen_in_own_crs(plan, windows)
+        return _seen_in_crs(plan, windows)
     corners = plan.corners
     lat, lon = corners.lat_deg, corners.lon_deg
     south, north, west, east = lat.min(axis=1), lat.max(axis=1), lon.min(axis=1), lon.max(axis=1)
@@ -246,7 +246,7 @@ def _seen(plan: Plan, windows: Rects) -> Rects:
     return Rects.wrapped(x0, np.maximum(y0, MERCATOR.south), x1, np.minimum(y1, MERCATOR.north))
 
 
-def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
+def _seen_in_crs(plan: Plan, windows: Rects) -> Rects:
     """Bounding rectangles as from `_seen`, in the imagery's CRS, in which camera frames see no horizon."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
     # Ignore corners outside the domain of the projection; the inscribed rectangle of each image remains.

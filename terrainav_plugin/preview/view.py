@@ -210,7 +210,7 @@ def current_view(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapVie
     if settings.isTemporal():
         shown = settings.temporalRange()
         times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
-    rect = _visible_web_rect(extent, crs, context) if world.wraps else _visible_own_rect(extent, to_map, world)
+    rect = _visible_web_rect(extent, crs, context) if world.wraps else _visible_crs_rect(extent, to_map, world)
     return MapView(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
 
@@ -240,7 +240,7 @@ def _visible_web_rect(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, c
     return _degree_rect(west - margin, south, west + 360.0 - gap + margin, north)
 
 
-def _visible_own_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
+def _visible_crs_rect(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
     """Part in view of a world without wrapping; all of it if part of the view is outside its CRS's domain."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()

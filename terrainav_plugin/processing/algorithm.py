@@ -36,7 +36,7 @@ Result = TypeVar("Result")
 _IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
 
 
-class Words(NamedTuple):
+class AlgorithmTexts(NamedTuple):
     """Texts of an algorithm: title, tooltip, search words, paragraphs of help."""
 
     title: str
@@ -145,19 +145,19 @@ class Algorithm(QgsProcessingAlgorithm):
 
     def displayName(self) -> str:
         """Title."""
-        return self.words().title
+        return self.texts().title
 
     def shortDescription(self) -> str:
         """Tooltip."""
-        return self.words().tip
+        return self.texts().tip
 
     def tags(self) -> list[str]:
         """Search words."""
-        return self.words().tags.split(",")
+        return self.texts().tags.split(",")
 
     def shortHelpString(self) -> str:
         """Help, which the toolbox shows as HTML and a terminal verbatim."""
-        return "\n\n".join(self.words().help)
+        return "\n\n".join(self.texts().help)
 
     def icon(self) -> QIcon:
         """Icon in the toolbox."""
@@ -233,7 +233,7 @@ class Algorithm(QgsProcessingAlgorithm):
                     )
                 )
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
         raise NotImplementedError
 

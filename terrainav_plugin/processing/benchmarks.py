@@ -30,7 +30,7 @@ from ...core.numbers import real_number
 from ...core.storage.files import file_exists
 from ..i18n import capitalized, number_text, tr, translate
 from ..packages import missing_packages
-from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
+from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, is_loadable, off_main_thread
 from .capture import tell_result
 from .choices import ChoiceParameter
 from .datasets import add_gap, add_shares, read_shares
@@ -71,9 +71,9 @@ class MakeBenchmark(WithImagery):
 
     NAME, GROUP = "makebenchmark", _GROUP
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Make a benchmark"),
             tr("Queries from one imagery to find in another, with exact labels."),
             tr("benchmark,localization,geolocalization,retrieval,query,reference,dataset,navigation,gnss"),
@@ -297,9 +297,9 @@ class ScoreBenchmark(Algorithm):
 
     NAME, GROUP = "scorebenchmark", _GROUP
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Score a benchmark"),
             tr("Runs a baseline or reads predictions, scores them, and shows the errors on the map."),
             tr("benchmark,score,judge,recall,localization,error,predictions,baseline,sift,correlation"),
@@ -580,7 +580,7 @@ def _load(
     run: AlgorithmRun, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
 ) -> None:
     """Add the reference and other layers, by role, to the benchmark's group in the project, if any."""
-    from ..dataset.scores import REFERENCE, into_group
+    from ..dataset.scores import REFERENCE, group_post_processor
 
     context = run.context
     if context.project() is None:
@@ -590,5 +590,5 @@ def _load(
         if not is_loadable(file, run.feedback):
             continue
         details = QgsProcessingContext.LayerDetails(title, context.project(), title)
-        details.setPostProcessor(into_group(benchmark.folder, role, known))
+        details.setPostProcessor(group_post_processor(benchmark.folder, role, known))
         context.addLayerToLoadOnCompletion(f"{file}{options}", details)

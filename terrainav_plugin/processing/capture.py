@@ -19,7 +19,7 @@ from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, SourceError
 from ...core.storage.files import file_exists
 from ..i18n import number_text, tr, translate
-from .algorithm import AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
+from .algorithm import AlgorithmRun, AlgorithmTexts, WorkFeedback, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, read_mission
 
@@ -149,9 +149,9 @@ class Capture(_Capturing):
 
     NAME = "capture"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Capture a mission"),
             tr("Georeferenced images with their poses, as a simulated UAV takes them."),
             tr("uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training"),
@@ -196,9 +196,9 @@ class CaptureFailed(_Capturing):
 
     NAME = "capturefailed"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Capture failed images again"),
             tr("Only those that failed in an earlier capture."),
             tr("uav,drone,capture,failed,retry,resume,dataset"),

@@ -21,9 +21,9 @@ from qgis.core import (
 from ...core.dataset.folder import AUTO, DEFAULT_ENTROPY, PARTS, SEED, SHARES
 from ...core.errors import InvalidInput
 from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
-from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, titles, ways
+from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, split_methods, titles
 from ..i18n import number_text, tr
-from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, off_main_thread
+from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
 from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
@@ -52,9 +52,9 @@ class Clean(_OfDataset):
 
     NAME = "clean"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Clean a dataset"),
             tr("Rejects low-detail images; deletes nothing."),
             tr("dataset,clean,entropy,filter,reject,training,machine learning"),
@@ -205,9 +205,9 @@ class SplitAlgorithm(_OfDataset):
 
     NAME = "split"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Split a dataset"),
             tr("Divides images into training, validation and test, and scales their positions."),
             tr("dataset,split,training,validation,test,blocks,labels,machine learning"),
@@ -231,7 +231,7 @@ class SplitAlgorithm(_OfDataset):
 
     def _define_own(self) -> None:
         number, title, text = QgsProcessingParameterNumber.Type, titles(), helps()
-        self.add(ChoiceParameter("HOW", title["how"], ways(), AUTO), text["how"])
+        self.add(ChoiceParameter("HOW", title["how"], split_methods(), AUTO), text["how"])
         add_shares(self)
         self.add(
             QgsProcessingParameterNumber("SEED", title["seed"], number.Integer, SEED, False, 0, HIGHEST_SEED),
@@ -287,9 +287,9 @@ class Export(Algorithm):
     NAME = "export"
     GROUP = "datasets"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Export a dataset or benchmark"),
             tr("Writes a dataset or a benchmark in a format of other programs."),
             tr("dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark"),
@@ -374,9 +374,9 @@ class MakeMosaic(Algorithm):
 
     NAME, GROUP = "mosaic", "datasets"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Make an orthomosaic"),
             tr("One orthophoto of all images of a dataset, also of turned and tilted ones and over relief."),
             tr("dataset,mosaic,orthophoto,orthomosaic,orthorectify,nadir,tilted,oblique,relief"),

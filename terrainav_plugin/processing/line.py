@@ -25,7 +25,7 @@ from ...core.mission.parts import Flight, utc_time
 from ...core.poses.settings import LineFlight
 from ..form.fields import field_sentence, field_title
 from ..i18n import tr
-from .algorithm import Algorithm, AlgorithmRun, Words, off_main_thread
+from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, off_main_thread
 from .areas import layer_crs, layer_features
 from .mission_parameters import number_parameter
 from .plan import fill, make_feature, make_fields
@@ -39,9 +39,9 @@ class PosesAlongLine(Algorithm):
 
     NAME = "posesalongline"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Poses along a line"),
             tr("Points along lines that are flown at a speed, with height, yaw, roll and time."),
             tr("uav,drone,line,trajectory,flight,speed,turn,bank,yaw,points,poses"),
@@ -104,10 +104,10 @@ class PosesAlongLine(Algorithm):
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Fly the lines and write the points."""
         from ...core.poses.line import fly
-        from ..area.layers import flown_words
+        from ..area.layers import describe_flight
 
         flown = off_main_thread(lambda _watch: fly(self._lines, self._flight, self._start_s), run.feedback)
-        run.feedback.pushInfo(flown_words(flown))
+        run.feedback.pushInfo(describe_flight(flown))
         sink, output = self.parameterAsSink(
             run.parameters,
             "OUTPUT",

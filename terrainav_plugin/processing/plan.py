@@ -24,8 +24,8 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from ...core.mission.parts import ALIGNMENTS
 from ..compat import field
 from ..i18n import tr, translate
-from ..tasks import crs_named, held_crs
-from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, off_main_thread
+from ..tasks import crs_named, read_crs_on_main_thread
+from .algorithm import Algorithm, AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
 from .choices import ChoiceParameter
 from .mission_parameters import add_mission_parameters, read_mission
 
@@ -62,9 +62,9 @@ class PlanAlgorithm(Algorithm):
 
     NAME = "plan"
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Plan a mission"),
             tr("Footprints, coverage and figures of a simulated UAV flight; fetches nothing."),
             tr("uav,drone,mission,plan,footprint,flight,overlap,coverage,photogrammetry,waypoints"),
@@ -152,7 +152,7 @@ class PlanAlgorithm(Algorithm):
             if not run.is_given(name):
                 continue
             # The CRS of the images' pixels, in which their edges are exact.
-            held_crs(worked_out.grid.plane.crs)
+            read_crs_on_main_thread(worked_out.grid.plane.crs)
             crs = crs_named(worked_out.grid.plane.crs)
             sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
             if sink is None:

@@ -13,7 +13,7 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ..i18n import tr, translate
-from .algorithm import AlgorithmRun, Words, WorkFeedback, off_main_thread
+from .algorithm import AlgorithmRun, AlgorithmTexts, WorkFeedback, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, read_mission
 
@@ -24,9 +24,9 @@ class AccuracyReport(WithImagery):
     NAME = "accuracyreport"
     PACKAGES = ("matplotlib",)
 
-    def words(self) -> Words:
+    def texts(self) -> AlgorithmTexts:
         """Return the texts of the algorithm."""
-        return Words(
+        return AlgorithmTexts(
             tr("Accuracy report of a mission"),
             tr("Measures every method's error against its run time."),
             tr("accuracy,error,bound,run time,report,footprint,reprojection"),

@@ -155,7 +155,7 @@ def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
 def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
     _refuse_placeless(layers)
     _refuse_large(layers)
-    own = None if name == PROJECT_SOURCE else _own_grid(layers[0])
+    own = None if name == PROJECT_SOURCE else _raster_grid(layers[0])
     if own is not None:
         return own
     native = max(_native_zoom(layer, addresses[layer.id()], project) for layer in layers)
@@ -303,7 +303,7 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
     return settings
 
 
-def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
+def _raster_grid(layer: QgsMapLayer) -> PixelGrid | None:
     """Pixel grid of a raster file in a projected CRS, in any style; None for layers drawn on the map's grid."""
     if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
         return None

@@ -72,7 +72,7 @@ def unagreed_places(texts: Iterable[str]) -> tuple[str, ...]:
     found = dict.fromkeys(one for text in texts for one in _places(text))
     known = {*_agreed()} if found else set()
     unknown = [one for one in found if one not in known and not _is_shipped(one)]
-    own = {*_own()} if unknown else set()
+    own = {*_user_places()} if unknown else set()
     return tuple(one for one in unknown if one not in own)
 
 
@@ -91,7 +91,7 @@ def _agreed() -> list[str]:
     return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
 
 
-def _own() -> Iterator[str]:
+def _user_places() -> Iterator[str]:
     """Places of the sources that the user has added."""
     try:
         entries = shelf().entries

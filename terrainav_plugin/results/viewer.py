@@ -466,7 +466,7 @@ def _gsd(seen: ViewedImage) -> str:
     detail_m = _float(seen.picture.metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
     if math.isnan(detail_m):
         return ""
-    own_m = _own_gsd_m(seen) or detail_m
+    own_m = _file_gsd_m(seen) or detail_m
     text = gsd_text(own_m, METRES)
     # Ignore a difference within this share.
     if detail_m <= 1.02 * own_m:
@@ -475,7 +475,7 @@ def _gsd(seen: ViewedImage) -> str:
     return f"{text} ({hint.format(source=gsd_text(detail_m, METRES))})"
 
 
-def _own_gsd_m(seen: ViewedImage) -> float | None:
+def _file_gsd_m(seen: ViewedImage) -> float | None:
     """Ground sample distance straight down, in metres; None if neither footprint nor file gives it."""
     from ...core.geodesy.camera import Camera
     from ...core.geodesy.mercator import PixelGrid

@@ -75,7 +75,7 @@ class Viewing(QObject):
         self._worker = LatestWorker("viewer")
         self._worker.failed.connect(self._refused)
         self._layer_worker = LatestWorker("on-map")
-        self._layer_worker.failed.connect(self._not_laid)
+        self._layer_worker.failed.connect(self._show_lay_error)
         project.layersRemoved.connect(self._layers_removed)
 
     @property
@@ -210,9 +210,9 @@ class Viewing(QObject):
 
             return lay_image_on_map(folder, map_type, file, _agreed_heights, None if fetched is None else save)
 
-        self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
+        self._layer_worker.ask(laid, lambda path: self._show_laid(seen, path))
 
-    def _laid(self, seen: ViewedImage, path: Path) -> None:
+    def _show_laid(self, seen: ViewedImage, path: Path) -> None:
         group = self._mission_group(seen)
         if group.find() is None:
             return
@@ -220,12 +220,12 @@ class Viewing(QObject):
             if group.layer(_layer_role(seen)) is None:
                 group.add(open_raster(path, seen.shot.name), _layer_role(seen), 0).setExpanded(False)
         except TerrAInavError as wrong:
-            self._not_laid(wrong)
+            self._show_lay_error(wrong)
             return
         if self.seen is not None and _layer_role(self.seen) == _layer_role(seen):
             self._zoom()
 
-    def _not_laid(self, error: Exception) -> None:
+    def _show_lay_error(self, error: Exception) -> None:
         self._messages.warning(translate(failure_reason(error)))
         if self.viewer is not None:
             self.viewer.on_map.setChecked(False)

@@ -120,7 +120,7 @@ def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot, unit, k
     screenshot(f"draw-box-{unit}")
     QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
     desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is None)
-    assert desk.form.findChild(QLabel, "area_words").text() == f"Box, {size}"
+    assert desk.form.findChild(QLabel, "describe_area").text() == f"Box, {size}"
 
 
 def test_escape_before_dragging_restores_the_tool(desk):

@@ -7,7 +7,7 @@ import pytest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.cameras import cameras
 from terrainav.terrainav_plugin.area import editing
-from terrainav.terrainav_plugin.area.editing import area_words
+from terrainav.terrainav_plugin.area.editing import describe_area
 from terrainav.terrainav_plugin.form import area as entered
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
@@ -228,7 +228,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
     ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))
     poses = tuple((35.0 + 1e-5 * index, -89.0, 120.0) for index in range(2000))
     looks = []
-    words, parse = area_words, entered.parse_json
+    words, parse = describe_area, entered.parse_json
     made = Points.__post_init__
 
     def noted(name, act):
@@ -237,7 +237,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
     for area in (Polygon((ring,)), Points(poses)):
         desk.form.area_editing.set_area(area, "enter")
         with monkeypatch.context() as watched:
-            watched.setattr(editing, "area_words", noted("words", words))
+            watched.setattr(editing, "describe_area", noted("words", words))
             watched.setattr(entered, "parse_json", noted("read", parse))
             watched.setattr(Points, "__post_init__", noted("points", made))
             for key in range(5):

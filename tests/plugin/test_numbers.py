@@ -105,7 +105,7 @@ def test_all_that_the_panel_shows_is_written_one_way(desk, country):
             desk.enter_box(north, "-89.90", "35.115", "-89.823")
             desk.wait_planned()
         figures = desk.dock.figures
-        words = desk.form.findChild(QLabel, "area_words")
+        words = desk.form.findChild(QLabel, "describe_area")
         # Without what was timed, which is another each time.
         details = re.sub(r"<tr><td[^>]*>Cost.*?</tr>", "", figures.details.text())
         return [figures.estimates.text(), details, figures.warnings.text(), words.text()]

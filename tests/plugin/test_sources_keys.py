@@ -23,7 +23,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.credentials import credential_problem
 from terrainav.terrainav_plugin.form.mission_form import mission_state
 from terrainav.terrainav_plugin.form.state import URL_TEMPLATE
-from terrainav.terrainav_plugin.panel.source_dialogs import kept
+from terrainav.terrainav_plugin.panel.source_dialogs import save_layer
 from terrainav.terrainav_plugin.qgis_source.connections import (
     ServiceConnection,
     connection,
@@ -371,7 +371,7 @@ def test_a_kept_layer_whose_tiles_are_elsewhere_has_no_configuration():
         ("https://maps.example/wmts", ""),
         ("https://elsewhere.example/wmts", "cfg1234"),
     ):
-        name = kept(entry, ServiceConnection("Survey", address, authcfg="cfg1234"), "ortho")
+        name = save_layer(entry, ServiceConnection("Survey", address, authcfg="cfg1234"), "ortho")
         assert Settings().authcfg(name) == authcfg
 
 

@@ -206,7 +206,7 @@ def test_a_box_without_ground_is_refused_in_words(desk, entries, field, words):
     desk.wait(lambda: words in desk.message(field))
     assert desk.wait_planned() is None
     assert desk.dock.problem.text() == ""
-    assert not desk.form.findChild(QLabel, "area_words").isVisibleTo(desk.dock)
+    assert not desk.form.findChild(QLabel, "describe_area").isVisibleTo(desk.dock)
 
 
 # --- numbers
