@@ -65,31 +65,31 @@ def page() -> str:
     precise = "long double" if longdouble.EXTENDED else "float64 (this machine has no longer numbers)"
     return f"""# Bounds against measured errors
 
-Made by `python benchmarks/bounds.py`. Scenes are random over the whole domain of each method: heights of 1 cm to
-36,000 km, fields of view from 0.01° to 179.9°, aspect ratios from 1e-3 to 1e3, latitudes to the poles, any longitude
-and yaw, and for the exact camera, camera frames and the meshes any tilt to 110° and roll to 60°. Left out are only
-scenes whose pixels are below 4e-8 m, which degrees in float64 do not resolve. Errors are in px of an image whose
+Made by `python benchmarks/bounds.py`. Scenes are drawn at random from the whole domain of each method: heights of 1 cm
+to 36,000 km, fields of view from 0.01° to 179.9°, aspect ratios from 1e-3 to 1e3, latitudes to the poles, any longitude
+and yaw, and for the exact camera, camera frames and the meshes any tilt to 110° and roll to 60°. Only scenes with
+pixels below 4e-8 m are left out, because degrees in float64 cannot resolve them. Errors are in px of an image whose
 longer side is 640, measured by the independent camera of the tests in {precise}.
 
-{total:,} comparisons of corners and map frames. A bound holds where the worst ratio stays below 1; the median says
-how tight it is. The second figure is the worst of {INEXACT:.0%} as many with sines, tangents and the like off by
-up to {ULPS:g} units in the last place, at random, as those of some processors are. Of a camera frame whose every pixel
-is traced the ratio is that of the worst of {bounds.POINTS_A_FRAME:,} points, and for a mesh that of the worst of
-{bounds.POINTS_A_MESH:,} points in its cells, each over its own cell's bound.
+{total:,} comparisons of corners and map frames. A bound holds if the worst ratio is below 1; the median shows how tight
+it is. The second figure is the worst of {INEXACT:.0%} as many scenes with sines, tangents and similar functions off by
+up to {ULPS:g} units in the last place, at random, like those of some processors. The ratio of a camera frame with every
+pixel traced is that of the worst of {bounds.POINTS_A_FRAME:,} points, that of a mesh the worst of
+{bounds.POINTS_A_MESH:,} points in its cells, each relative to the bound of its cell.
 
 | method | drawn | worst error / bound | {ULPS:g} units off | median | worst scene |
 | --- | ---: | ---: | ---: | ---: | --- |
 {table}
 
-Of the rectangles that camera frames count for in covering, {rectangles.with_extent:,} for {RECTANGLES[0]:,} cameras at
-any tilt and height were looked at: none leaves its image by more than {worst_px:.2g} px beyond the noise
-of map positions (before they give way by half a pixel of the source), and the Earth hides nothing of them. {without:,}
-more poses see ground and have no rectangle.
+Rectangles that camera frames cover, {rectangles.with_extent:,} for {RECTANGLES[0]:,} cameras at any tilt and height,
+were checked: none exceeds its image by more than {worst_px:.2g} px beyond the noise of map positions (before they are
+shrunk by half a pixel of the source), and the Earth hides no part of them. {without:,} more poses see ground but have
+no rectangle.
 
-The bounds of the exact camera and of traced pixels are ones of rounding, which is random: what holds in the worst of a
-million scenes is far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that
-half of all cameras see less than 7°; a mesh is a single cell there, and its bound is rounding, too. The rows for wide
-cameras leave those out.
+The bounds of the exact camera and of traced pixels are for rounding errors, which are random: a bound for the worst of
+a million scenes is far from the median. Fields of view are uniform in the logarithm of their tangent, so that half of
+all cameras see less than 7°; for these, a mesh is a single cell, and its bound is also one of rounding. The rows for
+wide cameras exclude them.
 """
 
 

@@ -30,7 +30,7 @@ Made by `python benchmarks/capture_rate.py` on {machine}. A tile server in anoth
 each request and {connect:.0f} ms more for each new connection; tiles are JPEGs of {kb:.1f} kB; pictures are about
 646 x 487 px at zoom 19 with 25 % overlap. All programs write to {disk}.{load}
 
-![Time of each program beside the floor](images/capture_rate.png)"""
+![Time of each program compared with the floor](images/capture_rate.png)"""
 FLOOR = """\
 ## Against the floor
 
@@ -49,18 +49,18 @@ processor time) / cores. Measured in the same run:
 | bandwidth | {bandwidth:.0f} MB/s |
 | cores | {cores} |
 
-Medians of {repeats}, and the least and the most of them."""
+Medians of {repeats} runs, and the shortest and the longest."""
 BESIDE = """\
-## Beside others
+## Comparison with other programs
 
-{pictures} pictures, one run each. The error is the largest distance between where a pixel is, which its own value says
-in a run with lossless tiles, and where the file's georeference puts it."""
+{pictures} pictures, one run each. The error is the largest distance between the true position of a pixel, which its
+value encodes in a run with lossless tiles, and its position by the file's georeference."""
 MEMORY = """\
 ## Memory
 
-Peak of the process, Python and numpy included, without waits at 16 connections, JPEG; {limit:.0f} MB are the limit.
-A square mission is the hardest of its size: tiles that one strip of pictures shares with the next are kept, as each is
-fetched and decoded once. Beyond {kept:.0f} MB they wait in a temporary file."""
+Peak memory of the process, including Python and numpy, without waits, at 16 connections, JPEG; {limit:.0f} MB are the
+limit. A square mission is the hardest case of its size: tiles that one strip of images shares with the next are kept,
+because each is fetched and decoded once. Beyond {kept:.0f} MB they are kept in a temporary file."""
 
 
 def table(head: str, rows: list[list[str]]) -> str:

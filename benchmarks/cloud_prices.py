@@ -51,8 +51,8 @@ class Rate(NamedTuple):
     source: str
 
 
-#: What the search over public source files finds by its text, and names no repository of.
-_RATE_TABLE = "a table of rates in a public source file, which the search names no repository of"
+#: Found by its text in a public source file whose repository is unknown.
+_RATE_TABLE = "a table of rates in a public source file"
 
 #: By cloud: what an hour of a vCPU, a GB stored for a month, a thousand requests and a GB sent to the Internet cost.
 PRICES: dict[str, dict[str, Price]] = {

@@ -218,11 +218,11 @@ Measured by `python benchmarks/cluster_kills.py` on {machine}: {images:,} images
 | killed with SIGKILL | times | images in the table | images in the shards | objects | objects that differ |
 | --- | ---: | ---: | ---: | ---: | ---: |
 {rows}
-Differences are against the objects of a run in one process that nobody disturbed, by SHA-256. No image is missing, none
-is there twice, {failed} failed, and each is where the table says it is in its shard. Blocks were begun again
-{begun_again} times after {killed} workers were killed; a worker may hold two for a moment. The run
-took {seconds:.0f} s with these kills, and {calm_s:.0f} s undisturbed in one process. The coordinator's last run found
-{skipped:,} images there; {orphans} workers outlived their coordinator.
+Objects are compared by SHA-256 with those of an undisturbed run in one process. No image is missing, none appears
+twice, {failed} failed, and each is in its shard at the position in the table. Blocks were repeated {begun_again} times
+after {killed} workers were killed; a worker may briefly hold two. The run took {seconds:.0f} s with these kills, and
+{calm_s:.0f} s undisturbed in one process. The coordinator's last run found {skipped:,} existing images; {orphans}
+workers outlived their coordinator.
 """
 ROW = "| {what} | {times} | {rows:,} | {images:,} | {objects:,} | {differ} |\n"
 

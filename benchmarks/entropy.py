@@ -246,32 +246,33 @@ def dataset_lines(folder: Path, threshold: float) -> list[str]:
 
 TEXT = """# Entropy
 
-Made by `python benchmarks/entropy.py --dataset agricenter`; every figure is of one run on one machine.
+Made by `python benchmarks/entropy.py --dataset agricenter`; all figures are from one run on one machine.
 
 Machine: {cores} cores, {system}; {own}; peer: {peer}; load average {load:.1f}.
 
 The entropy of an image is equation 10 of the paper: −Σ p log₂ p over the histogram of 256 grey levels, in bits, from 0
-(one level) to 8 (all equally often). Colours are made grey by ITU-R 601, as Pillow's mode `L` has it. A capture writes
-it to the table as each image is made; `terrainav clean` works it out for images whose table has none.
+(one level) to 8 (all equally often). Colours are converted to grey by ITU-R 601, as in Pillow's mode `L`. A capture
+writes the entropy of each image to the table; `terrainav clean` computes it for images whose table has none.
 
-## Beside scikit-image
+## Comparison with scikit-image
 
-`skimage.measure.shannon_entropy` of the same 8-bit grey gives the same number to the rounding of its sum (a test holds
-them together). Two processes take turns on one image, {pairs} pairs; the ratio is how many times as many images ours
-takes a second. In colour, scikit-image is given the grey of Pillow, which is the same work; and the grey of its own
-`rgb2gray`, which has other weights and therefore another entropy.
+`skimage.measure.shannon_entropy` of the same 8-bit grey gives the same number, up to rounding of its sum (a test
+compares them). Two processes take turns on one image, {pairs} pairs; the ratio is that of TerrAInav's rate to
+scikit-image's. Colour images are given to scikit-image in Pillow's grey, which is the same work, and in grey from its
+`rgb2gray`, which has different weights and therefore a different entropy.
 
 {rates}
 
 ![Images a second, by size](images/entropy-rate.png)
 
-What is left of ours is Pillow's work: of an RGB image of 640 x 480 px, three quarters are unpacking it and making it
-grey, a fifth is the histogram. Counting in numpy takes longer (`bincount` two to four times as long as Pillow's
-histogram), and the weighted sum of the channels in numpy no less than Pillow's conversion, in bands of any size.
+Most of TerrAInav's time is spent in Pillow: for an RGB image of 640 x 480 px, three quarters for unpacking and
+conversion to grey, and a fifth for the histogram. Counting in numpy takes longer (`bincount` two to four times as long
+as Pillow's histogram), and the weighted sum of the channels in numpy is no faster than Pillow's conversion, in bands of
+any size.
 
-Given an RGB array as it is, `shannon_entropy` pools the values of all channels. The paper's program does that, so the
-entropies of its published tables are not those of equation 10, and mostly higher. `terrainav clean` takes the entropies
-of a table as they stand; without the column they are worked out from the images.
+For an RGB array, `shannon_entropy` pools the values of all channels. The paper's program does that, so the entropies in
+its published tables are not those of equation 10, and mostly higher. `terrainav clean` uses the entropies in a table
+unchanged; if the column is missing, it computes them from the images.
 
 ## The threshold, on the published mission over the embedded world
 
@@ -279,7 +280,8 @@ of a table as they stand; without the column they are worked out from the images
         --data-dir agricenter
     terrainav clean agricenter --dry-run --plot figures
 
-Zoom 18 is the paper's for this height, by its equation 8 and its limit of 640 px. Finer images have other entropies.
+The paper uses zoom 18 for this height, by its equation 8 and its limit of 640 px. Finer images have different
+entropies.
 
 {dataset}
 
@@ -287,15 +289,15 @@ Zoom 18 is the paper's for this height, by its equation 8 and its limit of 640 p
 
 ![Entropy of each roadmap image](images/entropy-bars-roadmap.png)
 
-The roadmap's entropies fall in two groups with a sparse stretch from about 1.5 to 2.2 bits between them: fields with at
-most a road or a track, and settlements. The paper's 2.1 lies at the upper end of that stretch, Otsu's method near its
-lower one. The few images between show the edge of a settlement, half field and half buildings, or a wood with a road
-through it. Either threshold is sound here: 2.1 keeps what is built up, Otsu's its edges as well. Both reject most of
-this mission, which is mostly fields.
+The roadmap's entropies form two groups, with few images from about 1.5 to 2.2 bits between them: fields with at most a
+road or a track, and settlements. The paper's 2.1 is at the upper end of this gap, Otsu's threshold near its lower end.
+The few images in between show the edge of a settlement, half field and half buildings, or a wood with a road through
+it. Either threshold is sound here: 2.1 keeps built-up areas, Otsu's also their edges. Both reject most of this mission,
+which is mostly fields.
 
-The satellite's own entropies have one group, and Otsu's method parts it in its middle: it always finds a threshold,
-also where nothing is to be parted. That is why the roadmap decides where there is one, and why the histogram is worth
-a look before a suggestion is taken.
+The satellite's entropies form one group, and Otsu's method divides it in its middle: it always finds a threshold, even
+for a single group. That is why the roadmap, if there is one, decides, and why you should look at the histogram before
+you accept a suggestion.
 """
 
 

@@ -51,8 +51,8 @@ def page(outcomes: list[Outcome]) -> str:
 
 {len(outcomes):,} missions from 1 cm to 36,000 km above ground, with cameras of 0.01° to 179.9° and of 1:1000 to 1000:1,
 from the equator to the poles, across the antimeridian and with the horizon in the image, are planned with a budget of
-0.1 px. Errors are measured in long double at the corners of up to 50 captures and across one image; times are those of
-the plan with its coverage, overlap and first outline.
+0.1 px. Errors are measured in long double at the corners of up to 50 captures and across one image; times include
+coverage, overlap and the first outline.
 
 | | cases |
 | --- | ---: |
@@ -72,8 +72,8 @@ the plan with its coverage, overlap and first outline.
 | --- | ---: |
 {most_refused}
 
-All cases are in [extremes.csv](extremes.csv). `python benchmarks/extremes.py` measures them anew, writes both files,
-and fails where a case is outside its bound.
+All cases are in [extremes.csv](extremes.csv). `python benchmarks/extremes.py` measures them again, writes both files,
+and fails if a case exceeds its bound.
 """
 
 

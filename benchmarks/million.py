@@ -190,13 +190,13 @@ def page(plans: list[dict[str, float]], others: list[dict[str, Any]], exports: l
     files = "\n".join(f"| {row['format']} | {row['seconds']:.1f} | {row['bytes'] / 1e6:.0f} |" for row in exports)
     return f"""# A million captures
 
-Made by `python benchmarks/million.py`; every figure is of one run on one machine, and only the ratios travel.
+Made by `python benchmarks/million.py`; all figures are from one run on one machine; only the ratios are transferable.
 
 Machine: {processor()}, {os.cpu_count()} cores, {platform.system()}. Python {platform.python_version()},
 numpy {np.__version__}, pyproj {pyproj.__version__} (PROJ {pyproj.proj_version_str}).
 
-A plan here is poses, exact corners, integer windows, the number of tiles, coverage, least overlap and bounds, at 120 m
-over a box about the Agricenter. The least of three runs, each in a process of its own.
+A plan consists of poses, exact corners, integer windows, the number of tiles, coverage, least overlap and bounds, at
+120 m over a box around the Agricenter. Figures are the least of three runs, each in a separate process.
 
 ![Seconds and memory of a plan against its captures](images/million.png)
 
@@ -206,12 +206,12 @@ over a box about the Agricenter. The least of three runs, each in a process of i
 
 The peak includes Python, numpy and PROJ: {plans[0]["before_mb"]:.0f} MB before the plan.
 
-## The same {others[0]["points"]:,} points other ways
+## The same {others[0]["points"]:,} points by other methods
 
-Centre and corners of each capture. The ways that go point by point are timed on a share and scaled. The ratio is
-against the whole plan above, which has all its other figures in it, too.
+Centre and corners of each capture. Methods that work point by point are timed on a part of the points and scaled. The
+ratio is relative to the whole plan above, including all its other figures.
 
-| way | points timed | seconds for all | times the whole plan |
+| method | points timed | seconds for all | times the whole plan |
 | --- | ---: | ---: | ---: |
 {ways}
 

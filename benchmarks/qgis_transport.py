@@ -316,66 +316,73 @@ PAGE = """\
 # QGIS's network stack as a transport
 
 Made by `python tools/qgis_app.py --timeout 900 benchmarks/qgis_transport.py`, inside QGIS; every figure is the median
-of {rounds} rounds in which all ways took turns on one machine, and only the ratios travel.
+of {rounds} rounds in which all clients took turns on one machine; only the ratios are transferable.
 
 Machine: {machine}. QGIS {qgis}, Qt {qt}, Python {python}, requests {requests}.
 
 ## {tiles} tiles, {latency_ms:.0f} ms a request, {connect_ms:.0f} ms a new connection
 
-JPEGs of about 12 kB from one server on the loopback. *Of requests* is the ratio to the Session of requests in the same
-rounds.
+JPEGs of about 12 kB from one server on the loopback interface. *Of requests* is the ratio to a `requests.Session` in
+the same rounds.
 
 {waiting}
 
-## {tiles_at_once} tiles that nothing waits for
+## {tiles_at_once} tiles without waits
 
-What the ways cost where only the processor limits them.
+The processor is the only limit here.
 
 {at_once}
 
-Where the plugin's transport spends it, at {first} connections:
+Processor time of the plugin's transport by thread, at {first} connections:
 
 {spent}
 
 ## A capture of {images} images from {unique} tiles
 
-The same waits as above, JPEG, over the transports of the command and of the plugin.
+The same waits as in the first table, JPEG, with the transports of the command and of the plugin.
 
 {whole}
 
-## What the transport takes from QGIS, and what it leaves
+## What the transport uses of QGIS
 
-Proxies of QGIS's settings (with their exceptions and credentials), certificates and servers of the authentication
-database (authorities that are trusted, errors of a certificate that were let pass for good), authentication
-configurations, and hooks that plugins have set on requests hold. The rest of `QgsNetworkAccessManager`, in QGIS 3.22
-as in later versions, is made for layers, and a capture has to do without it:
+The transport uses the proxies in QGIS's settings (with their exceptions and credentials), the certificates and servers
+of the authentication database (trusted authorities, permanently ignored certificate errors), authentication
+configurations, and request hooks of plugins. It does not use the rest of `QgsNetworkAccessManager`, which, in QGIS 3.22
+as in later versions, is made for layers:
 
-- It writes its own name over the `User-Agent`. Tile servers are to be told who asks.
-- It opens dialogs about certificates, passwords and proxies, and waits for as long as it takes until the user has
-  closed them. Here each is an error in words.
-- Its timer, and `QgsBlockingNetworkRequest` on any failure, write the whole address with its key into the message log;
-  who listens to its signals, as the network logger does, gets every address. Requests of a capture are not in there.
-- `QgsBlockingNetworkRequest` answers "no error" and an empty body where a request was cancelled or a body stalled,
-  follows redirects without end, has no limit for a body, and sets the cache on disk over what the request says.
-- Errors that were let pass for one session only are not to be read from Python and do not hold.
-- 400 and 418 come as "protocol error" with an answer that is whole; the answer counts.
-- The refusal of a proxy for http comes as that of the server; who refused follows from the proxies that hold for the
-  address.
-- Qt opens six connections to a server for each manager, so there is a manager for every six. Where answers come
-  faster than connections it may open one more than there are requests under way, up to those six; the requests under
-  way are never more than asked for.
-- Qt does not tell when a connection stands: one time limit holds for connecting and for silence.
-- A read buffer's limit (`setReadBufferSize`) that reaches Qt's own thread after the request there has failed, as at a
-  proxy that refuses, ends in a segmentation fault (Qt 5.15). How much has come is looked at 20 times a second instead.
-- Where a connection ends in the middle of a body in chunks, Qt may take that for the end of the body. Such a tile fails
-  when it is decoded, and is not asked for again in that run.
-- PyQt keeps a list of the objects that Qt has made and Python has seen. It takes them off it in the main thread when
-  they are destroyed, without Python's lock, whatever other threads do to the list meanwhile; of what other threads
-  destroy it hears late, and then takes a new object in the same place of memory for the old one. Replies that are made
-  or deleted beside the main thread end QGIS that way, sooner or later. So all of them live in the main thread, which
-  deletes them while it holds the lock (`sip.delete`, not `deleteLater`), and threads that ask touch no object of Qt's.
-- Answers therefore come in while the event loop of the main thread turns. Time in which it does not turn, as while a
-  big layer is loaded, counts for no limit of time; a request is given up without it.
+- It overwrites the `User-Agent`, which identifies TerrAInav to tile servers.
+- It opens dialogs about certificates, passwords and proxies, and waits until the user closes them. Here each is an
+  error message.
+- Its timer, and `QgsBlockingNetworkRequest` on any failure, write the whole address with its key to the message log,
+  and listeners to its signals, such as the network logger, get every address. Requests of a capture are not logged
+  there.
+- `QgsBlockingNetworkRequest` returns "no error" and an empty body if a request was cancelled or a body stalled, follows
+  any number of redirects, has no limit for a body, and overrides the request's cache setting.
+
+Properties of Qt and PyQt that shaped the transport:
+
+- Certificate errors that are ignored for one session only cannot be read from Python and have no effect.
+- 400 and 418 are reported as "protocol error" with a complete response; the response is used.
+- A proxy's refusal for http is reported like one of the server; the proxies for the address show who refused.
+- Qt opens at most six connections to a server for each manager, so there is a manager for every six. If responses
+  arrive faster than connections, it may open one connection more than there are requests, up to six; the number of
+  simultaneous requests is never exceeded.
+- Qt does not signal that a connection is established: one time limit applies to connecting and to silence.
+- If a read buffer limit (`setReadBufferSize`) reaches Qt's network thread after the request has failed there, for
+  example at a proxy that refuses, it causes a segmentation fault (Qt 5.15). Instead, the received size is checked 20
+  times a second.
+- If a connection ends in the middle of a chunked body, Qt may take that for the end of the body. Such a tile fails when
+  it is decoded, and is not requested again in that run.
+- Qt 5.15 accepts any number of header lines, and takes time in the main thread that grows with the square of their
+  number before it reports the response. A server that sends more than 100 gets no more requests, and current requests
+  to it are aborted; the first such response blocks QGIS for as long as Qt takes.
+- PyQt keeps a list of the Qt objects that Python has seen. It removes destroyed objects in the main thread, without
+  Python's lock, even while other threads use the list. It notices objects destroyed in other threads late, and then
+  takes a new object at the same address for the old one. Replies that are created or deleted outside the main thread
+  therefore crash QGIS sooner or later. So all replies live in the main thread, which deletes them while it holds the
+  lock (`sip.delete`, not `deleteLater`), and requesting threads touch no Qt object.
+- Responses therefore arrive while the event loop of the main thread runs. Time in which it does not run, for example
+  while a big layer is loaded, does not count towards time limits; requests can be abandoned without it.
 """
 
 if __name__ == "__main__":

@@ -188,14 +188,14 @@ def by_rasterio(job: dict[str, Any]) -> None:
 HEAD = """\
 # Images from rasters
 
-Made by `python benchmarks/rasters.py` on {machine}, load average {load:.1f}. A local COG of
-{side:,} x {side:,} px ({file_mb:,.0f} MB, deflate, blocks of {block} px) is cut into the {images:,} images of
-about 640 x 480 px that a plan with 25 % overlap has, straight down, as GeoTIFF into memory. All programs make the same
-pixels at the same place, which is checked; TerrAInav also notes each image in its journal, works out its entropy and
-writes tables. Each run is a process of its own, imports and planning included; {runs}, taken in turns.
-“Not compressed” is deflate that only stores in TerrAInav's images.
+Made by `python benchmarks/rasters.py` on {machine}, load average {load:.1f}. A local COG of {side:,} x {side:,} px
+({file_mb:,.0f} MB, deflate, blocks of {block} px) is cut into the {images:,} images of about 640 x 480 px of a plan
+with 25 % overlap, straight down, as GeoTIFF in memory. All programs make the same pixels at the same place, which is
+checked; TerrAInav also records each image in its journal, computes its entropy and writes tables. Each run is a
+separate process, including imports and planning; {runs}, taken in turns. “Not compressed” is stored deflate (level 0)
+in TerrAInav's images.
 
-| output | program | threads | images/s | ours to it | wall s (least, most) | CPU s | peak MB | output MB |
+| output | program | threads | images/s | TerrAInav to it | wall s (least, most) | CPU s | peak MB | output MB |
 | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 """
 ROW = (
@@ -203,15 +203,15 @@ ROW = (
     "{cpu_s:.1f} | {peak_mb:.0f} | {mb:.0f} |\n"
 )
 STAGES = """
-## Where our time goes
+## Time of each step
 
-Processor milliseconds an image, one thread: {stages}. *Tiles* are read from the raster, 256 px each; *all else* is
-planning, putting them together, packing, entropy, journal and tables. Cutting alone, as the others do it for images
-that are not compressed, takes them a few milliseconds.
+Processor milliseconds per image, one thread: {stages}. *Tiles* are read from the raster, 256 px each; *all else* is
+planning, assembling, compression, entropy, journal and tables. Cutting alone, as the other programs do for images that
+are not compressed, takes a few milliseconds.
 
 ## Memory
 
-GDAL keeps blocks of a raster in 64 MB at most (`GDAL_CACHEMAX`; without that, in 5 % of the machine's memory).
+GDAL caches blocks of a raster in at most 64 MB (`GDAL_CACHEMAX`; by default in 5 % of the machine's memory).
 
 | images | peak MB |
 | ---: | ---: |

@@ -124,8 +124,9 @@ def measure(server: LoopbackServer, limit: float, seconds: float, seed: int, fol
 
 
 TEXT = """\
-Measured by `python benchmarks/request_rate.py` on {machine}: a tile server on loopback that takes {latency:.0f} ms
-for an answer, blocks of {block} images, 1 to {most} workers that come, go and are killed at random moments.
+Measured by `python benchmarks/request_rate.py` on {machine}: a tile server on loopback that responds within
+{latency:.0f} ms for an answer, blocks of {block} images, 1 to {most} workers that come, go and are killed at random
+moments.
 
 | limit, requests/s | most in any second | requests | seconds | of the limit used | joined | left | killed |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |

@@ -458,10 +458,10 @@ def serve() -> None:
 TITLES = {PLAIN: "threads, image by image", HERE: "one process, in blocks"}
 RATES_HEAD = """\
 Measured by `python benchmarks/scale.py` on {machine}; medians of {rounds} rounds, all contenders in turns. *To threads*
-is the rate against that of `terrainav capture` without blocks in the same round, which uses both cores; *speed-up* is
-against one worker. The last three columns are processor seconds: of the run with Dask's scheduler, of all workers, of
-the store, which takes them from the same two cores. All contenders of a layout left the same images and tables, byte by
-byte.
+is the ratio to the rate of `terrainav capture` without blocks in the same round, which uses both cores; *speed-up* is
+relative to one worker. The last three columns are processor seconds: of the run with Dask's scheduler, of all workers,
+and of the store, which uses the same two cores. Images and tables of all contenders of a layout are byte for byte the
+same.
 """
 RATES = """
 {images:,.0f} images of {source} as GeoTIFF in {blocks:.0f} blocks. Two workers can be {most:.2f} times as fast as
@@ -502,17 +502,17 @@ def rates_text(found: dict[str, Any]) -> str:
                 workers=f"{row['workers_cpu_s']:.1f}" if is_cluster else "",
                 store=f"{row['store_cpu_s']:.1f}" if row["layout"] == "webdataset" else "",
             )
-    text += f"\nThe cluster is there, with all that its workers import, after {found['start_s']:.1f} s.\n"
+    text += f"\nThe cluster starts in {found['start_s']:.1f} s, including the imports of its workers.\n"
     if found.get("before"):
-        text += "\nA capture without blocks takes, to one by the commit before there were any: "
+        text += "\nA capture without blocks, compared with the commit before blocks were introduced: "
         text += "; ".join(
-            f"of {TITLE_OF[one['source'] == WORLD]} {of_ratios(one['ratios']['wall_s'])} of the seconds and "
-            f"{of_ratios(one['ratios']['own_cpu_s'])} of the processor's, in {len(one['ratios']['wall_s'])} pairs of "
-            f"about {one['images']:,} images"
+            f"for {TITLE_OF[one['source'] == WORLD]} {of_ratios(one['ratios']['wall_s'])} of the seconds and "
+            f"{of_ratios(one['ratios']['own_cpu_s'])} of the processor time, in {len(one['ratios']['wall_s'])} pairs "
+            f"of about {one['images']:,} images"
             for one in found["before"]
         )
         text += (
-            ", one after the other; medians, and between which they are with a certainty of 95 % "
+            "; medians with 95 % confidence intervals "
             f"(`python benchmarks/scale.py --before {found['before'][0]['commit']}`).\n"
         )
     return text
@@ -527,8 +527,9 @@ def of_ratios(ratios: list[float]) -> str:
 TITLE_OF = {True: "the embedded world", False: "a local raster"}
 COST = """\
 Measured by `python benchmarks/scale.py`, one worker, shards into S3 on loopback: about {images:,} images in blocks of
-{large} and of {small}; medians. What grows with the number of blocks is a block's, what is left an image's. Blocks
-share tiles along their cuts, which both fetch: so part of a block's time and requests are images' work done again.
+{large} and of {small}; medians. The part that grows with the number of blocks is the cost of a block, the rest the cost
+of an image. Blocks share tiles at their borders, which both fetch, so part of the cost of a block is repeated work for
+images.
 
 | | a block, world | an image, world | a block, raster | an image, raster |
 | --- | ---: | ---: | ---: | ---: |
@@ -546,10 +547,10 @@ COSTS = (
     ("received_bytes", "bytes put, kB", 1e-3, 1),
 )
 COORDINATED_HEAD = """
-What the run itself takes, where workers take no time (an executor that answers at once): processor seconds and memory
-of dividing, handing out, noting and writing the tables. A block of {packed_images} images is {packed:.0f} kB when it is
-sent. Dask adds {cpu:.1f} ms of processor, client and scheduler together, and {trip:.1f} ms until a call that does
-nothing is back from its worker.
+Cost of the run itself, with an executor that returns immediately: processor seconds and memory for dividing, handing
+out, recording and writing the tables. A block of {packed_images} images is {packed:.0f} kB when it is sent. Dask adds
+{cpu:.1f} ms of processor time, client and scheduler together, and {trip:.1f} ms until an empty call returns from its
+worker.
 
 | images | blocks | workers | plan, s | run, s | of this handing out, ms a block | all else, ms an image | peak MB |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -565,8 +566,8 @@ def costs_text(found: dict[str, Any]) -> str:
         text += f"| {title} | {' | '.join(cells)} |\n"
     cores = [one["workers_cpu_s_an_image"] / one["wall_s_an_image"] for one in costs]
     text += (
-        f"\nWhile it made images, the one worker used {cores[0]:.2f} cores with the world and {cores[1]:.2f} with the "
-        "raster, as tiles are fetched in several threads.\n"
+        f"\nWhile making images, the worker used {cores[0]:.2f} cores with the world and {cores[1]:.2f} with the "
+        "raster, because tiles are fetched in several threads.\n"
     )
     last = found["coordinated"][0]
     text += COORDINATED_HEAD.format(

@@ -410,12 +410,12 @@ def simulation_text(
     text = f"""\
 Made by `python benchmarks/scale_simulation.py` from the costs above: {images:,} images of a local raster's size in
 {-(-images // IMAGES):,} blocks of {IMAGES}, {WORKERS:,} workers with a core each. A block takes a worker
-{IMAGES * measured.image_s + measured.block_s:.1f} s of processor and the coordinator
+{IMAGES * measured.image_s + measured.block_s:.1f} s of processor time and the coordinator
 {measured.coordinator_s(WORKERS) * 1e3:.0f} ms with so many workers. Assumed, not measured: a block takes longer than
 its processor time by a log-normal factor of median 1 and σ {usual.straggler_sigma:g}; a worker dies
-{usual.deaths_per_worker_hour:g} times an hour and is replaced after {usual.replaced_s:g} s; a provider answers after
-{usual.latency_s * 1e3:g} ms. *In use* is the share of worker hours that went into committed blocks, waits for a
-provider included; *lost* is how much shorter the run is without.
+{usual.deaths_per_worker_hour:g} times per hour and is replaced after {usual.replaced_s:g} s; a provider responds after {usual.latency_s * 1e3:g} ms. *In use* is the share of
+worker hours that went into committed blocks, waits for a provider included; *lost* is how much shorter the run is
+without.
 
 | source | hours | worker hours | in use | lost to stragglers | lost to deaths | coordinator busy | deaths | given up |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -432,15 +432,15 @@ provider included; *lost* is how much shorter the run is without.
     text += f"""
 ![Hours against workers, and by source](images/scale-simulation.png)
 
-The coordinator hands out blocks as fast as {busiest:,} workers make them, and more do not help. Larger blocks are taken
-to cost it more in proportion, which is the most that they can, and smaller ones no less. Beside the hours above,
-planning such a run and writing its tables takes one process {ends_h:.1f} h, and what it knows of all
-images {memory_gb:.0f} GB of memory. Missions of ten million images, the most without `--max-images`, take
-{ends_h / images * 1e7 * 60:.0f} min and {memory_gb / images * 1e7:.0f} GB each.
+The coordinator can hand out blocks for {busiest:,} workers, and more do not help. Larger blocks are assumed to cost it
+proportionally more, which is the worst case, and smaller ones no less. In addition to the hours above, planning such a
+run and writing its tables takes one process {ends_h:.1f} h, and its state for all images takes {memory_gb:.0f} GB of
+memory. Missions of ten million images, the most without `--max-images`, take {ends_h / images * 1e7 * 60:.0f} min and
+{memory_gb / images * 1e7:.0f} GB each.
 
-Imagery at hand, one assumption changed at a time:
+Local imagery, with one assumption changed at a time:
 
-| what | is | hours | in use | coordinator busy | begun again | given up |
+| assumption | value | hours | in use | coordinator busy | begun again | given up |
 | --- | --- | ---: | ---: | ---: | ---: | ---: |
 """
     for what, value, run in changed:

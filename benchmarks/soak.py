@@ -309,9 +309,9 @@ def document(found: dict[str, Any]) -> str:
     for_good = sum(FOR_GOOD.values()) / 100
     whole = [run for run in runs if "peak_mb" in run]
     lines = [
-        "# A soak",
+        "# Soak test",
         "",
-        "Made by `python -m benchmarks.soak`; figures of one run on one machine.",
+        "Made by `python -m benchmarks.soak`; all figures are from one run on one machine.",
         "",
         (
             f"Machine: {_processor()}, {os.cpu_count()} cores, {platform.system()}. "
@@ -320,17 +320,17 @@ def document(found: dict[str, Any]) -> str:
         "",
         (
             f"{found['images']:,} images of up to {LONGEST_PX} px out of {found['tiles']:,} tiles, over "
-            f"{CONNECTIONS} connections, from a server on the loopback in a process of its own. Pixels of its tiles "
-            f"hold their own position. {once:g} % of the tiles fail once ({', '.join(ONCE)}), {for_good:g} % for good "
-            f"({', '.join(FOR_GOOD)})."
+            f"{CONNECTIONS} connections, from a server on the loopback interface in a separate process. Pixels of its "
+            f"tiles encode their position. {once:g} % of the tiles fail once ({', '.join(ONCE)}), {for_good:g} % "
+            f"permanently ({', '.join(FOR_GOOD)})."
         ),
         (
-            "The run is killed once a fifth is done and cancelled after a further fifth; a provider that says its "
-            "quota is spent stops it, too. Each time it is resumed; then the server is healed and it is resumed once "
-            "more."
+            "The run is killed after a fifth of the images and cancelled after another fifth; a provider's message "
+            "that the quota is used up also stops it. Each time it is resumed; then the faults of the server are "
+            "removed and it is resumed once more."
         ),
         "",
-        "| run | ended | written | there already | failed | seconds | peak memory, MB | threads left | sockets left |",
+        "| run | ended | written | existing | failed | seconds | peak memory, MB | threads left | sockets left |",
         "| ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for number, run_ in enumerate(runs, 1):
@@ -350,28 +350,28 @@ def document(found: dict[str, Any]) -> str:
         )
     lines += [
         "",
-        "| every pixel of every image looked at | with faults | healed |",
+        "| check of every pixel of every image | with faults | without |",
         "| --- | ---: | ---: |",
         f"| images | {faulty['pictures']:,} | {healed['pictures']:,} |",
-        f"| images that could not be made, named with the reason | {faulty['failed']:,} | {healed['failed']:,} |",
-        f"| images missing without a name or a reason | {faulty['unnamed']} | {healed['unnamed']} |",
+        f"| failed images, listed with the reason | {faulty['failed']:,} | {healed['failed']:,} |",
+        f"| images missing without being listed | {faulty['unnamed']} | {healed['unnamed']} |",
         f"| wrong pixels | {faulty['wrong_px']} | {healed['wrong_px']} |",
-        f"| half-written files left | {faulty['part_files']} | {healed['part_files']} |",
+        f"| incomplete files left | {faulty['part_files']} | {healed['part_files']} |",
         f"| tile requests | {counts['requests']:,} | {all_counts['requests']:,} |",
         (
-            f"| of them answered with a fault | {sum(counts['faults'].values()):,} "
+            f"| of these, answered with a fault | {sum(counts['faults'].values()):,} "
             f"| {sum(all_counts['faults'].values()):,} |"
         ),
         f"| different tiles | {counts['unique']:,} | {all_counts['unique']:,} |",
-        f"| requests a tile, those answered with a fault aside | {_good(counts):.4f} | {_good(all_counts):.4f} |",
+        f"| requests per tile, without those answered with a fault | {_good(counts):.4f} | {_good(all_counts):.4f} |",
         f"| TCP connections | {counts['connections']:,} | {all_counts['connections']:,} |",
         "",
         (
-            f"Least and most memory at the peak of a run: {min(run['peak_mb'] for run in whole):.0f} and "
-            f"{max(run['peak_mb'] for run in whole):.0f} MB. Whole soak: {found['seconds']:.0f} s, the checks included."
+            f"Peak memory of a run: {min(run['peak_mb'] for run in whole):.0f} to "
+            f"{max(run['peak_mb'] for run in whole):.0f} MB. Whole test: {found['seconds']:.0f} s, with the checks."
         ),
         "",
-        "## Why images could not be made",
+        "## Reasons of failures",
         "",
         "| images | reason |",
         "| ---: | --- |",

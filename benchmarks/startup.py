@@ -30,7 +30,7 @@ LIMIT_MS = 50.0
 SHIPPED = ("__init__.py", "metadata.txt", "core", "terrainav_plugin", "resources")
 _ABOUT = (
     f"Written by `python benchmarks/startup.py`: median (and range) of {STARTS} starts of QGIS each, in "
-    "milliseconds. Cold: the plugin's files neither in the page cache nor compiled, as at the first start after an "
+    "milliseconds. Cold: the plugin's files are neither in the page cache nor compiled, as at the first start after an "
     "installation. Warm: every later start."
 )
 #: Told by the hook to the script that runs inside.
@@ -167,7 +167,7 @@ def _page(cold: list[dict[str, dict[str, object]]], warm: list[dict[str, dict[st
     from terrainav.core.report.machine import machine
 
     lines = [
-        "# What loading the plugin adds to QGIS's start",
+        "# Time that the plugin adds to QGIS's start",
         "",
         _ABOUT,
         "",
@@ -186,8 +186,8 @@ def _page(cold: list[dict[str, dict[str, object]]], warm: list[dict[str, dict[st
     own = [name for name in modules if name not in others]
     lines += [
         "",
-        f"Modules of its own that are loaded: {len(own)} ({', '.join(own)}).",
-        f"Modules of others that nothing has loaded before: {', '.join(others) or 'none'}.",
+        f"Loaded modules of the plugin: {len(own)} ({', '.join(own)}).",
+        f"Other modules that were not loaded before: {', '.join(others) or 'none'}.",
         "",
         *(f"- {name}: {value}" for name, value in machine()),
         f"- load average: {os.getloadavg()[0]:.1f}",
