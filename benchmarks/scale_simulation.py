@@ -413,9 +413,9 @@ Made by `python benchmarks/scale_simulation.py` from the costs above: {images:,}
 {IMAGES * measured.image_s + measured.block_s:.1f} s of processor time and the coordinator
 {measured.coordinator_s(WORKERS) * 1e3:.0f} ms with so many workers. Assumed, not measured: a block takes longer than
 its processor time by a log-normal factor of median 1 and σ {usual.straggler_sigma:g}; a worker dies
-{usual.deaths_per_worker_hour:g} times per hour and is replaced after {usual.replaced_s:g} s; a provider responds after {usual.latency_s * 1e3:g} ms. *In use* is the share of
-worker hours that went into committed blocks, waits for a provider included; *lost* is how much shorter the run is
-without.
+{usual.deaths_per_worker_hour:g} times per hour and is replaced after {usual.replaced_s:g} s; a provider responds after
+{usual.latency_s * 1e3:g} ms. *In use* is the share of worker hours that went into committed blocks, including waits for
+a provider; *lost* is how much shorter the run would be without.
 
 | source | hours | worker hours | in use | lost to stragglers | lost to deaths | coordinator busy | deaths | given up |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
