@@ -1,17 +1,17 @@
-"""TerrAInav without any GUI: missions planned and captured over map imagery, and the datasets that come of them.
+"""TerrAInav without a GUI: missions over map imagery, their capture, and the resulting datasets.
 
-Rooms, each on those before it: text, external, storage, geodesy, mission and imagery, world, dataset, capture, report
-and pairs, cli. Here lies what all of them share:
+Rooms, each importing only from earlier ones: text, external, storage, geodesy, mission and imagery, world, dataset,
+capture, report and pairs, cli. The modules here are shared by all of them:
 
-- `errors`: every error that is raised on purpose, and messages
-- `limits`: limits on what is read, waited for and kept
+- `errors`: all errors raised on purpose, and messages
+- `limits`: limits on input, waiting and storage
 - `addresses`: passwords and keys in addresses
-- `numbers`: numbers in text from outside
-- `arrays`: types of arrays
-- `units`, `fields`: declared fields of missions, with their units
-- `bands`: channels of images, and how more than 8 bits are displayed
+- `numbers`: parsing of numbers
+- `arrays`: array types
+- `units`, `fields`: declared fields of missions, and units
+- `bands`: channels of images, and the display of more than 8 bits
 - `map_types`: kinds of imagery
-- `resources`: files that ship beside the code
+- `resources`: shipped data files, and the version
 - `timing`: measured processor time
 - `waiting`: waiting for other threads
 """

@@ -1,4 +1,4 @@
-"""Arrays, as annotations name them."""
+"""Array types for annotations."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
-#: Of a picture, of one of `bands.DATA_TYPES`; of most sources uint8.
+#: Pixels of one of `bands.DATA_TYPES`, in most cases uint8.
 PixelValues = NDArray[Any]

@@ -1,4 +1,4 @@
-"""The bands of a source's pixels: their names and type, and which of them are shown as colours."""
+"""Bands of a source's pixels: names, data type, and the channels displayed as colours."""
 
 from __future__ import annotations
 
@@ -14,15 +14,10 @@ from numpy.typing import NDArray
 from .errors import InvalidInput
 from .numbers import real_number
 
-#: Values of pixels that images may have, numpy's names.
+#: Types of pixel values, by numpy's names.
 DATA_TYPES = ("uint8", "uint16", "int16", "float32")
-#: Grey, and red, green, blue.
-_GREY, _COLOURS = 1, 3
-#: Values stay as they are, or the middle of all that the file has becomes 8 bits; else two numbers do.
+#: Stretches to 8 bits other than two numbers: none, or from the 2nd to the 98th percentile of the file.
 NO_STRETCH, PERCENTILE = "none", "percentile"
-#: Shares of the file's values, in percent, that are shown darkest and brightest.
-DARKEST_PERCENT, BRIGHTEST_PERCENT = 2.0, 98.0
-_BRIGHTEST = 255
 
 #: Pixels (h, w, n) of one of `DATA_TYPES`.
 Values = NDArray[Any]
@@ -31,18 +26,18 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class BandMetadata:
-    """What a file says that the stored values of one of its bands mean.
+    """Meaning of the stored values of one band, as its file states it.
 
     Parameters
     ----------
     scale, offset : float
-        The quantity is so many times the stored value, and so much more.
+        The quantity is ``scale * stored value + offset``.
     unit : str
-        Of the quantity; empty for none.
+        Unit of the quantity; empty if not stated.
     colour : str
-        GDAL's name of its colour interpretation, such as NIR; empty for none.
+        GDAL's colour interpretation, such as NIR; empty if not stated.
     items : tuple of (domain, name, value)
-        Of GDAL's metadata, such as its wavelength; the domain is empty for the default one.
+        GDAL metadata items, such as the wavelength; the default domain is empty.
     """
 
     scale: float = 1.0
@@ -53,31 +48,31 @@ class BandMetadata:
 
     @property
     def is_scaled(self) -> bool:
-        """Whether the quantity is another number than the stored value."""
+        """Whether the quantity differs from the stored value."""
         return (self.scale, self.offset) != (1.0, 0.0)
 
     @property
     def quantity(self) -> BandMetadata:
-        """Scale, offset and unit alone."""
+        """Scale, offset and unit only."""
         return replace(self, colour="", items=())
 
 
 @dataclass(frozen=True)
 class Bands:
-    """What the channels of a source's pixels are.
+    """Channels of a source's pixels.
 
     Parameters
     ----------
     names : tuple of str
         In the order of the channels.
     data_type : str
-        Of `DATA_TYPES`.
+        One of `DATA_TYPES`.
     shown : tuple of int
-        Channels, counted from 0, that are shown as red, green and blue, or the one as grey.
+        Channels, counted from 0, displayed as red, green and blue, or the one displayed as grey.
     metadata : tuple of BandMetadata
-        Of each channel; empty where nothing is stated of any.
+        One for each channel; empty if the file states nothing for any.
     nodata : float or None
-        Stored value that stands for no data, in every band.
+        Stored value that means no data, in every band.
     """
 
     names: tuple[str, ...]
@@ -95,24 +90,24 @@ class Bands:
 
     @property
     def each_metadata(self) -> tuple[BandMetadata, ...]:
-        """Metadata of each channel, of nothing where nothing is stated."""
+        """Metadata of each channel, with defaults where none is stated."""
         return self.metadata or (BandMetadata(),) * len(self)
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
-        """Type of the values."""
+        """Data type of the values."""
         return np.dtype(self.data_type)
 
     @property
     def are_colours(self) -> bool:
-        """Whether they are red, green and blue of 8 bits, or grey: what every program shows."""
+        """Whether they are 8-bit red, green and blue, or grey, which every program displays."""
         return self.data_type == "uint8" and self.shown == tuple(range(len(self)))
 
     def picture_bands(self, channels: int) -> Bands:
-        """Bands of a picture that is made grey (1) or colours (3) of these."""
+        """Bands of a grey (1 channel) or colour (3 channels) picture made from these."""
         metadata = tuple(self.metadata[at] for at in self.shown) if self.metadata else ()
-        if channels == _GREY and len(self.shown) > _GREY:
-            # A mean of values means what all of them do.
+        if channels == 1 and len(self.shown) > 1:
+            # A mean of channels keeps the quantity that they share.
             quantities = {one.quantity for one in metadata}
             return Bands(("grey",), self.data_type, (0,), tuple(quantities) if len(quantities) == 1 else ())
         return Bands(
@@ -125,7 +120,7 @@ class Bands:
 
     @property
     def bytes_per_px(self) -> int:
-        """Bytes of a pixel."""
+        """Size of a pixel in bytes."""
         return len(self) * self.dtype.itemsize
 
     def __str__(self) -> str:
@@ -133,12 +128,12 @@ class Bands:
 
 
 def full(dtype: np.dtype[Any]) -> Any:
-    """Value of a mask, the channel after the bands', where there is imagery; of the bands' type."""
+    """Value of the mask, the channel after the bands, where there is imagery."""
     return dtype.type(1.0 if dtype.kind == "f" else np.iinfo(dtype).max)
 
 
 def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
-    """Values as a type has them: whole numbers are rounded, and kept within its limits."""
+    """Convert values to a data type: integers are rounded and clipped."""
     if dtype.kind == "f":
         floats: Values = values.astype(dtype, copy=False)
         return floats
@@ -147,30 +142,30 @@ def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
     return whole
 
 
-#: What most sources have.
+#: Bands of most sources.
 RGB = Bands(("red", "green", "blue"))
 
 
 def source_bands(source: object) -> Bands:
-    """Bands of a source: red, green and blue of 8 bits where it does not say."""
-    # Not by `isinstance`: that asks for the ranges as well, for which a file is read.
+    """Bands of a source, by default 8-bit red, green and blue."""
+    # Not `isinstance` of a protocol, which would also get the ranges, for which a file is read.
     bands: Bands = getattr(source, "bands", RGB)
     return bands
 
 
 def source_ranges(source: object) -> tuple[Range, ...]:
-    """Values of each of a source's bands that are shown darkest and brightest."""
-    ranges: tuple[Range, ...] = getattr(source, "ranges", ((0.0, float(_BRIGHTEST)),) * len(RGB))
+    """Values of each of a source's bands displayed as darkest and brightest."""
+    ranges: tuple[Range, ...] = getattr(source, "ranges", ((0.0, 255.0),) * len(RGB))
     return ranges
 
 
 def stretch_range(text: str) -> Range | None:
-    """Two values that a mission's stretch states; None where it is one of the words.
+    """Parse a mission's stretch of two numbers; None for the words.
 
     Raises
     ------
     InvalidInput
-        Neither.
+        Neither a word nor two ascending numbers.
     """
     if text in (NO_STRETCH, PERCENTILE):
         return None
@@ -190,49 +185,49 @@ def stretch_range(text: str) -> Range | None:
 
 
 def percentiles(values: Values) -> Range:
-    """Range of some of a band's values (n,) that leaves out the darkest and the brightest few; 0 to 1 for none."""
+    """Percentiles 2 and 98 of a band's values (n,); 0 and 1 for no values."""
     if not values.size:
         return 0.0, 1.0
-    low, high = np.percentile(values, (DARKEST_PERCENT, BRIGHTEST_PERCENT))
+    low, high = np.percentile(values, (2.0, 98.0))
     return float(low), float(high)
 
 
 def in_8_bits(values: Values, ranges: Sequence[Range]) -> NDArray[np.uint8]:
-    """Values (h, w, n) with the range of each channel stretched to 0 to 255; what is beyond becomes the end of it."""
+    """Stretch the range of each channel of values (h, w, n) to 0 to 255, clipped."""
     shown = np.empty(values.shape, np.uint8)
     for channel, (low, high) in enumerate(ranges):
-        # A range without width parts what is above it from the rest.
-        scale = _BRIGHTEST / (high - low) if high > low else math.inf
+        # An empty range separates the values above it from all others.
+        scale = 255 / (high - low) if high > low else math.inf
         with np.errstate(invalid="ignore"):
             level = (values[..., channel].astype(np.float64) - low) * scale
-        shown[..., channel] = np.rint(np.clip(np.nan_to_num(level, posinf=np.inf, neginf=-np.inf), 0, _BRIGHTEST))
+        shown[..., channel] = np.rint(np.clip(np.nan_to_num(level, posinf=np.inf, neginf=-np.inf), 0, 255))
     return shown
 
 
 def shown_in_8_bits(values: Values, bands: Bands, ranges: Sequence[Range]) -> NDArray[np.uint8]:
-    """Picture (h, w, n), with or without a mask after its bands, as it is shown: (h, w) or (h, w, 3)."""
+    """8-bit display, (h, w) or (h, w, 3), of a picture (h, w, n) with or without a mask after its bands."""
     shown = list(bands.shown)
     picked = values[..., shown]
     if bands.data_type != "uint8":
         picked = in_8_bits(picked, [ranges[at] for at in shown])
-    return picked[..., 0] if len(shown) == _GREY else picked
+    return picked[..., 0] if len(shown) == 1 else picked
 
 
 def chosen(wanted: Sequence[str], names: Sequence[str], title: str) -> tuple[int, ...]:
-    """Bands, counted from 0, that a mission wants, each by its name or by its number from 1.
+    """Find bands by name or by number from 1; return their indices from 0.
 
     Parameters
     ----------
     wanted : sequence of str
     names : sequence of str
-        Of all the source's bands.
+        All bands of the source.
     title : str
-        The source, as errors name it.
+        Title of the source, for errors.
 
     Raises
     ------
     InvalidInput
-        A band that is not there, or one that is named twice.
+        A band does not exist, or is named twice.
     """
     by_name = {name.casefold(): at for at, name in reversed(list(enumerate(names)))}
     found = []
@@ -249,15 +244,15 @@ def chosen(wanted: Sequence[str], names: Sequence[str], title: str) -> tuple[int
 
 
 def unnamed(index: int) -> str:
-    """Name of a band that its file gives none, by its index from 0."""
+    """Name of a band without a name, by its index from 0."""
     return f"band {1 + index}"
 
 
 def colour_channels(names: Sequence[str], first: Sequence[int] = (0, 1, 2)) -> tuple[int, ...]:
-    """Channels that are shown as colours: red, green and blue where there are more than three, else in their order."""
-    if len(names) > _COLOURS:
+    """Channels displayed as colours: those named red, green and blue of more than three, else the first."""
+    if len(names) > 3:
         lower = [name.casefold() for name in names]
         if {"red", "green", "blue"} <= set(lower):
             return tuple(lower.index(name) for name in ("red", "green", "blue"))
         return tuple(first)
-    return (0, 1, 2) if len(names) == _COLOURS else (0,)
+    return (0, 1, 2) if len(names) == 3 else (0,)

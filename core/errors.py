@@ -1,35 +1,35 @@
-"""Every error TerrAInav raises on purpose, and texts for users that know what they were made of."""
+"""All errors that TerrAInav raises on purpose, and messages that keep their template and values."""
 
 from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    # The command imports this before it is ready for Ctrl-C: nothing here that Python has not loaded itself.
+    # Imported before the command handles Ctrl-C: only modules that Python has already loaded.
     from collections.abc import Sequence
     from typing import Any, Callable
 
 
 class OptionName(str):
-    """Name of an option in advice to a user: `--max-images` as text, where the panel shows its own label.
+    """Name of an option in a remedy: `--max-images` as text; the panel shows its label instead.
 
     Parameters
     ----------
     name : str
-        As ``config.json`` has it: `max_images`.
+        As in ``config.json``: `max_images`.
     """
 
     __slots__ = ("name",)
     name: str
 
     def __new__(cls, name: str) -> OptionName:
-        """Write the name as the command takes it."""
+        """Write the name as an option of the command."""
         made = super().__new__(cls, f"--{name.replace('_', '-')}")
         made.name = name
         return made
 
     @property
     def in_brackets(self) -> Message:
-        """Words that follow an advice which holds without them."""
+        """Option in brackets, for a remedy that makes sense without it."""
         return Message(" ({0})", self)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -37,16 +37,16 @@ class OptionName(str):
 
 
 class Message(str):
-    """Text for users that still knows what it was made of; as a string it is the English sentence.
+    """Text for users that keeps its template and values; as a string it is the English sentence.
 
     Parameters
     ----------
     template : str or TerrAInavError
-        English, with places as ``str.format`` has them: ``{0}``, ``{1:g}``, ``{2!r}``. Without values it is taken as it
-        is, braces and all. A message or an error is taken over.
+        English, with the fields of ``str.format``: ``{0}``, ``{1:g}``, ``{2!r}``. Without values it is used literally,
+        braces included. A message or an error is copied.
     *values : object
-        What goes into the places. Messages and errors among them are texts themselves, `OptionName` names an option,
-        and a plain string is data, which nobody translates. Of anything else but numbers the text is kept.
+        Values of the fields. Messages, errors and `OptionName` among them are translated, plain strings are data.
+        Numbers are kept; any other object is kept as its text.
     """
 
     __slots__ = ("template", "values")
@@ -54,13 +54,13 @@ class Message(str):
     values: tuple[Any, ...]
 
     def __new__(cls, template: object = "", *values: object) -> Message:
-        """Fill the values in."""
+        """Format the template."""
         if isinstance(template, TerrAInavError):
             template, values = ("{0}", (template,)) if template.remedy else (template.message, values)
-        taken_over = template if isinstance(template, Message) else None
-        if taken_over is not None:
-            template, values = taken_over.template, taken_over.values
-        text = str(template) if values or taken_over is not None else _without_credentials(str(template))
+        copied = template if isinstance(template, Message) else None
+        if copied is not None:
+            template, values = copied.template, copied.values
+        text = str(template) if values or copied is not None else _without_credentials(str(template))
         values = tuple(map(_without_credentials, values))
         made = super().__new__(cls, text.format(*values) if values else text)
         made.template = text
@@ -71,9 +71,9 @@ class Message(str):
         return Message, (self.template, *self.values)
 
     def map_texts(self, change: Callable[[str], str]) -> Message:
-        """Return this message with each string among its values changed, as by masking keys in it.
+        """Apply a change, such as masking keys, to each string among the values; return the new message.
 
-        So is a template without values, which may be somebody else's words.
+        A template without values, which may be foreign text, is changed too.
         """
         if not self.values:
             return Message(change(self.template))
@@ -81,7 +81,7 @@ class Message(str):
 
     @classmethod
     def joined(cls, joint: str, parts: Sequence[str]) -> Message:
-        """Return messages in a row, with a joint such as ``", "`` between them."""
+        """Join messages with a separator such as ``", "``."""
         return cls(joint.join(f"{{{place}}}" for place in range(len(parts))), *parts) if parts else cls("")
 
 
@@ -91,11 +91,11 @@ class TerrAInavError(Exception):
     Parameters
     ----------
     template : str or TerrAInavError
-        What is wrong, as for `Message`; of another error its message, field and remedy are taken over.
+        What is wrong, as for `Message`; of another error, its message, field and remedy are copied.
     field : str
-        Name of the one field, of a mission or a source, that is to be put right; empty where it is about no single one.
+        Name of the invalid field of a mission or a source; empty if the error concerns no single field.
     remedy : str or None
-        What helps, for those who can do it: a `Message` that names an option may be left out where there is none.
+        What the user can do; a `Message` that names an option is omitted where that option does not exist.
     """
 
     message: Message
@@ -112,13 +112,13 @@ class TerrAInavError(Exception):
         super().__init__(self.message)
 
     def __copy__(self) -> TerrAInavError:
-        """Copy without a trace, also where a library has told Python to copy errors with theirs, as Dask does."""
+        """Copy without the traceback, also where a library, such as Dask, registers a copy with it."""
         made = type(self).__new__(type(self), *self.args)
         made.__dict__.update(self.__dict__)
         return made
 
     def map_texts(self, change: Callable[[str], str]) -> TerrAInavError:
-        """Return an error of this kind with each string among its values changed, as by masking keys in it."""
+        """Apply a change, such as masking keys, to each string among the values; return the new error."""
         import copy
 
         made = copy.copy(self)
@@ -132,27 +132,27 @@ class TerrAInavError(Exception):
 
 
 class InvalidInput(TerrAInavError, ValueError):
-    """An argument outside its domain: the message names the value and what would be right."""
+    """An argument outside its domain: the message names the value and the domain."""
 
 
 class SourceError(TerrAInavError):
-    """A source that cannot serve at all (missing key, refused, over quota): it stops the run."""
+    """A source that fails altogether (missing key, access refused, over quota): it stops the run."""
 
 
 class PartError(TerrAInavError):
-    """One part of a picture that cannot be had (missing, broken): the pictures that need it fail."""
+    """A part of a picture that is missing or broken: the pictures that need it fail."""
 
 
 class OutputError(TerrAInavError):
-    """A folder or file that cannot be written, or that holds something else."""
+    """A folder or file that cannot be written, or has unexpected content."""
 
 
 class Cancelled(TerrAInavError):
-    """The user stopped a run; what was finished is kept."""
+    """The user stopped a run; finished images are kept."""
 
 
 def _without_credentials(value: Any) -> Any:
-    """Return a value of a message; of one that shows a password or a key in an address its text, with asterisks."""
+    """Return a value of a message, as masked text if it shows a password or a key in an address."""
     if isinstance(value, (OptionName, Message, TerrAInavError, int, float)):
         return value
     text = str(value)
@@ -165,11 +165,11 @@ def _without_credentials(value: Any) -> Any:
 
 
 def _kept(value: object) -> object:
-    """What a message keeps of a value: light, and fit to be pickled."""
+    """Convert a value of a message to one that is small and can be pickled."""
     if isinstance(value, TerrAInavError):
         import copy
 
-        # Without its trace, which holds on to all that was under way.
+        # Its traceback would keep every frame alive.
         return copy.copy(value)
     if isinstance(value, Exception) and len(value.args) == 1 and isinstance(value.args[0], Message):
         return value.args[0]

@@ -1,7 +1,7 @@
-"""What a field of a mission is, declared once where it stands, and what follows from that.
+"""Fields of a mission, each declared once as a dataclass field.
 
-`declared` is written at a dataclass field. From it follow the checks, and what the command, the plugin, mission files
-and the documentation say of the field. Texts are fragments in lower case: who shows one begins it with a capital.
+The checks, the command's options, the plugin's form, mission files and the documentation all follow from `declared`.
+Titles and help are fragments in lower case; the place that shows one capitalises it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,7 @@ from .limits import MAX_WHOLE_NUMBER
 from .units import UNITS, Unit
 
 _KEY = "declared"
-#: What a value must be, by the type that a field's annotation begins with.
-_KINDS: dict[str, type] = {"float": float, "int": int, "bool": bool, "str": str, "tuple": tuple}
-#: What a value of each must be, in words.
+#: Types of fields, in words for errors.
 _TYPES = {
     float: Message("a number"),
     int: Message("a whole number"),
@@ -28,7 +26,6 @@ _TYPES = {
     bool: Message("true or false"),
     tuple: Message("a list"),
 }
-_TOO_LONG = Message("of more than 64 bits")
 
 
 def declared(
@@ -49,44 +46,44 @@ def declared(
     check: Callable[[Any], None] | None = None,
     schema: Mapping[str, Any] | None = None,
 ) -> Any:
-    """Field of a frozen dataclass, with all that there is to say of it.
+    """Declare a field of a frozen dataclass.
 
     Parameters
     ----------
     default
-        None where the mission goes without; left out where the field is needed.
+        None for an optional field; omitted for a required one.
     title : str
-        What people call it: "height above ground".
+        Name for users, such as "height above ground".
     help : str
-        What it does, without unit, limits and default, which are said beside it.
+        What it does, without unit, limits and default, which are shown beside it.
     label : str
-        Title where it begins a row that has a key: ``&`` stands before that letter.
+        Title in a form, with ``&`` before the letter of its keyboard shortcut.
     unit : str
-        One of `UNITS`, or none.
+        One of `UNITS`; empty for none.
     least, most, above, below : float or None
-        Limits; the first two are allowed themselves, the others are not.
+        Limits, the first two inclusive, the others exclusive.
     choices : mapping of str to str or None
-        Values there are, each with what people read.
+        Allowed values, each with its text for users.
     option : str
-        Name of the command's option where it is not the field's.
+        Name of the command's option, if it differs from the field's.
     suggested
-        What a form begins with, where the default says nothing.
+        Initial value in a form, if the default is None.
     advanced : bool
-        Whether few people need it.
+        Whether few users need it.
     check : callable or None
-        Raises InvalidInput for what limits and choices do not tell.
+        Raises InvalidInput for values that limits and choices do not exclude.
     schema : mapping or None
-        What there is to say beyond limits and choices in the schema of mission files.
+        Keywords for the schema of mission files beyond limits and choices.
 
     Raises
     ------
     ValueError
-        A unit that is not declared.
+        The unit is not declared.
     """
     if unit not in UNITS:
         unknown = f"unit {unit!r} of {title!r}: not one of {', '.join(filter(None, UNITS))}, as core/units.py has them"
         raise ValueError(unknown)
-    said = {
+    metadata = {
         "title": title,
         "help": help,
         "label": label,
@@ -102,12 +99,12 @@ def declared(
         "check": check,
         "schema": dict(schema or {}),
     }
-    return dataclasses.field(default=default, metadata={_KEY: said})
+    return dataclasses.field(default=default, metadata={_KEY: metadata})
 
 
 @dataclass(frozen=True)
 class Field:
-    """A field as it is declared; see `declared`.
+    """A declared field; see `declared`.
 
     Parameters
     ----------
@@ -115,7 +112,7 @@ class Field:
     kind : type
         float, int, bool, str or tuple.
     optional : bool
-        Whether None is a value of it.
+        Whether None is allowed.
     """
 
     name: str
@@ -149,21 +146,21 @@ class Field:
 
     @property
     def unit_and_limits(self) -> str:
-        """Unit and limits in words."""
-        return ", ".join(filter(None, (self.unit.words, self.right)))
+        """Unit and limits, in words."""
+        return ", ".join(filter(None, (self.unit.words, self.domain)))
 
     @property
     def initial_value(self) -> Any:
-        """What a form shows of it before anybody has entered anything."""
+        """Value that a form begins with."""
         return self.suggested if self.suggested is not None else self.default
 
     @property
-    def right(self) -> Message:
-        """What is right of numbers, in words; empty where every number is."""
+    def domain(self) -> Message:
+        """Limits in words; empty if there are none."""
         return self._range(1.0)
 
     def _range(self, times: float) -> Message:
-        """What is right of numbers that are so many times the field's."""
+        """Limits in words, multiplied by a factor."""
         low, high = (
             None if limit is None else times * limit
             for limit in (
@@ -178,19 +175,19 @@ class Field:
         if low is None:
             return Message("at most {0:g}", high) if self.below is None else Message("below {0:g}", high)
         if self.below is None:
-            # Above something, the upper one is where the arithmetic ends, and no range to choose from.
+            # The upper limit of such a range is that of the arithmetic, of no use to the user.
             return Message("from {0:g} to {1:g}", low, high) if self.above is None else Message("above {0:g}", low)
         if self.above is None:
             return Message("at least {0:g} and below {1:g}", low, high)
         return Message("between {0:g} and {1:g}, both excluded", low, high)
 
     def settled(self, value: Any) -> Any:
-        """Value as the field keeps it: whole numbers and their floats are one, lists are tuples.
+        """Convert a value to the field's type and check it; whole floats become integers, lists become tuples.
 
         Raises
         ------
         InvalidInput
-            Another type, or a value outside the domain; names the field.
+            Wrong type, or outside the domain; names the field.
         """
         if value is None and self.optional:
             return None
@@ -198,7 +195,7 @@ class Field:
         if self.kind in (float, int):
             self._check_limits(value)
         for one in value if self.kind is tuple else (value,):
-            # What a file holds there need not be hashable.
+            # A value from a file may be unhashable.
             if self.choices and one not in tuple(self.choices):
                 raise self._refused(Message(self.title), repr(one), Message("one of {0}", ", ".join(self.choices)))
         if self.check is not None:
@@ -222,17 +219,17 @@ class Field:
                 if value == int(value):
                     return int(value)
             except (TypeError, ValueError, OverflowError):
-                # What is no number is said below; one that no float holds is beyond every limit.
+                # An integer beyond the range of floats is beyond every limit; others are refused below.
                 if isinstance(value, int):
                     return math.copysign(math.inf, 1 if value > 0 else -1)
         raise self._refused(Message(self.title), repr(value), _TYPES[self.kind])
 
     def _check_limits(self, value: float) -> None:
-        title = Message(self.title)
+        title, too_long = Message(self.title), Message("of more than 64 bits")
         if self.kind is int and value > MAX_WHOLE_NUMBER:
-            raise self._refused(title, _TOO_LONG, Message("at most {0}", MAX_WHOLE_NUMBER))
+            raise self._refused(title, too_long, Message("at most {0}", MAX_WHOLE_NUMBER))
         if self.kind is int and self.least is None and value < -MAX_WHOLE_NUMBER:
-            raise self._refused(title, _TOO_LONG, Message("at least {0}", -MAX_WHOLE_NUMBER))
+            raise self._refused(title, too_long, Message("at least {0}", -MAX_WHOLE_NUMBER))
         within = (
             (self.least is None or value >= self.least)
             and (self.most is None or value <= self.most)
@@ -241,7 +238,7 @@ class Field:
         )
         if within and (self.kind is int or math.isfinite(value)):
             return
-        # Of what is typed, such as percent.
+        # In the unit that users type, such as percent.
         times, symbol = self.unit.times, self.unit.symbol
         right = self._range(times)
         if within or not right:
@@ -253,16 +250,18 @@ class Field:
 
 
 def declared_fields(part: Any) -> tuple[Field, ...]:
-    """Fields of a dataclass that are declared, in order."""
+    """Declared fields of a dataclass, in order."""
     return _declared_fields(part)
 
 
 @cache
 def _declared_fields(part: Any) -> tuple[Field, ...]:
+    kinds = {kind.__name__: kind for kind in _TYPES}
     return tuple(
         Field(
             name=one.name,
-            kind=_KINDS[str(one.type).partition("[")[0].partition(" ")[0]],
+            # Annotations are text: `float | None`, `tuple[str, ...]`.
+            kind=kinds[str(one.type).partition("[")[0].partition(" ")[0]],
             optional=str(one.type).endswith("| None"),
             default=one.default,
             **one.metadata[_KEY],
@@ -273,14 +272,14 @@ def _declared_fields(part: Any) -> tuple[Field, ...]:
 
 
 def field_named(part: Any, name: str) -> Field:
-    """Declared field of a dataclass by its name."""
+    """Declared field of a dataclass, by name."""
     return next(one for one in declared_fields(part) if one.name == name)
 
 
 class CheckedFields:
-    """A frozen dataclass of declared fields, each checked when it is made."""
+    """Base of frozen dataclasses whose declared fields are checked on creation."""
 
     def __post_init__(self) -> None:
-        """Check every field, and keep it as it settles."""
+        """Convert and check every field."""
         for one in declared_fields(type(self)):
             object.__setattr__(self, one.name, one.settled(getattr(self, one.name)))

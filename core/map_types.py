@@ -1,4 +1,4 @@
-"""Kinds of imagery: the words that missions, sources and folders of datasets share."""
+"""Map types: kinds of imagery, named alike in missions, sources and folders of datasets."""
 
 from __future__ import annotations
 

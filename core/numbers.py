@@ -1,6 +1,6 @@
-"""Numbers in text that others wrote: of plain digits alone, where Python reads more.
+"""Numbers in foreign text: plain ASCII digits only, where Python accepts more.
 
-Nothing else of size is imported: the command needs this before its options are known.
+Imports nothing large, as the command needs this to parse its options.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from .limits import MAX_JSON_DIGITS
 
 
 def real_number(text: str) -> float:
-    """Number as ``float`` reads it, but of the digits 0 to 9 alone: ``1_20`` and digits of other scripts are none.
+    """Parse a number like ``float``, but refuse ``1_20`` and digits of other scripts.
 
-    Raises ValueError of any other text, in the words of ``float``.
+    Raises ValueError in the words of ``float``.
     """
     if "_" in text or not text.isascii():
         raise ValueError(f"could not convert string to float: {text!r}")
@@ -19,9 +19,9 @@ def real_number(text: str) -> float:
 
 
 def integer(text: str) -> int:
-    """Whole number as ``int`` reads it, of the digits that `real_number` reads; raises ValueError as that does.
+    """Parse a whole number like ``int``, of the digits that `real_number` accepts; raises ValueError likewise.
 
-    Of thousands of digits there is none: Python refuses them, or takes long before 3.11.
+    Thousands of digits are refused: Python before 3.11 would take long to convert them.
     """
     if "_" in text or not text.isascii() or len(text) > MAX_JSON_DIGITS:
         raise ValueError(f"invalid literal for int() with base 10: {text!r}")

@@ -1,4 +1,4 @@
-"""What ships beside the code: files of ``resources/``, and the version."""
+"""Files that ship beside the code in ``resources/``, and the version."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ from configparser import ConfigParser
 from pathlib import Path
 from typing import Any
 
-_PACKAGE = Path(__file__).resolve().parent.parent
-
 
 def resource(name: str) -> Path:
     """Path of a file in ``resources/``."""
-    return _PACKAGE / "resources" / name
+    return Path(__file__).resolve().parents[1] / "resources" / name
 
 
 def read_json(name: str) -> Any:
@@ -21,7 +19,7 @@ def read_json(name: str) -> Any:
 
 
 def version() -> str:
-    """Version in ``metadata.txt``, which lies beside this package in the plugin folder and in a wheel."""
+    """Version in ``metadata.txt``, beside this package in the plugin folder and in a wheel."""
     metadata = ConfigParser(interpolation=None)
     metadata.read(Path(__file__).parents[1] / "metadata.txt", encoding="utf-8")
     return metadata["general"]["version"]

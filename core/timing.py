@@ -1,4 +1,4 @@
-"""Seconds that work takes: processor time of its own thread, in rounds in which what is compared takes turns."""
+"""Measured durations: processor time of the calling thread, in rounds in which compared works take turns."""
 
 from __future__ import annotations
 
@@ -15,21 +15,18 @@ import numpy as np
 Result = TypeVar("Result")
 Clock = Callable[[], float]
 
-#: How likely equal works may be to agree in so many rounds, as if by the toss of a coin.
-_CHANCE = 0.05
-
 
 class Effort(NamedTuple):
-    """How many rounds there are: at least and at most, and between the two until every work has had so many seconds."""
+    """Least and greatest number of rounds; between the two, rounds go on until each work has run for ``seconds``."""
 
     least: int
     most: int
     seconds: float
 
 
-#: Work of half a second and more is not repeated often: a report must end while someone waits for it.
+#: Works of half a second and more are repeated little, as users wait for a report.
 THOROUGH = Effort(7, 25, 0.25)
-#: One run after the warm-up: for trying things out, and where a time is not what is asked for.
+#: One run after the warm-up, where the time does not matter.
 QUICK = Effort(1, 1, 0.0)
 
 
@@ -42,78 +39,77 @@ class Quartiles(NamedTuple):
 
     @classmethod
     def from_values(cls, values: Sequence[float]) -> Quartiles:
-        """Quartiles of one value or more."""
+        """Compute the quartiles of one value or more."""
         return cls(*np.quantile(values, (0.25, 0.5, 0.75)).tolist())
 
 
 @dataclass(frozen=True)
 class Seconds:
-    """Seconds that some work took in each of the rounds; those of one round belong together, of works in turns."""
+    """Seconds that a work took in each round; works measured together share their rounds."""
 
     rounds: tuple[float, ...]
 
     @property
     def quartiles(self) -> Quartiles:
-        """Of the rounds."""
+        """Quartiles over the rounds."""
         return Quartiles.from_values(self.rounds)
 
     @property
     def median(self) -> float:
-        """Of the rounds."""
+        """Median over the rounds."""
         return statistics.median(self.rounds)
 
     @property
     def spread_known(self) -> bool:
-        """Whether there are rounds enough for quartiles to say something."""
-        # Quartiles of fewer rounds mean nothing.
+        """Whether there are enough rounds for quartiles to mean something."""
         return len(self.rounds) >= 5
 
     def __add__(self, other: Seconds) -> Seconds:
-        """Round by round."""
+        """Add round by round."""
         return Seconds(tuple(own + more for own, more in zip(self.rounds, other.rounds)))
 
     def __sub__(self, other: Seconds) -> Seconds:
-        """Round by round."""
+        """Subtract round by round."""
         return self + other * -1.0
 
     def __mul__(self, factor: float) -> Seconds:
-        """Of so many times the work."""
+        """Scale the seconds of every round."""
         return Seconds(tuple(taken * factor for taken in self.rounds))
 
     def ratio(self, other: Seconds) -> Quartiles:
-        """How many times as long as other work this one takes: quartiles of the ratios within each round."""
+        """Quartiles of the ratio of these seconds to others, round by round."""
         return Quartiles.from_values([own / its for own, its in zip(self.rounds, other.rounds)])
 
     def is_distinct(self, other: Seconds) -> bool:
-        """Whether one can be said to take longer than the other.
+        """Whether one takes longer than the other with significance.
 
-        It cannot where the quartiles of their ratio lie on either side of 1, nor where equal works would agree in as
-        many rounds by chance (`_CHANCE`), as they often do in a few.
+        The quartiles of the ratio must lie on one side of 1, and a two-sided sign test over the rounds must reject
+        equal durations at 5 %.
         """
         low, _, high = self.ratio(other)
         longer = sum(own > its for own, its in zip(self.rounds, other.rounds))
         agreed, count = max(longer, len(self.rounds) - longer), len(self.rounds)
         chance = 2.0 * sum(math.comb(count, some) for some in range(agreed, count + 1)) / 2.0**count
-        return chance <= _CHANCE and not low <= 1.0 <= high
+        return chance <= 0.05 and not low <= 1.0 <= high
 
 
 def timed(work: Callable[[], Result], effort: Effort = THOROUGH) -> tuple[Result, Seconds]:
-    """What some work returns, and the seconds that it takes."""
+    """Run a work repeatedly; return its result and the seconds that it takes."""
     return timed_together([work], effort)[0]
 
 
 def timed_together(
     works: Sequence[Callable[[], Result]], effort: Effort = THOROUGH, clock: Clock = time.thread_time
 ) -> list[tuple[Result, Seconds]]:
-    """As `timed`, of works that are compared: they take turns, so that what else the machine does falls on all.
+    """Time works to be compared, in turns, so that other load on the machine affects all alike.
 
     Parameters
     ----------
     clock : callable
-        Of seconds, however coarse. The default counts what the calling thread computes, and neither its waiting nor
-        other threads and processes: work that is shared with those needs another.
+        Returns seconds, however coarse. The default counts the processor time of the calling thread only: works that
+        use other threads or processes need another clock.
     """
-    # Short work is repeated, so that a step of the clock is at most 1 % of a run.
+    # Repeat short works so that a step of the clock is at most 1 % of a run.
     least_s = 100 * clock_step_s(clock)
     results, counts = [], []
     for work in works:
@@ -128,7 +124,7 @@ def timed_together(
     times: list[list[float]] = [[] for _ in works]
     spent, rounds, order = 0.0, 0, np.random.Generator(np.random.PCG64(1))
     while rounds < effort.least or (rounds < effort.most and spent < effort.seconds * len(works)):
-        # In any order, so that none always follows one that has filled the processor's cache.
+        # In random order, so that no work always follows one that fills the processor's cache.
         for index in order.permutation(len(works)).tolist():
             taken = _run(works[index], counts[index], clock)
             times[index].append(taken / counts[index])
@@ -145,7 +141,7 @@ def _run(work: Callable[[], object], count: int, clock: Clock) -> float:
 
 
 def clock_step_s(clock: Clock = time.thread_time) -> float:
-    """Seconds between the values that a clock takes: what it says of itself is too fine on some systems."""
+    """Resolution of a clock in seconds, measured, as some systems report one that is too fine."""
     steps = []
     for _ in range(5):
         start = now = clock()

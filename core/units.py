@@ -1,4 +1,4 @@
-"""Units of the numbers in a mission, each declared once: a line here is all that a new one needs."""
+"""Units of the numbers in a mission; a new unit is one line here."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from .errors import Message
 
 #: International foot.
 M_PER_FT = 0.3048
-#: Units that heights may be given in, each in metres.
+#: Units of heights in input, each in metres.
 LENGTHS_M = {"m": 1.0, "ft": M_PER_FT}
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit in words, and how numbers in it are typed.
+    """Names of a unit, and how users type numbers in it.
 
     Parameters
     ----------
     symbol : Message or str
-        Behind a number in a sentence, as it is typed; empty where numbers stand alone.
+        After a number in a sentence; empty for none.
     words : Message or str
-        In full, as it stands in brackets behind what is measured.
+        In full, in brackets after a title.
     suffix : str
-        Behind a number that is typed.
+        After a number in an entry field.
     decimals : int
-        Most digits after the point that people type.
+        Decimals of an entry field.
     typed_words : Message or str
-        What is typed, where that is not the number itself.
+        Unit of the typed number, if it differs.
     times : float
-        What is typed is so many times the number: 100 for percent.
+        Factor from the number to the typed one: 100 for percent.
     """
 
     symbol: str = ""
@@ -40,7 +40,7 @@ class Unit:
     times: float = 1.0
 
 
-#: By the name that declared fields give.
+#: Units by the names used in `fields.declared`.
 UNITS = {
     "": Unit(),
     "m": Unit(Message("m"), Message("metres"), " m", 6),

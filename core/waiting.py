@@ -1,4 +1,4 @@
-"""Waiting for what runs in another thread, so that Ctrl-C and whoever asked for it can end the wait."""
+"""Waiting for other threads in a way that Ctrl-C and the caller can end."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from typing import Any, Callable
 
 from .errors import Cancelled
 
-_POLL_S = 0.1
 _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", default=None)
 
 
 @contextmanager
 def cancellable(cancelled: Callable[[], bool] | None) -> Iterator[None]:
-    """Have what this thread waits for meanwhile raise Cancelled where ``cancelled`` says so."""
+    """Have waits of this thread raise Cancelled as soon as ``cancelled()`` is true."""
     token = _cancelled.set(cancelled)
     try:
         yield
@@ -25,7 +24,7 @@ def cancellable(cancelled: Callable[[], bool] | None) -> Iterator[None]:
 
 
 def check_cancelled() -> None:
-    """Raise Cancelled where the wait is to end."""
+    """Raise Cancelled if the enclosing `cancellable` is cancelled."""
     cancelled = _cancelled.get()
     if cancelled is not None and cancelled():
         raise Cancelled("stopped")
@@ -37,14 +36,14 @@ def wait_until_done(future: Future[Any], look: Callable[[], object]) -> None:
     Parameters
     ----------
     look : callable
-        Called again and again; what it raises ends the wait.
+        Called repeatedly; its exceptions end the wait.
 
     Raises
     ------
     Cancelled
-        As `cancellable` has it.
+        The enclosing `cancellable` is cancelled.
     """
-    # Briefly at a time: on Windows Ctrl-C is heard in between.
-    while not wait([future], _POLL_S).done:
+    # In short waits, as Windows handles Ctrl-C only between them.
+    while not wait([future], 0.1).done:
         check_cancelled()
         look()

@@ -1,8 +1,8 @@
-"""The command ``terrainav``, of which each group of subcommands is a module."""
+"""The command ``terrainav``; each group of subcommands is a module."""
 
 from __future__ import annotations
 
-# Until `main` runs, Ctrl-C ends Python with a traceback: nothing is imported here that Python has not loaded itself.
+# Ctrl-C ends Python with a traceback until `main` runs, so only modules that Python has already loaded are imported.
 import os
 import sys
 
@@ -13,12 +13,9 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-#: Set, the trace of a fault of the program is printed.
+#: If set, internal errors are printed with their traceback.
 DEBUG_ENV = "TERRAINAV_DEBUG"
-#: Characters shown before and after one that cannot be written.
-_AROUND = 60
-_ISSUES = "https://github.com/terrainav/terrainav/issues"
-#: The module of each command and its function there; only the one that is run is imported.
+#: Module and function of each command; only the one that runs is imported.
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
     "capture": ("flying", "run_capture"),
@@ -39,7 +36,7 @@ _COMMANDS = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns the exit code."""
+    """Run the command and return its exit code."""
     code = _main(argv)
     from ..external.native_calls import set_exit_code
 
@@ -56,13 +53,13 @@ def _main(argv: Sequence[str] | None) -> int:
         with raised(signals), anything_printed():
             code = _run(sys.argv[1:] if argv is None else argv)
             if sys.stdout is not None:
-                # What cannot be printed is found out here, and not when Python ends.
+                # Raise errors of output here, and not when Python exits.
                 sys.stdout.flush()
     except KeyboardInterrupt as stopped:
         return _fail("stopped", getattr(stopped, "code", STOPPED))
-    except Exception as wrong:  # noqa: BLE001 (the last door)
+    except Exception as wrong:  # noqa: BLE001 (the outermost handler)
         if signals and (isinstance(wrong, Cancelled) or not isinstance(wrong, TerrAInavError)):
-            # Modules written in C that a signal met while they were imported raise something else instead.
+            # C modules interrupted by a signal during their import raise other errors.
             return _fail("stopped", exit_code(signals[0]))
         return _failed(wrong)
     else:
@@ -70,7 +67,7 @@ def _main(argv: Sequence[str] | None) -> int:
 
 
 def _failed(wrong: Exception) -> int:
-    """Say what is wrong; returns the exit code."""
+    """Print an error and return the exit code."""
     if isinstance(wrong, InvalidInput):
         return _fail(wrong, BAD_INPUT)
     if isinstance(wrong, Cancelled):
@@ -80,30 +77,30 @@ def _failed(wrong: Exception) -> int:
     if isinstance(wrong, MemoryError):
         return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
     if isinstance(wrong, ValueError) and "embedded null" in str(wrong):
-        # Of a name in a file of settings: no argument can have it.
-        return _fail("the name of a file holds a null character, which no name has", BAD_INPUT)
+        # From a settings file, as no argument can hold one.
+        return _fail("a file name holds a null character, which is not allowed", BAD_INPUT)
     if isinstance(wrong, UnicodeEncodeError):
-        # Python has halves of characters for bytes of names that are no text in UTF-8, which no file takes.
-        part = wrong.object[max(wrong.start - _AROUND, 0) : wrong.end + _AROUND]
-        return _fail(f"{part!a}: cannot be written, as it is no text in {wrong.encoding.upper()}", FAILED)
+        # Undecodable bytes of names are surrogates in Python. Show 60 characters around them.
+        part = wrong.object[max(wrong.start - 60, 0) : wrong.end + 60]
+        return _fail(f"{part!a}: cannot be written as {wrong.encoding.upper()}", FAILED)
     if _is_out_of_threads(wrong):
-        return _fail(f"the system gives no more threads ({wrong})", FAILED)
+        return _fail(f"the system allows no more threads ({wrong})", FAILED)
     if isinstance(wrong, OSError):
         _drop_output()
-        # The reader of our output may have gone away, as `| head` does: nothing is left to be said.
+        # The reader of our output may have closed it, as `| head` does.
         gone = isinstance(wrong, BrokenPipeError)
-        return DONE if gone else _fail(f"cannot go on ({wrong})", FAILED)
+        return DONE if gone else _fail(f"cannot continue ({wrong})", FAILED)
     return _fault(wrong)
 
 
 def _is_out_of_threads(wrong: Exception) -> bool:
-    """Whether the system has given no thread, for which Python has no error of its own."""
+    """Whether the system could not start a thread, for which Python has no specific error."""
     return isinstance(wrong, RuntimeError) and "new thread" in str(wrong)
 
 
 def _run(argv: Sequence[str]) -> int:
     if list(argv) == ["--version"]:
-        # Asked for by scripts: it need not wait for the parser of all options.
+        # Used by scripts: answer without building the parser of all options.
         return _print_version()
     import importlib
 
@@ -119,7 +116,7 @@ def _run(argv: Sequence[str]) -> int:
     _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
     run = getattr(importlib.import_module(f".{module}", __name__), function)
-    # These commands print nothing before their result.
+    # Only these two print nothing before their result.
     if arguments.command not in ("plan", "poses"):
         return int(run(arguments))
     from .printing import busy_notice
@@ -129,13 +126,13 @@ def _run(argv: Sequence[str]) -> int:
 
 
 def _check_addresses(values: Mapping[str, object]) -> None:
-    """Refuse passwords and keys in what is to be a file, a folder or an address; sources refuse theirs themselves."""
+    """Refuse passwords and keys in files, folders and addresses; sources check theirs separately."""
     from ..errors import Message
     from ..storage.stores import check_no_credentials
 
     for name, value in values.items():
         for text in value if isinstance(value, list) else [value]:
-            # These options name sources.
+            # Sources and clusters are checked elsewhere.
             if isinstance(text, str) and name not in ("source", "url", "imagery", "elevation", "surface", "cluster"):
                 check_no_credentials(
                     text,
@@ -152,16 +149,16 @@ def _print_version() -> int:
 
 
 def _drop_output() -> None:
-    """Lead what is still to be printed nowhere, so that Python does not fail at it once more when it ends."""
+    """Discard buffered output, so that Python does not fail again when it exits."""
     import contextlib
 
     with contextlib.suppress(AttributeError, OSError):
-        # There may be no output, or one that is no file.
+        # Output may be missing, or not a file.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _fault(error: Exception) -> int:
-    """Say that the program is at fault, where, and what to do about it."""
+    """Print an internal error with its place and the address to report it."""
     import traceback
     from pathlib import Path
 
@@ -171,10 +168,11 @@ def _fault(error: Exception) -> int:
         trace = traceback.format_exception(type(error), error, error.__traceback__)
         print(without_credentials("".join(trace)), end="", file=sys.stderr)
     *_, last = traceback.extract_tb(error.__traceback__)
-    said = str(error)[:200]
+    words = str(error)[:200]
     return _fail(
-        f"a fault of the program, not yours: {type(error).__name__}: {said} ({Path(last.filename).name}, line "
-        f"{last.lineno}); please report it with the command at {_ISSUES}; {DEBUG_ENV}=1 shows the trace",
+        f"internal error: {type(error).__name__}: {words} ({Path(last.filename).name}, line {last.lineno}); please "
+        "report it with the command at https://github.com/terrainav/terrainav/issues; "
+        f"{DEBUG_ENV}=1 shows the traceback",
         FAULT,
     )
 
@@ -186,8 +184,8 @@ def _fail(error: object, code: int) -> int:
     from ..limits import MAX_TEXT_CHARACTERS
     from ..text.plain import printable, shortened
 
-    # Names of files and words of servers may hold line ends and the terminal's control characters, without end.
-    said = without_credentials(shortened(printable(str(error)), MAX_TEXT_CHARACTERS))
+    # File names and texts of servers may be long and hold line ends and control characters.
+    line = without_credentials(shortened(printable(str(error)), MAX_TEXT_CHARACTERS))
     with contextlib.suppress(OSError):
-        print(f"terrainav: {said}", file=sys.stderr)
+        print(f"terrainav: {line}", file=sys.stderr)
     return code

@@ -1,4 +1,4 @@
-"""Benchmarks on the command line: made, answered by baselines, judged."""
+"""Benchmarks on the command line: made, run and scored."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
     NAMED,
     Bar,
+    mission_heights,
     named,
     names_source,
     print_failed,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def run_benchmark(arguments: argparse.Namespace) -> int:
-    """Make a benchmark, run a method over it, or judge predictions."""
+    """Make a benchmark, run a method over it, or score predictions."""
     actions = {"make": _make, "run": _run, "score": _score}
     if arguments.action is None:
         raise InvalidInput("benchmark: needs one of {0}", ", ".join(actions))
@@ -55,14 +56,14 @@ def _make(arguments: argparse.Namespace) -> int:
             for imagery in {str(one): one for one in (settings.reference, *settings.imageries)}.values()
         }
         grids = {name: source.grid for name, source in sources.items()}
-        worked_out = plan_benchmark(settings, grids, _heights(settings, values))
+        worked_out = plan_benchmark(settings, grids, mission_heights(settings.queries, values))
         if arguments.dry_run:
             _print_plan(worked_out)
             return DONE
         made = _made(worked_out, sources, arguments, values, signals)
     _print_made(made, arguments.json)
     if made.benchmark is None:
-        print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
+        print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
         return exit_code(signals[0])
     return INCOMPLETE if made.total.failed else DONE
 
@@ -105,22 +106,6 @@ def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str
     ).open()
 
 
-def _heights(settings: BenchmarkSettings, values: dict[str, Any]) -> Any:
-    if not settings.queries.terrain.elevation:
-        return None
-    from ..imagery.opening import SourceOptions
-    from ..picture.heights import heights_of
-
-    imagery = settings.queries.imagery
-    options = SourceOptions(
-        seed=imagery.seed,
-        connections=values["connections"],
-        cache=opened_cache(values),
-        named_by_user=values[NAMED],
-    )
-    return heights_of(settings.queries, options)
-
-
 def _made(
     worked_out: BenchmarkPlan,
     sources: dict[str, Source],
@@ -140,7 +125,7 @@ def _made(
             requests,
             accept_terms=arguments.accept_terms,
             map_types=(imagery.map_type,),
-            bounds_deg=settings_bounds(worked_out),
+            bounds_deg=worked_out.settings.queries.area.bounds.edges_deg,
         )
     bar = Bar(arguments.quiet)
     try:
@@ -154,11 +139,6 @@ def _made(
         )
     finally:
         bar.close()
-
-
-def settings_bounds(worked_out: BenchmarkPlan) -> tuple[float, float, float, float]:
-    """West, south, east, north of the queries."""
-    return worked_out.settings.queries.area.bounds.edges_deg
 
 
 def _print_plan(worked_out: BenchmarkPlan) -> None:
@@ -211,13 +191,13 @@ def _run(arguments: argparse.Namespace) -> int:
     target = _target(arguments, benchmark, arguments.method)
     live = not arguments.quiet and sys.stderr.isatty()
 
-    def tell(done: int, total: int) -> None:
+    def show(done: int, total: int) -> None:
         if live:
             print(f"\r{done:,} of {total:,} queries", end="", file=sys.stderr, flush=True)
 
     with collected() as signals:
         predictions = run_method(
-            benchmark, method, arguments.part or "", progress=tell, cancelled=lambda: bool(signals)
+            benchmark, method, arguments.part or "", progress=show, cancelled=lambda: bool(signals)
         )
     if live:
         print(file=sys.stderr)

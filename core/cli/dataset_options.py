@@ -1,4 +1,4 @@
-"""What the subcommands for datasets take."""
+"""Options of the subcommands for datasets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..geodesy.lens import Lens
 from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
 
-#: Options of missions that a set of pairs has as well, from the command line, the environment or a file.
+#: Options of missions that pairs share, from the command line, the environment or a file.
 _SHARED = (
     *(
         "source",
@@ -30,37 +30,36 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-#: What some of them are for there.
-_OTHER_HELP = {
+#: Help of those that mean something else for pairs.
+_PAIRS_HELP = {
     "map_type": f"one of {', '.join(MAP_TYPES)}",
-    "imagery": "imagery of a view that is not --source's: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both",
-    "camera": "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio",
+    "imagery": "imagery of a view, if not --source: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both",
+    "camera": "camera by name (see terrainav cameras) instead of --fov, with its aspect ratio",
     "fov": f"diagonal field of view of a square image in degrees ({Lens.fov_deg})",
 }
-#: What else differs: pairs have one map type.
-_OTHERWISE: dict[str, dict[str, Any]] = {"map_type": {"count": None}}
-_HELP = """
-PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
-a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
-Without --heights, --yaws and --views the drone flies as in University-1652: 54 views along three rounds that fall from
-256 to 121.5 m. Its camera looks at the place from every view.
+_EPILOG = """
+PLACES is a file with a line `lat lon` or `lat lon name` for each place (`lat lon agl`, as in the paper, works too; the
+height is ignored), or a box "latTL_lonTL_latBR_lonBR" with --count. Separate the numbers of a box that begins with a
+minus by spaces: "-33.8 18.4 -34.0 18.7".
+Without --heights, --yaws and --views the drone flies as in University-1652: 54 views along a spiral of three rounds,
+from 256 down to 121.5 m. From each view the camera looks at the place.
 """
 
 
-def add_option(group: Any, option: Option, told: str = "", **more: Any) -> None:
-    """Add an option; ``told`` is its help in another's place, and ``more`` what else is said of one with values."""
+def add_option(group: Any, option: Option, text: str = "", **more: Any) -> None:
+    """Add an option; ``text`` replaces its help, and ``more`` are further arguments of one with values."""
     name = "--" + option.name.replace("_", "-")
     if option.flag:
-        group.add_argument(name, action="store_true", default=more.get("default"), help=told or option.full_help)
+        group.add_argument(name, action="store_true", default=more.get("default"), help=text or option.full_help)
         return
     low, high = option.count or (1, 1)
     many: Any = None if option.count is None else high if low == high else "+"
     metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
-    group.add_argument(name, nargs=many, metavar=metavar, help=told or option.full_help, **more)
+    group.add_argument(name, nargs=many, metavar=metavar, help=text or option.full_help, **more)
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:
-    """Add ``--json``; with `argparse.SUPPRESS` an action leaves what its command was given."""
+    """Add ``--json``; with the default `argparse.SUPPRESS` an action keeps the value given to its command."""
     command.add_argument("--json", action="store_true", default=default, help="print as JSON")
 
 
@@ -71,7 +70,7 @@ def add_config(command: argparse.ArgumentParser) -> None:
 
 def add_consent(command: argparse.ArgumentParser) -> None:
     """Add ``--accept-terms``."""
-    command.add_argument("--accept-terms", action="store_true", help="agree to the terms of a source that asks for it")
+    command.add_argument("--accept-terms", action="store_true", help="agree to the terms of a source that requires it")
 
 
 def add_dataset_commands(commands: Any) -> None:
@@ -97,13 +96,13 @@ def _add_clean(commands: Any) -> None:
     )
     what = cleaning.add_mutually_exclusive_group()
     what.add_argument("--move", action="store_true", help="also move them to a folder `rejected` beside the others")
-    what.add_argument("--undo", action="store_true", help="move all images back, and take the marks away")
+    what.add_argument("--undo", action="store_true", help="move all images back and remove the marks")
     cleaning.add_argument("--dry-run", action="store_true", help="change nothing in the dataset, print the counts")
     cleaning.add_argument(
         "--plot",
         metavar="DIR",
-        help="also write each map type's entropies with the threshold as PNG: a histogram, and a bar an image; those "
-        "of an earlier run are replaced (needs matplotlib)",
+        help="also draw each map type's entropies and the threshold as PNG, as a histogram and as one bar per image, "
+        "replacing those of an earlier run (needs matplotlib)",
     )
     add_json(cleaning)
 
@@ -117,22 +116,22 @@ def _add_split(commands: Any) -> None:
         type=float,
         default=SHARES,
         metavar=("TRAIN", "VALIDATION", "TEST"),
-        help="shares of the three parts, which add up to 1 (default 0.8 0.1 0.1)",
+        help="shares of the three parts, with sum 1 (default 0.8 0.1 0.1)",
     )
     splitting.add_argument(
         "--how",
         choices=WAYS,
         default=WAYS[0],
         help="shuffled by seed and image name, in the table's order, or by blocks of ground, so that no ground is in "
-        "two parts; auto (default) takes blocks where images overlap, and shuffles otherwise",
+        "two parts; auto (default) uses blocks if images overlap, and shuffles otherwise",
     )
     splitting.add_argument(
         "--block",
         type=float,
         metavar="METRES",
         dest="block_m",
-        help="side of the blocks (default: the largest whose parts come near the shares, between 16 images and half "
-        "of one)",
+        help="side of the blocks (default: the largest whose parts approximate the shares, between 16 images and "
+        "half of one)",
     )
     splitting.add_argument(
         "--gap",
@@ -142,7 +141,7 @@ def _add_split(commands: Any) -> None:
         dest="gap_m",
         help="minimum distance between the ground of two parts, with blocks (default %(default)s)",
     )
-    splitting.add_argument("--seed", type=int, default=SEED, help="of the order (default %(default)s)")
+    splitting.add_argument("--seed", type=int, default=SEED, help="seed of the order (default %(default)s)")
     splitting.add_argument(
         "--frame",
         default=FRAMES[0],
@@ -155,16 +154,16 @@ def _add_split(commands: Any) -> None:
 def _add_load(commands: Any) -> None:
     loading = commands.add_parser(
         "load",
-        help="take every batch of a dataset once, as a training does; prints shapes and images per second",
+        help="load every batch of a dataset once, as for training; prints shapes and images per second",
     )
     loading.add_argument("folder", metavar="OUT", help="the dataset's folder")
     loading.add_argument(
         "--loader",
         choices=("numpy", "torch", "keras"),
         default="numpy",
-        help="default %(default)s; keras with KERAS_BACKEND=torch in the environment where there is no TensorFlow",
+        help="default %(default)s; without TensorFlow, use keras with KERAS_BACKEND=torch in the environment",
     )
-    loading.add_argument("--map-type", metavar="TYPE", help="default satellite, or the first of others")
+    loading.add_argument("--map-type", metavar="TYPE", help="default satellite, or else the first")
     loading.add_argument(
         "--part", choices=(*PARTS, "all"), default=TRAIN, help="default %(default)s; all needs no split"
     )
@@ -172,30 +171,33 @@ def _add_load(commands: Any) -> None:
         "--img-size",
         nargs=3,
         metavar=("W", "H", "C"),
-        help="resize images: width, height, channels (1 or 3); else they have to be alike",
+        help="resize images to width, height and channels (1 or 3); otherwise they must be of one size",
     )
     loading.add_argument(
         "--targets",
         nargs="+",
         choices=TARGETS,
         default=TARGETS[:1],
-        help="what the labels are of: the image's centre, the camera's place, its height, its attitude (default image)",
+        help="labels: the image's centre, the camera's place, its height, its attitude (default image)",
     )
     loading.add_argument("--batch-size", metavar="N", help="images in a batch (default 8)")
     loading.add_argument("--seed", metavar="N", help="of order and augmentation (default 2024)")
     loading.add_argument(
         "--dataset",
         metavar="{TerrAInav,VBN}",
-        help="layout of the folder: TerrAInav (default), also the paper's published one, or VBN, its supplement",
+        help="layout of the folder: TerrAInav (default), including the paper's published data, or VBN, its supplement",
     )
     add_config(loading)
     loading.add_argument(
         "--workers", type=int, default=0, metavar="N", help="threads of numpy, processes of torch (default 0)"
     )
-    loading.add_argument("--no-augment", action="store_true", help="show images of the training part as they are, too")
+    loading.add_argument("--no-augment", action="store_true", help="do not augment images of the training part")
     for name in ("contrast", "brightness"):
         loading.add_argument(
-            f"--{name}", type=float, metavar="SHARE", help=f"augment {name} as well, 0 to 1 either way"
+            f"--{name}",
+            type=float,
+            metavar="SHARE",
+            help=f"also augment {name} by up to this share, 0 to 1, either way",
         )
     add_json(loading)
 
@@ -203,19 +205,19 @@ def _add_load(commands: Any) -> None:
 def _add_pairs(commands: Any) -> None:
     command = commands.add_parser(
         "pairs",
-        help="capture places from a satellite and a drone, laid out as University-1652",
-        epilog=_HELP,
+        help="capture places from a satellite and a drone, in the layout of University-1652",
+        epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("places", metavar="PLACES", help="file of places, or a box with --count")
     command.add_argument("--data-dir", metavar="OUT", help="folder of the pairs")
     where = command.add_argument_group("places of a box")
-    where.add_argument("--count", type=int, metavar="N", help="places to spread over the box, by the seed")
+    where.add_argument("--count", type=int, metavar="N", help="number of random places in the box")
     where.add_argument(
         "--spacing",
         type=float,
         metavar="M",
-        help="minimum distance between them (default: no two see the same ground)",
+        help="minimum distance between places (default: so that no two show the same ground)",
     )
     _add_views(command.add_argument_group("views"))
     parts = command.add_argument_group("parts")
@@ -231,23 +233,23 @@ def _add_pairs(commands: Any) -> None:
         type=float,
         default=0.0,
         metavar="M",
-        help="ground left between what is seen in two parts (0)",
+        help="minimum distance between ground seen in two parts (0)",
     )
     parts.add_argument(
         "--allow-shared-ground",
         action="store_true",
-        help="share places out one by one, even where the same ground is seen in two parts",
+        help="assign each place separately, even if the same ground is then seen in two parts",
     )
     shared = command.add_argument_group("imagery and camera", "each also in the environment or config.json")
     for option in shared_options():
         add_option(shared, option)
     add_config(command)
-    command.add_argument("--resume", action="store_true", help="go on with what is missing or has failed")
-    command.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
+    command.add_argument("--resume", action="store_true", help="capture what is missing or failed")
+    command.add_argument("--dry-run", action="store_true", help="print what would be captured; download nothing")
     command.add_argument(
         "--sheet",
         metavar="FILE.jpg",
-        help="also draw a contact sheet of some of the pairs, of each part in turn",
+        help="also draw a contact sheet of some pairs of each part",
     )
     add_consent(command)
     command.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -255,31 +257,35 @@ def _add_pairs(commands: Any) -> None:
 
 
 def _add_views(group: Any) -> None:
-    group.add_argument("--heights", nargs="+", type=float, metavar="M", help="above the ground (256 121.5)")
+    group.add_argument("--heights", nargs="+", type=float, metavar="M", help="heights above ground (256 121.5)")
     how = group.add_mutually_exclusive_group()
     how.add_argument("--yaws", type=int, metavar="N", help="a ring of N views at each height")
     how.add_argument("--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)")
-    group.add_argument("--rounds", type=float, metavar="N", help="of the spiral (3)")
+    group.add_argument("--rounds", type=float, metavar="N", help="rounds of the spiral (3)")
     group.add_argument(
         "--tilt",
         nargs="+",
         type=float,
         metavar="DEG",
-        help="from straight down, 0 to 80 (45); with several, the flight is repeated at each",
+        help="tilt from straight down, 0 to 80 (45); the flight is repeated at each of several",
     )
     group.add_argument("--size", type=int, metavar="PX", help="longer side of the images (512)")
     group.add_argument(
         "--satellite-m",
         type=float,
         metavar="M",
-        help="ground that the satellite view is wide (default: as the widest drone view at the place)",
+        help="width of the ground in the satellite view (default: that of the widest drone view at the place)",
     )
 
 
 def shared_options() -> list[Option]:
-    """Return the options of missions that ``terrainav pairs`` has as well, as far as it takes them."""
+    """Options of missions that ``terrainav pairs`` shares, with its help; pairs have one map type."""
     return [
-        replace(option, help=_OTHER_HELP.get(option.name, option.help), **_OTHERWISE.get(option.name, {}))
+        replace(
+            option,
+            help=_PAIRS_HELP.get(option.name, option.help),
+            count=None if option.name == "map_type" else option.count,
+        )
         for option in OPTIONS
         if option.name in _SHARED
     ]
@@ -290,13 +296,13 @@ def _add_convert(commands: Any) -> None:
         "convert", help="make a dataset with our tables from the paper's published folders or its supplement"
     )
     converting.add_argument("folder", metavar="FOLDER", help="the published data; it is only read")
-    converting.add_argument("target", metavar="OUT", help="folder of the new dataset, not there yet or empty")
+    converting.add_argument("target", metavar="OUT", help="folder of the new dataset, new or empty")
     converting.add_argument(
         "--dataset",
         type=_layout,
         choices=LAYOUTS,
         default=LAYOUTS[0],
-        help="how the folder is laid out: map types with a meta_data.csv, or JPG2 and MetaData2 (default %(default)s)",
+        help="layout of the folder: map types with a meta_data.csv, or JPG2 and MetaData2 (default %(default)s)",
     )
     add_json(converting)
 
@@ -304,7 +310,7 @@ def _add_convert(commands: Any) -> None:
 def _add_mosaic(commands: Any) -> None:
     mosaicking = commands.add_parser(
         "mosaic",
-        help="write one orthophoto of all images of a dataset, also of turned and tilted ones and over relief",
+        help="write one orthophoto of all images of a dataset, including rotated and tilted ones and those over relief",
     )
     mosaicking.add_argument("folder", metavar="OUT", help="the dataset's folder")
     mosaicking.add_argument(
@@ -315,7 +321,7 @@ def _add_mosaic(commands: Any) -> None:
         type=float,
         metavar="METRES",
         dest="gsd_m",
-        help="ground sample distance (default: that of the images straight below their cameras)",
+        help="ground sample distance (default: that of the images directly below their cameras)",
     )
     mosaicking.add_argument("--map-type", help="map type (default: the dataset's first)")
     mosaicking.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -325,31 +331,31 @@ def _add_mosaic(commands: Any) -> None:
 def _add_export(commands: Any) -> None:
     exporting = commands.add_parser(
         "export",
-        help="write a dataset, its camera frames with their poses, or a benchmark for other programs",
+        help="write a dataset, its camera frames and poses, or a benchmark for other programs",
     )
     exporting.add_argument("folder", metavar="OUT", help="the folder of the dataset or benchmark; it is only read")
     exporting.add_argument(
         "target",
         nargs="?",
         metavar="FOLDER",
-        help="folder of the files, not there yet or empty; without it parquet, croissant and stac are written into OUT",
+        help="folder of the files, new or empty; without it parquet, croissant and stac are written into OUT",
     )
     exporting.add_argument(
         "--as",
         dest="format",
         required=True,
         choices=tuple(KINDS),
-        help="of camera frames: COLMAP's model, nerfstudio's, or a trajectory; of a dataset: tables as Parquet, "
-        "folders of images for Hugging Face's datasets, a description of the files, or STAC items and their "
-        "collection; of a benchmark: the layout of a set that localisers are judged on",
+        help="for camera frames: the model of COLMAP or nerfstudio, or a trajectory; for a dataset: tables as "
+        "Parquet, image folders for Hugging Face datasets, a description of the files, or STAC items and their "
+        "collection; for a benchmark: the layout of a set that localisers are evaluated on",
     )
     exporting.add_argument(
         "--map-type",
         metavar="TYPE",
-        help="default satellite, or the first of others; all for formats of datasets",
+        help="default satellite, or else the first; all for formats of datasets",
     )
 
 
 def _layout(text: str) -> str:
-    """Layout however its letters are written; one that is none as it is, for the parser to refuse."""
+    """Layout in any case; other text is returned unchanged, for the parser to refuse."""
     return next((layout for layout in LAYOUTS if layout.lower() == text.lower()), text)

@@ -1,4 +1,4 @@
-"""Datasets on the command line: cleaned, split, loaded as a training would, converted from those of others."""
+"""Datasets on the command line: cleaned, split, loaded as for training, converted."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..dataset.split import Split
 
 
-#: What is said of the entropies that a table holds.
+#: Descriptions of the entropies in a table.
 _MEASURES = {
     "grey": "of grey levels (the paper's equation 10)",
     "pooled": "of red, green and blue in one histogram, as the paper's published tables have them; thresholds of the "
@@ -34,7 +34,7 @@ _MEASURES = {
 
 
 def run_clean(arguments: argparse.Namespace) -> int:
-    """Mark or move the images with too little to see, or take that back."""
+    """Mark or move images with too little detail, or undo that."""
     from ..dataset.clean import clean, undo
 
     if arguments.plot is not None and (arguments.undo or not arguments.plot):
@@ -99,7 +99,7 @@ def _undone(one: Cleaned) -> str:
 
 
 def run_split(arguments: argparse.Namespace) -> int:
-    """Write the parts of a dataset's images to its tables."""
+    """Divide a dataset into parts and write them to its tables."""
     from ..dataset.split import split
 
     made = split(
@@ -126,7 +126,7 @@ def _split_lines(made: Split) -> list[str]:
     shares = made.shares
     lines = [f"{part:12s}{count:,} images ({100.0 * shares[part]:.1f} %)" for part, count in made.images.items()]
     if made.gap:
-        lines.append(f"{'gap':12s}{made.gap:,} images in no part: too near to another part's ground")
+        lines.append(f"{'gap':12s}{made.gap:,} images in no part: too close to another part's ground")
         if made.gap > sum(made.images.values()):
             lines.append(f"{'':12s}that is most of them: smaller blocks lose more, so try a larger --block")
     if made.unknown:
@@ -159,7 +159,7 @@ def _split_document(made: Split) -> dict[str, object]:
 
 
 def run_load(arguments: argparse.Namespace) -> int:
-    """Take all batches of one epoch, and print their shapes and the images per second."""
+    """Load all batches of one epoch; print their shapes and the images per second."""
     from ..mission.settings import resolve
 
     # These options may also come from the environment and ``config.json``.
@@ -174,7 +174,7 @@ def run_load(arguments: argparse.Namespace) -> int:
         for images, labels in batches:
             shapes[tuple(images.shape), tuple(labels.shape)] += 1
     except InvalidInput as wrong:
-        # From a process of PyTorch's it comes with that one's traceback, in whose last line it is.
+        # Errors of PyTorch's worker processes contain their traceback; the message is its last line.
         raise InvalidInput(str(wrong).strip().rpartition("\n")[2].rpartition("InvalidInput: ")[2]) from wrong
     seconds = time.perf_counter() - begun
     if arguments.json:
@@ -185,7 +185,7 @@ def run_load(arguments: argparse.Namespace) -> int:
 
 
 def _loader(arguments: argparse.Namespace, values: dict[str, Any]) -> tuple[LabelledImages, Iterable[tuple[Any, Any]]]:
-    """The samples, and the iterable of batches of the loader that was chosen."""
+    """Samples and batches of the chosen loader."""
     size, workers = values["batch_size"], arguments.workers
     choice = {
         "map_type": arguments.map_type,
@@ -271,7 +271,7 @@ def _print_load(arguments: argparse.Namespace, samples: LabelledImages, shapes: 
 
 
 def run_convert(arguments: argparse.Namespace) -> int:
-    """Make a dataset of ours from one of another's."""
+    """Convert a published dataset to one with our tables."""
     from ..dataset.convert import convert
 
     converted = convert(arguments.folder, arguments.target, arguments.dataset)

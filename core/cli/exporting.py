@@ -9,7 +9,7 @@ from .exits import DONE
 
 
 def run_export(arguments: argparse.Namespace) -> int:
-    """Write a dataset, its views, or a benchmark in a format of other programs."""
+    """Write a dataset, its camera frames or a benchmark in a format of another program."""
     from ..exports.kinds import BENCHMARKS, DATASETS, export_as
 
     kind = arguments.format

@@ -1,4 +1,4 @@
-"""Missions on the command line: their figures, their capture, their report."""
+"""Missions on the command line: figures, capture, report."""
 
 from __future__ import annotations
 
@@ -38,24 +38,23 @@ if TYPE_CHECKING:
     from ..pairs.capturing import PairResult
     from ..pairs.planning import PairSettings
 
-#: Failed pictures named on the terminal; all are in the journal and the tables.
+#: Failed pictures printed; all of them are in the journal and the tables.
 NAMED_FAILURES = 10
-_BAR_WIDTH = 30
-#: Beside the options' values: whether the user has named the source himself.
+#: Key, among the values of options, of whether the user named the source.
 NAMED = "named_by_user"
-#: Ending of a mission's file, which a plan's is not.
+#: Suffix of a mission file; plans have others.
 _MISSION = ".json"
 
 
 def names_source(arguments: argparse.Namespace) -> bool:
-    """Whether the user has named the source himself, on the command line or in the environment, and no file has."""
+    """Whether the user named the source, on the command line or in the environment, and not a file."""
     if getattr(arguments, "mission_file", None) is not None:
         return False
     return arguments.source is not None or bool(os.environ.get("TERRAINAV_SOURCE"))
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
-    """Return the mission asked for, and the options of its run, `NAMED` among them."""
+    """Return the requested mission, and the options of its run, including `NAMED`."""
     from ..mission.mission import Mission
     from ..mission.settings import build_mission, resolve
 
@@ -76,7 +75,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
 
 
 def _source_name(source: str) -> str:
-    """Name of a source that may be given by its title."""
+    """Name of a source given by name or title."""
     from ..mission.parts import Imagery
 
     if source == Imagery.source:
@@ -89,7 +88,7 @@ def _source_name(source: str) -> str:
 def named(
     asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None, **more: Any
 ) -> NamedSource:
-    """Return the source that is asked for, with the options of its run and more of `SourceOptions`."""
+    """Return the requested source with the options of the run, and further fields of `SourceOptions`."""
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
@@ -123,12 +122,12 @@ def _named_source(
 
 
 def _as_written(mission: Mission) -> bool:
-    """Whether images take all of a source's bands, in its own type."""
+    """Whether images keep all bands of a source in its data type."""
     return mission.output.image_format == "tif"
 
 
-def _heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
-    """Heights of a mission's relief, where it has one."""
+def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
+    """Open the heights of a mission's relief; None without one."""
     if not mission.terrain.elevation:
         return None
     from ..imagery.opening import SourceOptions
@@ -144,20 +143,20 @@ def _heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
 
 
 def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
-    """Work a mission out, over its relief where it has one."""
+    """Plan a mission, over relief if it has one."""
     from ..mission.plan import plan
 
-    return plan(mission, source.grid, _heights(mission, values))
+    return plan(mission, source.grid, mission_heights(mission, values))
 
 
 def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
-    """Mission whose rows are aligned as asked for; says what that gains."""
+    """Align the rows of a mission if requested, and print the gain."""
     if arguments.align is None:
         return mission
     from ..mission.flight.alignment import align_rows
 
     one = next(iter(mission.missions_by_imagery.values()), mission)
-    found = align_rows(one, grid, _heights(one, values), arguments.align)
+    found = align_rows(one, grid, mission_heights(one, values), arguments.align)
     print(printable(found.text()), file=sys.stderr)
     return mission.replace(row_azimuth_deg=found.azimuth_deg)
 
@@ -192,14 +191,14 @@ def _summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> S
     policy = source.policy
     local = FROM_FILE if source_kind(source.text).is_file else OFFLINE
     costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
-    # What is known of the size of files is that of red, green and blue.
+    # The known file sizes are those of 8-bit red, green and blue.
     share = source.bands.bytes_per_px / RGB.bytes_per_px
     costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
     return estimate(worked_out, costs, policy.connections(values["connections"]), os.cpu_count() or 1)
 
 
 def _figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> dict[str, Any]:
-    """Figures of a plan, for JSON."""
+    """Figures of a plan as JSON data."""
     from ..bands import RGB
     from ..picture.cost import timed_cost
 
@@ -239,7 +238,7 @@ def _requests(worked_out: Plan) -> int:
 
 
 def run_plan(arguments: argparse.Namespace) -> int:
-    """Work a mission out, print its figures, write its files; of several imageries, one after the other."""
+    """Plan a mission, for each of its imageries; print the figures and write the files."""
     from ..mission.export import check_plan_ending, write_plan
 
     endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
@@ -280,7 +279,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
 
 
 def _imagery_path(path: str, name: str) -> str:
-    """File of one of several imageries: ``plan-NAME.csv`` for ``plan.csv``."""
+    """File of one imagery: ``plan-NAME.csv`` for ``plan.csv``; the same without a name."""
     from ..mission.export import check_plan_ending
 
     ending = check_plan_ending(path)
@@ -288,13 +287,13 @@ def _imagery_path(path: str, name: str) -> str:
 
 
 class Bar:
-    """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
+    """Progress on one line of the error output, if that is a terminal."""
 
     def __init__(self, quiet: bool) -> None:
         self._live, self._shown = not quiet and sys.stderr.isatty(), False
 
     def __call__(self, progress: Progress) -> None:
-        """Show how far a capture is."""
+        """Show the progress of a capture."""
         if not self._live:
             return
         finished = progress.done + progress.failed + progress.skipped
@@ -304,10 +303,10 @@ class Bar:
         self.show(progress.map_type, share, f"{finished}/{progress.total}{failed}, {rate:.0f}/s")
 
     def show(self, title: str, share: float, text: str) -> None:
-        """Show that a share, 0 to 1, of something is done."""
+        """Show a bar for a share, 0 to 1."""
         if self._live:
             self._shown = True
-            line = f"{title:10s}[{'#' * int(share * _BAR_WIDTH):{_BAR_WIDTH}s}] {text}"
+            line = f"{title:10s}[{'#' * int(30 * share):30s}] {text}"
             self._print(f"\r{line:78s}", end="")
 
     def close(self) -> None:
@@ -319,7 +318,7 @@ class Bar:
         try:
             print(text, end=end, file=sys.stderr, flush=True)
         except OSError:
-            # The terminal was closed: that ends the bar, and not the run.
+            # The terminal was closed; the run goes on.
             self._live = False
 
 
@@ -327,7 +326,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
     mission, values = _settings(arguments)
     if not values["data_dir"]:
-        # As from a variable that is not set: the current folder, which it would stand for, is not meant.
+        # Probably from an unset variable; do not take it for the current folder.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     each = mission.missions_by_imagery or {"": mission}
     in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
@@ -348,7 +347,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         _describe(values["data_dir"])
     _print_result(result, arguments.json)
     if result.cancelled:
-        print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
+        print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
         return exit_code(signals[0])
     return INCOMPLETE if result.failed else DONE
 
@@ -366,11 +365,11 @@ def _engine(arguments: argparse.Namespace, opened: ExitStack) -> Engine | None:
 
 
 def _describe(place: str) -> None:
-    """Describe a dataset that others are to find their way in: as STAC does, in one table."""
+    """Describe a dataset as STAC items in one table."""
     from importlib.util import find_spec
 
     if find_spec("pyarrow") is None:
-        print("no items.parquet, as the Python package pyarrow is not installed", file=sys.stderr)
+        print("no items.parquet: the Python package pyarrow is not installed", file=sys.stderr)
         return
     from ..exports.kinds import export_as
 
@@ -378,7 +377,7 @@ def _describe(place: str) -> None:
 
 
 def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource, values: Any) -> Blocks:
-    """How a plan is divided."""
+    """Division of a plan into blocks."""
     from ..capture.blocks.division import parse_block_size
     from ..capture.blocks.running import Blocks
 
@@ -454,7 +453,7 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
 
 
 def result_document(result: CaptureResult | PairResult, kind: str) -> dict[str, Any]:
-    """Return what a capture has done, for JSON; ``kind`` is the key that stands for a map type."""
+    """Result of a capture as JSON data; ``kind`` is the key of the map type."""
     return {
         "folder": str(result.folder),
         "written": result.written,
@@ -472,9 +471,9 @@ def result_document(result: CaptureResult | PairResult, kind: str) -> dict[str, 
 
 
 def print_written(result: CaptureResult | PairResult) -> None:
-    """Print how many images were written and failed, and how quickly."""
+    """Print the numbers of images written and failed, and the rate."""
     rate = result.written / result.seconds if result.seconds > 0 else 0.0
-    already = f", {result.skipped:,} were there" if result.skipped else ""
+    already = f", {result.skipped:,} already there" if result.skipped else ""
     print(
         f"{result.written:,} images written{already}, {len(result.failed):,} failed, "
         f"in {result.seconds:.1f} s ({rate:.1f}/s)"
@@ -482,20 +481,20 @@ def print_written(result: CaptureResult | PairResult) -> None:
 
 
 def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
-    """Name the first images that failed, and where the others are named."""
+    """Print the first failed images, and where the others are listed."""
     for failure in failed[:NAMED_FAILURES]:
         print(printable(f"failed: {failure.map_type}/{failure.name}: {failure.reason}"), file=sys.stderr)
     if len(failed) > NAMED_FAILURES:
-        print(f"failed: {len(failed) - NAMED_FAILURES:,} more, named in {named_in}", file=sys.stderr)
+        print(f"failed: {len(failed) - NAMED_FAILURES:,} more, listed in {named_in}", file=sys.stderr)
 
 
 def print_repeated(repeated: Sequence[Repeat]) -> None:
-    """Name files that a provider has sent for places far apart, and what to do where they are no imagery."""
+    """Print files that a provider sent for places far apart, and the remedy if they show no imagery."""
     for repeat in repeated:
         named = f", such as {repeat.images[0]}" if repeat.images else ""
         print(
-            f"same tile: {repeat.map_type} has one and the same file in {repeat.places:,} places, which "
-            f"{len(repeat.images):,} images show{named}. It may be water or snow; if it shows no imagery, treat it as "
+            f"same tile: {repeat.map_type} has the same file in {repeat.places:,} places, shown by "
+            f"{len(repeat.images):,} images{named}. It may be water or snow; if it shows no imagery, treat it as "
             f"missing: --resume --placeholder {repeat.sha256}",
             file=sys.stderr,
         )
@@ -510,7 +509,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
-    # What is measured are errors as people see them.
+    # Errors are measured as displayed, in 8 bits.
     with _opened(mission, values, as_stored=False) as source:
         worked_out = _planned(mission, values, source)
         # A report measures on a few images, and needs at most 200 requests.

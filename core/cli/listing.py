@@ -1,4 +1,4 @@
-"""What is kept between runs, on the command line: sources, cameras and tiles are listed, added and removed."""
+"""Sources, cameras and cached tiles on the command line: listed, added, removed."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from ..imagery.cache.tile_cache import TileCache
     from ..imagery.entry import CatalogueEntry
 
+#: Width of the first column of lists.
 _COLUMN = 22
-#: Options of ``sources add`` that a source is kept with as they are.
-_STATED = (
+#: Options of ``sources add`` saved unchanged.
+_SAVED = (
     *("title", "attribution", "licence", "terms_url", "min_zoom", "max_zoom", "native_zoom"),
     *("max_connections", "requests_per_s", "key_env"),
 )
@@ -59,7 +60,7 @@ def _list_sources(arguments: argparse.Namespace) -> int:
 
 def _show_source(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
-    from ..imagery.services.detecting import LAYER_CHOICES, found_service, is_service_address
+    from ..imagery.services.detecting import found_service, is_service_address
 
     options = SourceOptions(crs=arguments.crs, named_by_user=True)
     source, offered = named_source(arguments.source, options), None
@@ -73,12 +74,12 @@ def _show_source(arguments: argparse.Namespace) -> int:
         if not offered:
             raise SourceError("{0}: offers no layers", arguments.source)
         if source.text != arguments.source:
-            print(printable(f"{source.text}#{LAYER_CHOICES[found.kind]}=NAME, where NAME is one of"))
+            print(printable(f"{source.text}#{found.layer_choice}=NAME, where NAME is one of"))
         for layer in offered:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
-    # Some sources have several besides that of their entry, and refuse others by themselves.
+    # Some sources offer several systems besides that of their entry, and refuse others.
     crs = source.grid.plane.crs if arguments.crs else ""
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
@@ -130,7 +131,7 @@ def _add_source(arguments: argparse.Namespace) -> int:
     from ..imagery.services.detecting import found_service, is_service_address
     from ..imagery.systems import MAP, refused
 
-    given = {name: getattr(arguments, name) for name in _STATED if getattr(arguments, name) is not None}
+    given = {name: getattr(arguments, name) for name in _SAVED if getattr(arguments, name) is not None}
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
@@ -220,7 +221,7 @@ def _remove_camera(arguments: argparse.Namespace) -> int:
 
 
 def opened_cache(values: dict[str, Any]) -> TileCache | None:
-    """Cache that the options of a run ask for; None for none."""
+    """Open the cache by the options of a run; None with --no-cache."""
     limit_mb = values["cache_limit"]
     if limit_mb is not None and limit_mb < 1:
         raise InvalidInput("cache limit {0} MB: must be 1 or more; --no-cache keeps nothing", limit_mb)
@@ -233,7 +234,7 @@ def opened_cache(values: dict[str, Any]) -> TileCache | None:
 
 
 def _check_folder(folder: str | None) -> None:
-    # As from a variable that is not set: the current folder, which it would stand for, is not meant.
+    # Probably from an unset variable; do not take it for the current folder.
     if folder == "":
         raise InvalidInput("cache folder '': must be the name of a folder, or left out for the usual one")
     if folder is not None and is_address(folder):

@@ -1,4 +1,4 @@
-"""What the command takes: its subcommands and their options."""
+"""Parser of the command: its subcommands and their options."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .exits import BAD_INPUT
 from .pose_options import add_poses
 
 _SERVICE_HELP = """
-A source is a name or title of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS),
+A source is a name or title in the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS),
 and {s} {r} {date} {map_type} {key} where it has them; a file (GeoTIFF, VRT, MBTiles, ...); or a layer of a service:
   wmts:URL#layer=NAME[&style=...&tilematrixset=...&format=png|jpeg]
   wms:URL#layers=NAME[,NAME][&styles=...&format=png|jpeg&version=1.3.0|1.1.1]
@@ -30,12 +30,10 @@ where URL is the address of the service or of its capabilities. `terrainav sourc
 service it is, and lists layers.
 A key is written {key} in a URL, and kept in the environment as TERRAINAV_KEY.
 """
-#: Negative numbers that argparse takes for options.
-_WITH_EXPONENT = re.compile(r"-(?:\d+\.?\d*|\.\d+)[eE][+-]?\d{1,3}", re.ASCII)
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, and whose numbers are as those of files."""
+    """A parser with one-line errors that parses numbers as files do."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -43,7 +41,7 @@ class _Parser(argparse.ArgumentParser):
         self.register("type", int, integer)
 
     def error(self, message: str) -> NoReturn:
-        # It quotes what was typed.
+        # The message quotes the arguments.
         message = without_credentials(message)
         self.exit(BAD_INPUT, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
@@ -67,17 +65,18 @@ def parser() -> argparse.ArgumentParser:
 
 
 def normalised(argv: Sequence[str]) -> list[str]:
-    """Arguments with underscores allowed in options, and values that start with a minus tied to theirs.
+    """Replace underscores in option names, and join options with values that begin with a minus.
 
-    A coordinate such as -35.1_-70.2_120 would otherwise be taken for an option; so would a number such as -1e-05, which
-    is written without its exponent.
+    Argparse would take a coordinate such as -35.1_-70.2_120 for an option; also a number such as -1e-05, which is
+    rewritten without the exponent.
     """
+    with_exponent = re.compile(r"-(?:\d+\.?\d*|\.\d+)[eE][+-]?\d{1,3}", re.ASCII)
     tidy: list[str] = []
     arguments = iter(argv)
     for argument in arguments:
         name, equals, value = argument.partition("=")
         if not name.startswith("--"):
-            tidy.append(f"{Decimal(argument):f}" if _WITH_EXPONENT.fullmatch(argument) else argument)
+            tidy.append(f"{Decimal(argument):f}" if with_exponent.fullmatch(argument) else argument)
             continue
         name = "--" + name[2:].replace("_", "-")
         if name in ("--coords", "--area") and not equals:
@@ -88,7 +87,7 @@ def normalised(argv: Sequence[str]) -> list[str]:
 
 
 def _add_flying(commands: Any) -> None:
-    planning = commands.add_parser("plan", help="plan a mission and print its figures; fetches nothing")
+    planning = commands.add_parser("plan", help="plan a mission and print its figures; downloads nothing")
     _add_mission_options(planning)
     planning.add_argument(
         "--output",
@@ -96,7 +95,7 @@ def _add_flying(commands: Any) -> None:
         action="append",
         default=[],
         help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .kmz (DJI Pilot 2, FlightHub 2, DJI Fly), .plan "
-        "(QGroundControl), .survey.plan (which it edits as a survey) or mission .json",
+        "(QGroundControl), .survey.plan (editable there as a survey) or mission .json",
     )
     _add_alignment(planning)
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
@@ -104,10 +103,8 @@ def _add_flying(commands: Any) -> None:
     capturing = commands.add_parser("capture", help="capture a mission into a folder (--data-dir)")
     _add_mission_options(capturing)
     _add_alignment(capturing)
-    capturing.add_argument("--resume", action="store_true", help="go on with an interrupted capture")
-    capturing.add_argument(
-        "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
-    )
+    capturing.add_argument("--resume", action="store_true", help="continue an interrupted capture")
+    capturing.add_argument("--only-failed", action="store_true", help="capture only images that failed before")
     _add_blocks(capturing)
     add_consent(capturing)
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
@@ -122,23 +119,23 @@ def _add_flying(commands: Any) -> None:
 def _add_blocks(command: argparse.ArgumentParser) -> None:
     blocks = command.add_argument_group(
         "blocks",
-        "images are captured in blocks with any of these, or an address such as s3://bucket/folder as --data-dir",
+        "any of these, or an address such as s3://bucket/folder as --data-dir, captures images in blocks",
     )
     blocks.add_argument(
         "--cluster",
         metavar="ENGINE",
-        help="who captures: local:N, N processes of this machine, or dask://HOST:PORT, a Dask scheduler",
+        help="where to capture: local:N, N processes on this machine, or dask://HOST:PORT, a Dask scheduler",
     )
     blocks.add_argument(
         "--block",
         metavar="SIZE",
-        help=f"images of a block at most, or their size such as 200MB (default {IMAGES})",
+        help=f"most images in a block, or their total size such as 200MB (default {IMAGES})",
     )
     blocks.add_argument(
         "--layout-of-files",
         choices=LAYOUTS,
         default=FOLDERS,
-        help="a file an image (default), or tar shards of a block each, as webdataset reads them",
+        help="one file per image (default), or one tar shard per block, for webdataset",
     )
 
 
@@ -146,12 +143,12 @@ def _add_alignment(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--align",
         choices=ALIGNMENTS,
-        help="turn the rows along the longest side of the area, or so that the flight is shortest; says what it gains",
+        help="rotate the rows to the longest side of the area, or to the shortest flight; prints the gain",
     )
 
 
 def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] = ()) -> None:
-    """Add the options of a mission; of a command that states some otherwise all but those, and no mission file."""
+    """Add the options of a mission and the mission file; or, without the file, all options ``but`` some."""
     if not but:
         command.add_argument(
             "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
@@ -160,7 +157,7 @@ def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] 
     add_config(command)
     group = command.add_argument_group(
         "mission",
-        "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
+        "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line takes precedence",
     )
     for option in OPTIONS:
         if option.name not in but:
@@ -168,9 +165,9 @@ def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] 
 
 
 def _add_actions(listing: argparse.ArgumentParser) -> Any:
-    """Add the actions of a command that lists things; listing is one of them."""
+    """Add the actions of a command that lists things, beginning with ``list``."""
     actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
-    every = actions.add_parser("list", help="list them (also without an action)")
+    every = actions.add_parser("list", help="list all (the default action)")
     add_json(every, argparse.SUPPRESS)
     return actions
 
@@ -178,34 +175,34 @@ def _add_actions(listing: argparse.ArgumentParser) -> Any:
 def _add_benchmark(commands: Any) -> None:
     whole = commands.add_parser(
         "benchmark",
-        help="make a benchmark of queries and a reference, run a baseline over it, judge predictions",
+        help="make a benchmark of queries and a reference, run a baseline over it, score predictions",
     )
     actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     _add_benchmark_make(actions)
-    running = actions.add_parser("run", help="answer the queries with a baseline or a method of your own, and judge it")
+    running = actions.add_parser("run", help="answer the queries with a baseline or your own method, and score it")
     running.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
     running.add_argument(
         "--method",
         required=True,
         metavar="METHOD",
-        help="ncc, sift, orb or middle, or module:function of your own",
+        help="ncc, sift, orb or middle, or your own module:function",
     )
     running.add_argument("--quiet", action="store_true", help="no progress")
-    judging = actions.add_parser("score", help="judge predictions")
+    judging = actions.add_parser("score", help="score predictions")
     judging.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
     judging.add_argument("predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …")
     for command in (running, judging):
-        command.add_argument("--part", choices=PARTS, help="queries of one part; without it all")
+        command.add_argument("--part", choices=PARTS, help="only queries of one part")
         command.add_argument(
             "--output", metavar="DIR", help="folder of the page and its files (BENCHMARK/scores/METHOD)"
         )
-        command.add_argument("--no-page", action="store_true", help="print the figures, and write no page")
+        command.add_argument("--no-page", action="store_true", help="only print the figures; write no page")
         add_json(command)
 
 
 def _add_benchmark_make(actions: Any) -> None:
     making = actions.add_parser(
-        "make", help="capture queries of one imagery or several and the reference they are to be found in"
+        "make", help="capture queries from one or more imageries, and the reference to find them in"
     )
     asked = making.add_argument_group("benchmark")
     asked.add_argument(
@@ -213,60 +210,60 @@ def _add_benchmark_make(actions: Any) -> None:
         nargs="+",
         required=True,
         metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
-        help="imagery of the queries; each of several has all of them",
+        help="imagery of the queries; each of several shows all of them",
     )
     asked.add_argument(
         "--reference",
         required=True,
         metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
-        help="imagery that they are to be found in",
+        help="imagery in which to find them",
     )
     asked.add_argument(
         "--tiles",
         nargs="+",
         type=float,
         metavar="M",
-        help="widths of the reference's tiles (default: that of a square as large as what a query shows)",
+        help="widths of the reference's tiles (default: of a square with the area that a query shows)",
     )
     asked.add_argument(
         "--tile-overlap",
         type=_share,
         default=TILE_OVERLAP,
         metavar="SHARE",
-        help="share of a tile that its neighbour shows again, as 0.5 or as 50%% (%(default)g)",
+        help="share of a tile shared with its neighbour, such as 0.5 or 50%% (%(default)g)",
     )
     asked.add_argument(
         "--margin",
         dest="reference_margin",
         type=float,
         metavar="M",
-        help="ground of the reference around that of the queries (default: the width of the widest tile)",
+        help="margin of the reference around the ground of the queries (default: the width of the widest tile)",
     )
     asked.add_argument(
         "--positive",
         type=float,
         default=POSITIVE_IOU,
         metavar="IOU",
-        help="intersection over union from which a tile is right (%(default)g)",
+        help="least intersection over union of a correct tile (%(default)g)",
     )
     asked.add_argument(
         "--semi-positive",
         type=float,
         default=SEMI_POSITIVE_IOU,
         metavar="IOU",
-        help="intersection over union from which a tile is nearly right (%(default)g)",
+        help="least intersection over union of a nearly correct tile (%(default)g)",
     )
     asked.add_argument(
         "--split",
         choices=SPLITS,
         default=CROSS_AREA,
-        help="cross-area: no ground in two parts, of queries or of tiles (default); same-area: by places, over one "
-        "reference",
+        help="cross-area: no ground in two parts, of queries or of tiles (default); same-area: by places, with one "
+        "reference for all",
     )
     asked.add_argument(
         "--inside",
         action="store_true",
-        help="leave out queries that see beyond the imagery, their own or the reference's",
+        help="leave out queries that see beyond their imagery or the reference",
     )
     asked.add_argument(
         "--shares",
@@ -280,8 +277,8 @@ def _add_benchmark_make(actions: Any) -> None:
     )
     but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
     _add_mission_options(making, but=but)
-    making.add_argument("--resume", action="store_true", help="go on with an interrupted run")
-    making.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
+    making.add_argument("--resume", action="store_true", help="continue an interrupted run")
+    making.add_argument("--dry-run", action="store_true", help="print what would be captured; download nothing")
     add_consent(making)
     making.add_argument("--json", action="store_true", help="print the result as JSON")
     making.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -304,15 +301,15 @@ def _add_sources(commands: Any) -> None:
     add_json(listing)
     actions = _add_actions(listing)
 
-    showing = actions.add_parser("show", help="everything about one, or the layers of a service at an address")
+    showing = actions.add_parser("show", help="show one source, or the layers of a service")
     showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or address of a service")
-    crs_help = "coordinate reference system of a service's layer, where it has several"
+    crs_help = "coordinate reference system of a service's layer, if it has several"
     showing.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     add_json(showing, argparse.SUPPRESS)
 
     adding = actions.add_parser(
         "add",
-        help="keep a source of your own under a name",
+        help="save a source under a name",
         epilog=_SERVICE_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -320,45 +317,43 @@ def _add_sources(commands: Any) -> None:
     adding.add_argument("url", metavar="URL", help="URL template, or address of a service's layer")
     adding.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     for name, kind, metavar, text in (
-        ("title", str, "TEXT", "what people see"),
-        ("attribution", str, "TEXT", "credit that goes into every image"),
-        ("licence", str, "TEXT", "of the imagery"),
-        ("terms-url", str, "URL", "page of the provider's terms"),
+        ("title", str, "TEXT", "title for display"),
+        ("attribution", str, "TEXT", "credit written to every image"),
+        ("licence", str, "TEXT", "licence of the imagery"),
+        ("terms-url", str, "URL", "web page of the provider's terms"),
         ("min-zoom", int, "ZOOM", "lowest zoom (default 0)"),
         ("max-zoom", int, "ZOOM", "highest zoom (default 22)"),
-        ("native-zoom", int, "ZOOM", "highest zoom with detail of its own (default the highest)"),
+        ("native-zoom", int, "ZOOM", "highest zoom with further detail (default the highest)"),
         ("tile-size", int, "PX", "width of a tile: 256 (default), 512, ..."),
-        ("default-date", str, "DATE", "date taken where a mission names none, for a URL with {date}"),
+        ("default-date", str, "DATE", "default date, for a URL with {date}"),
         (
             "key-env",
             str,
             "NAME",
-            "environment variable of the key, for a URL with {key} (default TERRAINAV_KEY)",
+            "environment variable that holds the key, for a URL with {key} (default TERRAINAV_KEY)",
         ),
-        ("max-connections", int, "N", "requests under way at once, at most"),
-        ("requests-per-s", float, "N", "requests a second, at most"),
+        ("max-connections", int, "N", "most concurrent requests"),
+        ("requests-per-s", float, "N", "most requests per second"),
     ):
         adding.add_argument(f"--{name}", type=kind, metavar=metavar, help=text)
     adding.add_argument(
         "--placeholder",
         metavar="SHA256",
         nargs="+",
-        help="tiles to treat as missing, by 16 or more digits of the SHA-256 that a capture names",
+        help="tiles to treat as missing, by 16 or more digits of the SHA-256 that a capture prints",
     )
-    adding.add_argument("--no-storing", action="store_true", help="its terms forbid to keep tiles for later")
+    adding.add_argument("--no-storing", action="store_true", help="do not cache tiles, as its terms forbid it")
 
-    removing = actions.add_parser("remove", help="forget a source of your own")
+    removing = actions.add_parser("remove", help="remove one of your sources")
     removing.add_argument("name", metavar="NAME")
 
 
 def _add_cameras(commands: Any) -> None:
-    listing = commands.add_parser("cameras", help="list cameras by name; add or remove one of your own")
+    listing = commands.add_parser("cameras", help="list cameras; add or remove your own")
     add_json(listing)
     actions = _add_actions(listing)
 
-    adding = actions.add_parser(
-        "add", help="keep a camera of your own under a name, by one field of view, or its sensor and lens"
-    )
+    adding = actions.add_parser("add", help="save a camera under a name, by one field of view, or by sensor and lens")
     adding.add_argument("name", metavar="NAME", help="such as 'Sony RX1 35 mm'")
     pair: dict[str, Any] = {"nargs": 2, "metavar": ("W", "H")}
     options: tuple[tuple[str, str, type, dict[str, Any], str], ...] = (
@@ -366,24 +361,24 @@ def _add_cameras(commands: Any) -> None:
         ("hfov", "horizontal_fov_deg", float, {"metavar": "DEG"}, "horizontal field of view in degrees"),
         ("vfov", "vertical_fov_deg", float, {"metavar": "DEG"}, "vertical field of view in degrees"),
         ("sensor", "sensor_mm", float, pair, "width and height of the sensor in mm"),
-        ("focal-length", "focal_length_mm", float, {"metavar": "MM"}, "of the lens itself, with --sensor"),
+        ("focal-length", "focal_length_mm", float, {"metavar": "MM"}, "focal length of the lens in mm, with --sensor"),
         ("aspect-ratio", "aspect_ratio", float, pair, "width and height of the image, such as 4 3"),
         ("size-px", "size_px", int, pair, "width and height of the image in pixels instead"),
         ("image-px", "image_px", int, {"metavar": "N"}, "pixels along the longer side, with --aspect-ratio"),
     )
     for name, fact, kind, shown, text in options:
         adding.add_argument(f"--{name}", dest=fact, type=kind, help=text, **shown)
-    adding.add_argument("--source", metavar="TEXT", help="where these facts are from")
+    adding.add_argument("--source", metavar="TEXT", help="source of these facts")
 
-    removing = actions.add_parser("remove", help="forget a camera of your own")
+    removing = actions.add_parser("remove", help="remove one of your cameras")
     removing.add_argument("name", metavar="NAME")
 
 
 def _add_cache(commands: Any) -> None:
-    caching = commands.add_parser("cache", help="list or clear the tiles kept for later captures")
+    caching = commands.add_parser("cache", help="list or clear the tiles cached for later captures")
     actions = caching.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
-    every = actions.add_parser("list", help="files, their tiles and sizes (also without an action)")
-    clearing = actions.add_parser("clear", help="delete the files named, or all of them")
+    every = actions.add_parser("list", help="list files with their tiles and sizes (the default action)")
+    clearing = actions.add_parser("clear", help="delete the named files, or all")
     clearing.add_argument("names", nargs="*", metavar="NAME", help="files or titles as `cache list` shows them")
     _add_cache_dir(caching, None)
     add_json(caching)
@@ -393,4 +388,4 @@ def _add_cache(commands: Any) -> None:
 
 
 def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
-    command.add_argument("--cache-dir", metavar="DIR", default=default, help="another folder than the usual one")
+    command.add_argument("--cache-dir", metavar="DIR", default=default, help="folder of the cache, if not the default")

@@ -49,7 +49,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     from ..picture.heights import heights_for, landscape_crs
 
     if not arguments.data_dir and not arguments.dry_run:
-        # An empty one is of a variable that is not set: the current folder, which it would stand for, is not meant.
+        # An empty one is probably from an unset variable; do not take it for the current folder.
         raise InvalidInput("no folder for the pairs: give --data-dir, such as . for the current one")
     if arguments.sheet is not None:
         check_sheet(arguments.sheet)
@@ -76,7 +76,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         result = _capture(worked_out, opened, arguments, values, signals)
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
-        print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
+        print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
         return exit_code(signals[0])
     if arguments.sheet is not None and len(result.left_out) < len(places):
         contact_sheet(result.folder, arguments.sheet)
@@ -84,7 +84,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
 
 
 def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | None) -> dict[str, NamedSource]:
-    """Return the satellite's source, and the drone's where that has another imagery."""
+    """Source of the satellite, and of the drone if that has another imagery."""
     from ..pairs.planning import DRONE, SATELLITE
 
     asked = [settings.imagery_of(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
@@ -264,6 +264,6 @@ def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> No
         shown = ", ".join(result.left_out[:NAMED_FAILURES])
         rest = len(result.left_out) - NAMED_FAILURES
         print(
-            f"left out, for want of views: {shown}" + (f" and {rest:,} more" if rest > 0 else ""),
+            f"left out, as views are missing: {shown}" + (f" and {rest:,} more" if rest > 0 else ""),
             file=sys.stderr,
         )

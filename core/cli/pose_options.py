@@ -1,4 +1,4 @@
-"""What the actions of ``terrainav poses`` take."""
+"""Options of the actions of ``terrainav poses``."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..mission.parts import Flight
 from ..poses.settings import Corridor, LineFlight, Orbit, PoseFile, Scan, Sensors
 from .dataset_options import add_option
 
-#: Options of a camera and of its overlaps, as a mission has them.
+#: Options of a mission for the camera and its overlaps.
 CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
 
 
 def add_poses(commands: Any, parser_class: Any) -> None:
-    """Add the parser of ``terrainav poses`` and of its actions."""
+    """Add the parsers of ``terrainav poses`` and its actions."""
     whole = commands.add_parser(
         "poses",
-        help="make tables of poses from trajectories, logs, lines, around structures or at random, and noisy priors",
+        help="make tables of poses from trajectories, logs or lines, around structures or at random; and noisy priors",
     )
     actions = whole.add_subparsers(dest="action", metavar="ACTION", required=True, parser_class=parser_class)
     _add_read(actions)
@@ -39,8 +39,8 @@ def _add_read(actions: Any) -> None:
     _add_output(reading)
     fields = {field.name: field for field in declared_fields(PoseFile)}
     _add_field(reading, fields["format"])
-    local = reading.add_argument_group("tum, kitti and euroc, which are in metres of a local frame")
-    # As many numbers as there are: how many are right is said in words.
+    local = reading.add_argument_group("tum, kitti and euroc, in metres of a local frame")
+    # Any number of values: PoseFile refuses a wrong number with a better message.
     local.add_argument(
         "--origin",
         nargs="+",
@@ -48,12 +48,12 @@ def _add_read(actions: Any) -> None:
         metavar="DEG",
         help=f"LAT LON [HEIGHT]: {fields['origin'].help} (0)",
     )
-    _add_field(local, fields["body"], "camera without this; needed for euroc")
-    _add_field(local, fields["world"], "enu without this; rdf for kitti")
+    _add_field(local, fields["body"], "default camera; needed for euroc")
+    _add_field(local, fields["world"], "default enu, or rdf for kitti")
     others = reading.add_argument_group("heights, times and attitude")
     for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m", "times", "flight"):
         _add_field(others, fields[name])
-    others.add_argument("--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's")
+    others.add_argument("--start", metavar="TIME", help="time of the first position (ISO 8601), if not the file's")
 
 
 def _add_random(actions: Any) -> None:
@@ -70,7 +70,7 @@ def _add_random(actions: Any) -> None:
         ("agl", None, "height above ground in metres"),
         ("yaw", ("uniform", "-180", "180"), "degrees from north to the image's top edge"),
         ("tilt", ("0",), "degrees of tilt, 0 straight down"),
-        ("roll", ("0",), "degrees of roll about where the image's top edge points, right side down"),
+        ("roll", ("0",), "degrees of roll about the direction of the image's top edge, right side down"),
     ):
         by_default = "" if default is None else f" ({' '.join(default)})"
         drawing.add_argument(
@@ -85,42 +85,41 @@ def _add_random(actions: Any) -> None:
     drawing.add_argument(
         "--inside",
         action="store_true",
-        help="draw poses whose camera sees only ground, level ground, of which the source has imagery",
+        help="draw only poses whose camera sees nothing but ground, taken as level, with imagery of the source",
     )
     _add_camera(drawing, "source", "crs")
 
 
 def _add_line(actions: Any) -> None:
-    flying = actions.add_parser("line", help="make a table of a line that is flown at a speed")
+    flying = actions.add_parser("line", help="make a table of poses along a line flown at a speed")
     flying.add_argument("file", metavar="LINE", help=_LINES)
     _add_output(flying)
     every = flying.add_mutually_exclusive_group(required=True)
     for field in declared_fields(LineFlight):
         _add_field(every if field.optional else flying, field)
     flying.add_argument(
-        "--agl", type=float, metavar="M", help="height above ground; without it, the line's third coordinates"
+        "--agl", type=float, metavar="M", help="height above ground (default: the line's third coordinates)"
     )
     flying.add_argument(
         "--start",
         default=Flight.start,
         metavar="TIME",
-        help="time of the first pose, in UTC as 2024-06-21T10:30:00Z (%(default)s)",
+        help="time of the first pose in UTC, such as 2024-06-21T10:30:00Z (%(default)s)",
     )
 
 
-#: What a file of lines is.
-_LINES = "GeoJSON file of LineStrings, flown one after the other"
+_LINES = "GeoJSON file of LineStrings, flown one after another"
 
 
 def _add_field(group: Any, field: Field, default: str = "") -> None:
-    """Option of a declared field; ``default`` says what holds without it."""
+    """Add the option of a declared field; ``default`` describes a default that depends on others."""
     option = Option.from_field(field)
-    told = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
+    text = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
     more = {"choices": option.choices} if option.choices else {}
     add_option(
         group,
         option,
-        "; ".join(filter(None, told)),
+        "; ".join(filter(None, text)),
         type=field.kind,
         required=field.needed,
         default=option.default,
@@ -129,7 +128,7 @@ def _add_field(group: Any, field: Field, default: str = "") -> None:
 
 
 def _add_corridor(actions: Any) -> None:
-    corridor = actions.add_parser("corridor", help="make a table of rows along a line that show all of a strip")
+    corridor = actions.add_parser("corridor", help="make a table of rows along a line that cover a strip")
     corridor.add_argument("file", metavar="LINE", help=_LINES)
     _add_output(corridor)
     corridor.add_argument("--agl", type=float, required=True, metavar="M", help="height above ground in metres")
@@ -139,8 +138,8 @@ def _add_corridor(actions: Any) -> None:
 
 
 def _add_orbit(actions: Any) -> None:
-    orbit = actions.add_parser("orbit", help="make a table of circles around a place that the camera looks at")
-    # One by one: argparse cannot show the two names of one positional argument.
+    orbit = actions.add_parser("orbit", help="make a table of circles around a place, looking at it")
+    # Separate, as argparse cannot show two names of one positional argument.
     for axis in ("lat", "lon"):
         orbit.add_argument(f"{axis}_deg", type=float, metavar=axis.upper(), help="of the centre, in degrees")
     _add_output(orbit)
@@ -149,14 +148,14 @@ def _add_orbit(actions: Any) -> None:
 
 
 def _add_scans(actions: Any) -> None:
-    facade = actions.add_parser("facade", help="make a table of flights along walls that the camera looks at")
-    facade.add_argument("file", metavar="LINE", help="GeoJSON file of LineStrings: the feet of the walls")
+    facade = actions.add_parser("facade", help="make a table of flights along walls, looking at them")
+    facade.add_argument("file", metavar="LINE", help="GeoJSON file of LineStrings: the bases of the walls")
     facade.add_argument(
         "--left",
         action="store_true",
-        help="the camera stands to the left of the lines; without this, to the right",
+        help="fly to the left of the lines, not to the right",
     )
-    structure = actions.add_parser("structure", help="make a table of flights around structures, which it looks at")
+    structure = actions.add_parser("structure", help="make a table of flights around structures, looking at them")
     structure.add_argument("file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: outlines of structures")
     for command in (facade, structure):
         _add_output(command)
@@ -167,9 +166,7 @@ def _add_scans(actions: Any) -> None:
 
 def _add_camera(command: argparse.ArgumentParser, *more: str) -> None:
     """Add the options of a camera and of its overlaps, and others of a mission."""
-    group = command.add_argument_group(
-        "camera", "as those of plan and capture, each also in the environment or config.json"
-    )
+    group = command.add_argument_group("camera", "as for plan and capture, each also in the environment or config.json")
     for option in OPTIONS:
         if option.name in (*CAMERA, *more):
             add_option(group, option)
@@ -178,17 +175,17 @@ def _add_camera(command: argparse.ArgumentParser, *more: str) -> None:
 def _add_priors(actions: Any) -> None:
     measuring = actions.add_parser(
         "priors",
-        help="write what a GNSS receiver, a barometer and a compass would have measured, beside a dataset's tables",
+        help="write simulated measurements of GNSS, barometer and compass beside a dataset's tables",
     )
     measuring.add_argument("folder", metavar="OUT", help="the dataset's folder")
     for name, default, what in (
-        ("gnss", Sensors.gnss_m, "standard deviation of the place, along east and along north, m"),
+        ("gnss", Sensors.gnss_m, "standard deviation of the place along each of east and north, m"),
         ("barometer", Sensors.barometer_m, "standard deviation of the height, m"),
         ("compass", Sensors.compass_deg, "standard deviation of the heading, degrees"),
         (
             "drift",
             Sensors.drift_s,
-            "time constant of the half of each variance that drifts, s; 0 for white noise only",
+            "time constant of drift, which is half of each variance, s; 0 for white noise only",
         ),
     ):
         measuring.add_argument(f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)")

@@ -1,4 +1,4 @@
-"""``terrainav poses``: tables of poses from trajectories, logs and patterns and at random, and noisy priors."""
+"""``terrainav poses``: tables of poses from trajectories, logs, patterns or at random, and noisy priors."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def run_poses(arguments: argparse.Namespace) -> int:
-    """Run the action of ``terrainav poses``."""
+    """Run an action of ``terrainav poses``."""
     actions = {
         "read": _read,
         "random": _random,
@@ -65,7 +65,7 @@ def _random(arguments: argparse.Namespace) -> int:
 
 
 def _inside(arguments: argparse.Namespace) -> Callable[[Poses], Any]:
-    """What tells which poses see the imagery alone."""
+    """Make the filter of poses that see nothing but imagery."""
     from ..imagery.opening import SourceOptions, named_source
     from ..mission.inside import poses_inside
     from ..mission.settings import build_camera, resolve
@@ -148,7 +148,7 @@ def _scan(arguments: argparse.Namespace) -> Scan:
 
 
 def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
-    """Camera of the command's options, and its overlaps along and across rows."""
+    """Camera of the command's options, and overlaps along and across rows."""
     from ..mission.settings import build_camera, resolve
     from .pose_options import CAMERA
 

@@ -1,4 +1,4 @@
-"""What the command prints to: terminals and files whose encoding may have no word for a name."""
+"""Output of the command: notices of long work, and characters that the encoding lacks."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-#: Seconds without a result after which the command says that it is at work, and from then on every so many.
+#: Seconds before the first notice that the command is at work, and between further ones.
 QUIET_S, AGAIN_S = 10.0, 60.0
 
 
 @contextmanager
 def busy_notice() -> Iterator[None]:
-    """Say in a terminal that the command is at work, where what is done inside takes long and prints nothing."""
+    """Print notices to a terminal while the block takes long."""
     if sys.stderr is None or not sys.stderr.isatty():
         yield
         return
@@ -38,9 +38,9 @@ def _print_notices(ended: threading.Event) -> None:
 
 @contextmanager
 def anything_printed() -> Iterator[None]:
-    r"""Have standard output show as ``\xe9`` what its encoding lacks, where printing it would be an error."""
+    r"""Have standard output escape characters that its encoding lacks as ``\xe9``, instead of raising an error."""
     out = sys.stdout
-    # There may be none, or a notebook's, which takes everything.
+    # It may be missing, or a notebook's, which accepts all characters.
     if not isinstance(out, io.TextIOWrapper) or out.errors != "strict":
         yield
         return

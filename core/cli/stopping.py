@@ -1,4 +1,4 @@
-"""Signals that ask the command to end: Ctrl-C, ``kill``, a terminal that is closed."""
+"""Signals that end the command: Ctrl-C, ``kill``, a closed terminal."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from ..external.native_calls import GRACE_S, ask_to_end, forget_signals, signals
 from .exits import exit_code
 
 #: Windows has no SIGHUP.
-_ASKING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 class Interrupted(KeyboardInterrupt):
-    """One of these signals, raised where the program is, as Ctrl-C is: what is under way is cleaned up.
+    """Raised by these signals as KeyboardInterrupt is by Ctrl-C, so that the command cleans up.
 
     Parameters
     ----------
     number : int
-        Of the signal.
+        Number of the signal.
     """
 
     def __init__(self, number: int) -> None:
@@ -30,14 +30,14 @@ class Interrupted(KeyboardInterrupt):
 
 @contextmanager
 def raised(received: list[int]) -> Iterator[None]:
-    """Have signals raise Interrupted where they would end the process at once; they are put into a list at the end."""
+    """Have signals that would end the process raise Interrupted; append those received to a list at the end."""
 
     def receive(number: int, _frame: object) -> None:
         ask_to_end(number, 0.0)
         raise Interrupted(number)
 
-    before = {number: signal.getsignal(number) for number in _ASKING}
-    # Those that the caller has chosen to ignore, as nohup does, or to handle stay as they are.
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    # Signals that the caller ignores, as under nohup, or handles stay unchanged.
     usual = (signal.SIG_DFL, signal.default_int_handler)
     before = {number: handler for number, handler in before.items() if handler in usual}
     if threading.current_thread() is not threading.main_thread():
@@ -55,7 +55,7 @@ def raised(received: list[int]) -> Iterator[None]:
 
 @contextmanager
 def collected() -> Iterator[list[int]]:
-    """Collect signals in a list instead of raising; each one's second raises as usual."""
+    """Collect signals in a list instead of raising; the second one of each kind raises as usual."""
     received: list[int] = []
 
     def receive(number: int, _frame: object) -> None:
@@ -63,8 +63,8 @@ def collected() -> Iterator[list[int]]:
         ask_to_end(number, GRACE_S)
         signal.signal(number, before[number])
 
-    # One that the caller ignores, as nohup does, stays ignored; Ctrl-C is meant for whoever runs.
-    heard = [n for n in _ASKING if n == signal.SIGINT or signal.getsignal(n) not in (signal.SIG_IGN, None)]
+    # Signals that the caller ignores, as under nohup, stay ignored, apart from Ctrl-C.
+    heard = [n for n in _SIGNALS if n == signal.SIGINT or signal.getsignal(n) not in (signal.SIG_IGN, None)]
     before = {number: signal.signal(number, receive) for number in heard}
     try:
         yield received

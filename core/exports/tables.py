@@ -92,7 +92,7 @@ def described_folder(dataset: Dataset, folder: Path) -> Path:
     """The same for a file that describes others, which is UTF-8; raises InvalidInput of a name that is not."""
     found = relative_folder(dataset, folder)
     if writable(str(found)) != str(found):
-        raise InvalidInput("folder {0}: its name is no text in UTF-8, as a description of files needs it", folder)
+        raise InvalidInput("folder {0}: its name is not UTF-8, as a description of files needs it", folder)
     return found
 
 

@@ -1,8 +1,8 @@
-"""Code of others that runs in this process.
+"""Foreign code that runs in this process.
 
-- `importing`: libraries that may be missing
-- `drawing`: diagrams by matplotlib
-- `native_calls`: calls into C libraries that Ctrl-C can leave
-- `user_code`: the user's own methods
-- `unexpected`: unforeseen errors, turned into failures of single parts
+- `importing`: optional libraries
+- `drawing`: diagrams with matplotlib
+- `native_calls`: interruptible calls into C libraries
+- `user_code`: methods written by the user
+- `unexpected`: unforeseen errors as failures of single parts
 """

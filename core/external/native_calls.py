@@ -1,8 +1,8 @@
-"""Calls into libraries in C that may take long: whoever waits for one can leave it.
+"""Long calls into C libraries that the caller can abandon.
 
-Python handles signals between its own instructions only, so Ctrl-C is not heard while the main thread is inside GDAL.
-Here the library works on a thread of its own, and its caller waits in Python. A call that is left goes on until it ends
-by itself, as GDAL cannot be stopped within a block, and its result is dropped.
+Python handles signals between bytecode instructions only, so Ctrl-C has no effect while the main thread is inside GDAL.
+Here the library runs on a separate thread, and the caller waits in Python. An abandoned call runs to its end, as GDAL
+cannot be stopped within a block, and its result is dropped.
 """
 
 from __future__ import annotations
@@ -20,13 +20,12 @@ from typing import Generic, TypeVar
 from ..errors import Cancelled
 
 Result = TypeVar("Result")
-#: Seconds that calls have to end after the program was asked to, so that images in progress can be finished; and that
-#: each one has which begins later.
-GRACE_S, _LEAST_S = 1.0, 0.1
+#: Seconds that calls get after a request to end the program, so that images in progress can be finished.
+GRACE_S = 1.0
 
 
 class _Ending:
-    """When the program is to have ended, in seconds of the monotonic clock; never, unless a signal asks for it."""
+    """Deadline of the program, by the monotonic clock; infinite until a signal asks the program to end."""
 
     def __init__(self) -> None:
         self.signals: list[int] = []
@@ -37,7 +36,8 @@ class _Ending:
         self._until_s = min(self._until_s, time.monotonic() + grace_s)
 
     def has_passed(self, began_s: float) -> bool:
-        return time.monotonic() > max(self._until_s, began_s + _LEAST_S)
+        # A call that begins later still gets 0.1 s.
+        return time.monotonic() > max(self._until_s, began_s + 0.1)
 
 
 _ending = _Ending()
@@ -45,7 +45,7 @@ _exit_code: int | None = None
 
 
 def ask_to_end(number: int, grace_s: float = GRACE_S) -> None:
-    """Have all calls left that have not ended by themselves after some seconds; ``number`` is that of a signal."""
+    """Have calls abandoned that do not end within the grace period; ``number`` is that of the signal."""
     _ending.ask(number, grace_s)
 
 
@@ -55,13 +55,13 @@ def signals_asked() -> list[int]:
 
 
 def forget_signals() -> None:
-    """Let later calls take as long as they need; those that have begun stay asked to end."""
-    global _ending  # noqa: PLW0603 (signals are the process's)
+    """Let later calls run without deadline; that of calls in progress stays."""
+    global _ending  # noqa: PLW0603 (signals concern the whole process)
     _ending = _Ending()
 
 
 class NativeCall(Generic[Result]):
-    """A call that is made once, on a thread of its own."""
+    """A call that is made once, on a separate thread."""
 
     def __init__(self, work: Callable[[], Result]) -> None:
         self._work, self._ending = work, _ending
@@ -73,19 +73,19 @@ class NativeCall(Generic[Result]):
         self._thread = _Thread(self._run)
 
     def result(self, is_wanted: Callable[[], bool] = lambda: True) -> Result:
-        """Make the call and wait for its result; raises what the call has raised.
+        """Make the call and wait for its result; re-raises its exception.
 
         Raises
         ------
         Cancelled
-            It is not wanted any more, or the program is asked to end.
+            The result is not wanted any more, or the program is to end.
         """
         began_s = time.monotonic()
         _have_end_wait()
-        # Before the thread: a signal may be met while that is started.
+        # Set before the thread starts, as a signal may interrupt that.
         self._has_begun = True
         self._thread.start()
-        # Look every 50 ms whether the result is still wanted.
+        # Check every 50 ms whether the result is still wanted.
         while not self._ended.wait(0.05):
             if not is_wanted() or self._ending.has_passed(began_s):
                 raise Cancelled("stopped while a raster was read")
@@ -94,7 +94,7 @@ class NativeCall(Generic[Result]):
         return self._result.pop()
 
     def when_ended(self, afterwards: Callable[[list[Result]], None]) -> None:
-        """Do something when the call has ended, now or on its thread: with its result, unless it was waited for."""
+        """Call ``afterwards`` when the call has ended, now or on its thread, with its result unless that was taken."""
         with self._lock:
             if self._has_begun and not self._ended.is_set():
                 self._afterwards = afterwards
@@ -104,7 +104,7 @@ class NativeCall(Generic[Result]):
     def _run(self) -> None:
         try:
             self._result.append(self._work())
-        except BaseException as wrong:  # noqa: BLE001 (raised where the result is waited for)
+        except BaseException as wrong:  # noqa: BLE001 (raised again by result())
             self._wrong = wrong
         with self._lock:
             self._ended.set()
@@ -113,14 +113,14 @@ class NativeCall(Generic[Result]):
 
 
 class _Thread(threading.Thread):
-    """A daemon, for which Python does not wait at its end."""
+    """A daemon thread, for which Python does not wait at exit."""
 
     def __init__(self, work: Callable[[], None]) -> None:
         super().__init__(target=work, name="terrainav-native", daemon=True)
 
 
 def set_exit_code(code: int) -> None:
-    """Have the process end with an exit code at once, although calls that were left are still under way."""
+    """Have the process exit at once with a code, even if abandoned calls are still running."""
     global _exit_code  # noqa: PLW0603 (a process has one)
     if _under_way():
         _exit_code = code
@@ -136,7 +136,7 @@ def _have_end_wait() -> None:
 
 
 def _end() -> None:
-    """Keep GDAL from being torn down around threads that are in it."""
+    """Keep GDAL from being unloaded while threads are inside it."""
     if _exit_code is not None and _under_way():
         for stream in (sys.stdout, sys.stderr):
             if stream is not None:

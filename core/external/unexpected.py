@@ -1,4 +1,4 @@
-"""Errors that nobody foresaw: what a server or a file sends must not end a run by one."""
+"""Unforeseen errors, which must not end a run because of an answer or a file."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _log = logging.getLogger(__name__)
 
 
 class UnexpectedErrors:
-    """Makes them failures of the parts they happened to; safe to use from several threads.
+    """Converts unforeseen errors to failures of single parts; thread-safe.
 
-    The first of each kind is logged with its trace: a server must not be able to fill a log.
+    Only the first error of each kind is logged with its traceback, so that a server cannot fill the log.
     """
 
     def __init__(self) -> None:
@@ -24,12 +24,12 @@ class UnexpectedErrors:
         self._logged: set[tuple[type, str, int]] = set()
 
     def failure(self, wrong: BaseException, hide: Callable[[str], str] = str) -> PartError:
-        """Return the failure of a part.
+        """Make the failure of a part.
 
         Parameters
         ----------
         hide : callable
-            Masks what no text may show.
+            Masks keys.
         """
         at = traceback.extract_tb(wrong.__traceback__)[-1:]
         kind = (type(wrong), at[0].filename if at else "", (at[0].lineno or 0) if at else 0)

@@ -185,7 +185,7 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
     except InvalidInput as wrong:
         failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:
-        failure = InvalidInput("MBTiles {0}: is no MBTiles file, or is damaged ({1})", file, wrong)
+        failure = InvalidInput("MBTiles {0}: is not an MBTiles file, or is damaged ({1})", file, wrong)
         if limit.has_ended():
             failure = InvalidInput(_too_slow(Message("MBTiles {0}", file)))
     else:

@@ -83,7 +83,7 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     x, left = divmod(part.left_px, size)
     y, top = divmod(part.top_px, size)
     if left or top or (part.width_px, part.height_px) != (size, size):
-        raise InvalidInput("{0}: is no tile of {1} px", part, size)
+        raise InvalidInput("{0}: is not a tile of {1} px", part, size)
     tile = Tile(int(part.zoom), int(x), int(y))
     check_zoom(tile.zoom, grid, title)
     if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
@@ -200,7 +200,7 @@ class Template:
                 "URL template {0}: {{{1}}} is for {2}",
                 shown,
                 name,
-                Message("a source with a plane of its own")
+                Message("a source that states a plane")
                 if self.plane is None
                 else Message("tiles of the Web-Mercator map"),
             )

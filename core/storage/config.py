@@ -1,4 +1,4 @@
-"""The folder of a user's configuration, and the JSON files of named things in it."""
+"""The user's configuration folder, and its JSON files of named entries."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ..limits import MAX_SETTINGS_BYTES
 from ..text.safe_json import parse_json
 from .files import json_bytes, make_folder, read_limited, write_whole
 
-#: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
+#: Environment variable that overrides the platform's configuration folder.
 FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
 
 Entry = TypeVar("Entry")
 
 
 def default_folder() -> Path:
-    """Return the folder of a user's configuration, which may not be there yet."""
+    """Return the user's configuration folder, which may not exist yet."""
     if os.environ.get(FOLDER_ENV):
         return Path(os.environ[FOLDER_ENV])
     if sys.platform == "win32":
@@ -34,22 +34,23 @@ def default_folder() -> Path:
 
 
 def config_file(name: str, folder: str | os.PathLike[str] | None = None) -> Path:
-    """Path of a file of the configuration; ``folder`` is None for `default_folder`."""
+    """Path of a configuration file; ``folder`` None means `default_folder`."""
     return (default_folder() if folder is None else Path(folder)) / name
 
 
 def read_named(path: Path, what: str) -> dict[str, Any]:
-    """Things by name, of a JSON file; none where there is no file.
+    """Read entries by name from a JSON file; empty if the file does not exist.
 
     Parameters
     ----------
+    path : Path
     what : str
-        Plural of what they are, for messages.
+        Plural noun for the entries, for messages.
 
     Raises
     ------
     InvalidInput
-        The file cannot be read, or holds no JSON object; names it.
+        The file cannot be read or is not a JSON object; names it.
     """
     try:
         data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
@@ -70,22 +71,22 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Shelf(Generic[Entry]):
-    """A user's own things of a kind that are right, and by name what is wrong with the others; names the file."""
+    """The user's valid entries of a kind, and the errors of the others by name."""
 
     entries: tuple[Entry, ...]
     problems: Mapping[str, str]
 
 
 def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> Shelf[Entry]:
-    """Things by name, of a JSON file as for `read_named`: one that is wrong does not hide another.
+    """Read entries of a JSON file as `read_named` does; an invalid one does not hide the others.
 
     Parameters
     ----------
     path : Path
     what : str
-        Plural of what they are, for messages.
+        Plural noun for the entries, for messages.
     entry : callable
-        Makes one of its name and data, or raises InvalidInput.
+        Makes an entry from its name and data, or raises InvalidInput.
 
     Raises
     ------
@@ -103,12 +104,11 @@ def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> She
 
 
 def write_named(path: Path, data: Mapping[str, Any]) -> None:
-    """Write things by name, whole or not at all; makes the folder.
+    """Write entries by name atomically; makes the folder.
 
     Raises
     ------
     OutputError
-        Where it cannot be written.
     """
     try:
         make_folder(path.parent)

@@ -1,4 +1,4 @@
-"""Files and folders: written whole or not at all, read within limits, held by one run at a time."""
+"""Files and folders: written atomically, read within limits, locked by one run at a time."""
 
 from __future__ import annotations
 
@@ -20,18 +20,13 @@ from ..limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
 from .store_requests import larger_than
 from .stores import get, get_each, is_address, open_object, put, put_new, remove, store_path
 
-#: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
-#: is overwritten by the next one.
+#: Suffix of a file while it is written; always the same, so that the next run overwrites a partial file.
 PARTIAL_ENDING = ".part"
-_BLOCK_BYTES = 1 << 20
-#: What the systems say where somebody else has the lock. Anything else means that the file system has no locks
-#: (some network drives), which is no reason to refuse a capture.
-_HELD = frozenset({errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK})
 
 if sys.platform == "win32":
     import msvcrt
 
-    #: Windows keeps other processes from reading what is locked: a byte that no file has.
+    #: Windows prevents other processes from reading locked bytes, so lock one beyond the end of any file.
     _LOCKED_BYTE = 1 << 30
 
     def _lock(file: int) -> None:
@@ -47,30 +42,30 @@ else:
     import fcntl
 
     def _lock(file: int) -> None:
-        # flock and not lockf, whose locks do not keep two captures of one process apart.
+        # Not lockf, whose locks do not exclude two captures in one process.
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def _unlock(file: int) -> None:
-        # Said, as processes that were forked meanwhile have the file open, too.
+        # Explicitly, as forked processes may have the file open too.
         with contextlib.suppress(OSError):
             fcntl.flock(file, fcntl.LOCK_UN)
 
 
 def file_exists(path: str | os.PathLike[str]) -> bool:
-    """Whether there is such a file; not for a name that no file can have, where `Path.is_file` raises."""
+    """Whether a file exists; False for invalid names, where `Path.is_file` raises."""
     return os.path.isfile(path)  # noqa: PTH113
 
 
 def make_folder(folder: str | os.PathLike[str]) -> None:
-    """Make a folder, and those above it, unless it is there.
+    """Make a folder and its parents, if they do not exist.
 
     Raises
     ------
     OutputError
-        Where it cannot be made, or a file is in its place.
+        It cannot be made, or a file is in its place.
     """
     if is_address(folder):
-        # Stores have no folders, but names with slashes.
+        # Object stores have no folders, only names with slashes.
         return
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
@@ -83,7 +78,7 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
 
 
 def new_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder of this machine; raises OutputError where it cannot be made, or is not empty."""
+    """Make a folder on this machine; raises OutputError if that fails or it is not empty."""
     if is_address(folder):
         raise OutputError("folder {0}: must be one of this machine", folder)
     path = Path(folder)
@@ -94,37 +89,37 @@ def new_folder(folder: str | os.PathLike[str]) -> Path:
 
 
 def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
-    """Open a file of ours in a folder that somebody else may have prepared.
+    """Open one of our files in a folder that may hold foreign files.
 
-    A link is refused, through which another file would be written, and a pipe, which has no end.
+    A link is refused, as it would lead to another file, and so is a pipe, as it may never end.
 
     Raises
     ------
     OSError
-        Where it is no file of its own, or cannot be opened.
+        It is not a regular file, or cannot be opened.
     """
     file: IO[bytes] = open(path, mode, buffering, opener=_open_own)  # noqa: SIM115 (Path.open has no opener)
     return file
 
 
 def open_foreign(path: str | os.PathLike[str], most_bytes: int | None = None, buffering: int = -1) -> IO[bytes]:
-    """Open a file that somebody else may have made, to read it: no device and no pipe, which have no end.
+    """Open a foreign file for reading; devices and pipes, which may never end, are refused.
 
-    An object of a store is copied to a temporary file first, see `stores.open_object`.
+    An object of a store is first copied to a temporary file, see `stores.open_object`.
 
     Parameters
     ----------
     most_bytes : int or None
-        How large it may be; None for a file of which little is read, whatever its size.
+        Size limit; None for a file of which only a small part is read.
 
     Raises
     ------
     InvalidInput
-        It is larger; says so in a few words.
+        It is larger; a few words.
     OSError
-        Where it is no regular file, or cannot be opened.
+        It is not a regular file, or cannot be opened.
     OutputError
-        A store that cannot be asked.
+        The store fails.
     """
     if is_address(path):
         return open_object(store_path(path), most_bytes or MAX_TABLE_BYTES)
@@ -136,7 +131,7 @@ def open_foreign(path: str | os.PathLike[str], most_bytes: int | None = None, bu
 
 
 def read_line(file: IO[bytes]) -> bytes:
-    """Read a line of a file that somebody else may have made; raises InvalidInput of one that is too long."""
+    """Read a line of a foreign file; raises InvalidInput if it is too long."""
     line = file.readline(MAX_LINE_BYTES + 1)
     if len(line) > MAX_LINE_BYTES:
         raise too_long_line()
@@ -144,12 +139,12 @@ def read_line(file: IO[bytes]) -> bytes:
 
 
 def too_long_line() -> InvalidInput:
-    """Say in a few words that a line is too long."""
+    """Make the error for a line that is too long, in a few words."""
     return InvalidInput("a line is longer than {0} kB", MAX_LINE_BYTES >> 10)
 
 
 def text_lines(file: IO[bytes], encoding: str) -> Iterator[str]:
-    """Lines of such a file as text, with their ends as they are; raises as `read_line` does, or UnicodeDecodeError."""
+    """Yield decoded lines with their line ends; raises as `read_line` does, and UnicodeDecodeError."""
     decode = codecs.getincrementaldecoder(encoding)().decode
     while line := read_line(file):
         text = decode(line)
@@ -165,33 +160,38 @@ def _open_own(path: str, flags: int) -> int:
         if wrong.errno == errno.ELOOP:
             raise OSError(errno.ELOOP, "it is a link to another place; remove it") from wrong
         if wrong.errno == errno.EINVAL:
-            raise OSError(errno.EINVAL, "it is no regular file; remove it") from wrong
+            raise OSError(errno.EINVAL, "it is not a regular file; remove it") from wrong
         raise
 
 
 def _open_regular(path: str, flags: int) -> int:
-    # Windows has none of these flags, and makes links for administrators only.
+    # Windows lacks these flags, and lets only administrators make links.
     descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise OSError(errno.EINVAL, "it is no regular file")
+        raise OSError(errno.EINVAL, "it is not a regular file")
     return descriptor
 
 
 def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user: bool = False) -> bytes:
-    """Content of a file, or object, that somebody else may have made.
+    """Read a foreign file or object.
 
     Parameters
     ----------
+    path : path
+    most_bytes : int
+        Size limit.
     named_by_user : bool
-        It may be a pipe or a device: who names one, such as ``/dev/stdin``, waits for what comes out of it.
+        Whether it may be a pipe or a device: users who name one, such as ``/dev/stdin``, know that it may block.
 
     Raises
     ------
     InvalidInput
-        Larger than that; says so in a few words, to be put into a message of what was read.
+        It is larger; a few words, for a message that names the file.
     OSError
-        Where it cannot be read; an OutputError of a store.
+        The file cannot be read.
+    OutputError
+        The store fails.
     """
     if is_address(path):
         found = get(store_path(path), most_bytes)
@@ -205,9 +205,9 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user
         data = file.read(size + 1)
         if len(data) <= size:
             return data
-        # A pipe, which has no size, or a file that grows.
+        # A pipe, whose size is 0, or a file that grows.
         more = bytearray(data)
-        while block := file.read(_BLOCK_BYTES):
+        while block := file.read(1 << 20):
             more += block
             if len(more) > most_bytes:
                 raise larger_than(most_bytes)
@@ -215,7 +215,7 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user
 
 
 def read_existing(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
-    """Content of a file, or object, as `read_limited` gives it; None where there is none.
+    """Read a file or object as `read_limited` does; None if it does not exist.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def read_existing(path: str | os.PathLike[str], most_bytes: int) -> bytes | None
 
 
 def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
-    """Content of files of one folder, or objects, as `read_existing` gives it; objects are asked for together."""
+    """Read files or objects of one folder as `read_existing` does; objects are requested concurrently."""
     if not (paths and is_address(paths[0])):
         return [read_existing(path, most_bytes) for path in paths]
     try:
@@ -243,20 +243,22 @@ def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
 
 
 def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False) -> None:
-    """Write a file under a temporary name beside it, then rename it: readers see all of it or nothing.
+    """Write a file atomically: under a temporary name, then renamed.
 
-    Large files come as an iterable of blocks, so that they need not be in memory. Two calls at once must not
-    write the same path. Object stores take what is whole.
+    Concurrent calls must not write the same path. Object stores replace objects atomically themselves.
 
     Parameters
     ----------
+    path : path
+    data : bytes or iterable of bytes
+        Large files as an iterable of blocks, so that they need not fit into memory.
     durable : bool
-        Wait until the disk has it, so that a power failure afterwards leaves it whole too.
+        Whether to wait until the data is on the disk, so that it survives a power failure.
 
     Raises
     ------
     OutputError
-        Where it cannot be written; what was there before is left alone.
+        It cannot be written; an earlier file is left unchanged.
     """
     if is_address(path):
         put(store_path(path), data if isinstance(data, bytes) else b"".join(data))
@@ -266,8 +268,8 @@ def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, 
         if not target.name:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         if target.exists() and not (target.is_file() or target.is_dir()):
-            # As root, even a device such as /dev/null would be replaced.
-            raise OSError(errno.EINVAL, "it is no regular file")
+            # Root would replace even a device such as /dev/null.
+            raise OSError(errno.EINVAL, "it is not a regular file")
         with partial_file(target) as partial, partial.open("xb") as file:
             file.writelines([data] if isinstance(data, bytes) else data)
             if durable:
@@ -280,7 +282,7 @@ def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, 
 
 
 def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
-    """Write a file or object unless it is there; of several writers at once, one does.
+    """Write a file or object unless it exists; of several concurrent writers, one succeeds.
 
     Returns
     -------
@@ -305,7 +307,7 @@ def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
 
 
 def remove_file(path: str | os.PathLike[str]) -> None:
-    """Remove a file or object, if it is there."""
+    """Remove a file or object, if it exists."""
     if is_address(path):
         remove(store_path(path))
     else:
@@ -313,21 +315,21 @@ def remove_file(path: str | os.PathLike[str]) -> None:
 
 
 def json_bytes(value: Any) -> bytes:
-    """What a file of JSON holds."""
+    """Encode a value as a JSON file."""
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
 def csv_bytes(rows: Iterable[Sequence[object]]) -> bytes:
-    """What a file of CSV holds; None is an empty cell."""
+    """Encode rows as a CSV file; None is an empty cell."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue().encode("utf-8")
 
 
 def link_or_copy(origin: Path, target: Path) -> None:
-    """Give an image one more name, whose folder is made; nothing is overwritten.
+    """Hard-link an image to another name, whose folder is made; nothing is overwritten.
 
-    It is a copy on file systems that have no further names for a file, such as FAT and some network drives.
+    File systems without hard links, such as FAT and some network drives, get a copy.
 
     Raises
     ------
@@ -342,22 +344,21 @@ def link_or_copy(origin: Path, target: Path) -> None:
     except OSError:
         try:
             with open_foreign(origin) as file:
-                write_whole(target, iter(lambda: file.read(_BLOCK_BYTES), b""))
+                write_whole(target, iter(lambda: file.read(1 << 20), b""))
         except OSError as wrong:
             raise OutputError("image {0}: cannot be read ({1})", origin, wrong.strerror) from wrong
 
 
 @contextlib.contextmanager
 def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
-    """Name beside a file to write it under: it gets its own name at the end, and is removed where that is not reached.
+    """Yield a temporary name beside a file; rename it to the file at the end, or remove it after an exception.
 
-    Nothing is there under that name: what a killed run has left is removed, and so is a link, through which another
-    file would be written.
+    A file or link of that name, left over from a killed run, is removed first.
 
     Raises
     ------
     OSError
-        Where it cannot be renamed, or what is there not be removed.
+        Removing or renaming fails.
     """
     partial = target.with_name(target.name + ending)
     partial.unlink(missing_ok=True)
@@ -371,14 +372,14 @@ def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
 
 
 def clear_partial(path: str | os.PathLike[str]) -> None:
-    """Remove what a killed run has left of writing a file, where it can be removed."""
+    """Remove the partial file of a killed run, if possible."""
     with contextlib.suppress(OSError):
         target = Path(path)
         target.with_name(target.name + PARTIAL_ENDING).unlink()
 
 
 def _sync_folder(folder: Path) -> None:
-    """Wait until the disk has the names in a folder, where the system opens folders (Windows does not)."""
+    """Wait until the entries of a folder are on the disk; Windows cannot open folders."""
     if os.name == "nt":
         return
     descriptor = os.open(folder, os.O_RDONLY)
@@ -389,20 +390,19 @@ def _sync_folder(folder: Path) -> None:
 
 
 def open_locked(path: Path) -> IO[bytes]:
-    """Open a file to append to it, for this run alone; it is made if it is not there.
+    """Open a file for appending and lock it for this run; it is created if it does not exist.
 
     Returns
     -------
     file
-        Unbuffered; the lock ends when it is closed.
+        Unbuffered; closing it releases the lock.
 
     Raises
     ------
     OutputError
-        Another run has it, or it cannot be written.
+        Another run holds the lock, or the file cannot be written.
     """
     try:
-        # Not inherited by programs that the run starts, which may outlive it.
         file = open_own(path, "ab", buffering=0)
     except OSError as wrong:
         raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
@@ -418,12 +418,12 @@ def open_locked(path: Path) -> IO[bytes]:
 
 @contextlib.contextmanager
 def lock_tried(path: Path) -> Iterator[bool]:
-    """Hold a file's lock, unless another thread or process has it; whether it is held here.
+    """Try to lock a file, and yield whether that succeeded.
 
     Raises
     ------
     OSError
-        Where there can be no such file.
+        The file cannot be created.
     """
     with open_own(path, "ab", buffering=0) as file:
         held = _try_lock(file)
@@ -438,5 +438,6 @@ def _try_lock(file: IO[bytes]) -> bool:
     try:
         _lock(file.fileno())
     except OSError as wrong:
-        return wrong.errno not in _HELD
+        # Any other error means that the file system has no locks (some network drives); a capture goes on without.
+        return wrong.errno not in (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
     return True

@@ -1,7 +1,7 @@
-"""What asks object stores and web servers of datasets is told to follow none of their redirects to other hosts.
+"""Options for clients of object stores and web servers that refuse redirects to other hosts.
 
-A store is trusted with what the user has: credentials that sign, and the images that are put there. Its libraries for
-Python would send both to whatever host its answers name.
+A store gets the user's signed requests and images; without these options its Python libraries would send both to
+whatever host an answer names.
 """
 
 from __future__ import annotations
@@ -15,34 +15,34 @@ from typing import Any
 from ..errors import OutputError
 
 _ELSEWHERE = "redirect to another host"
-#: Words of a redirect that is not followed: ours, S3's, and those of its codes where an answer has none, as to HEAD.
-_REDIRECT = re.compile(rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect")
 
 
 class Redirected(OSError):
-    """A server has led a request to another host."""
+    """A server redirects a request to another host."""
 
 
 def is_redirect(wrong: BaseException) -> bool:
-    """Whether an error of a store's library, or one that it was raised from, is of a redirect that is not followed."""
+    """Whether an error of a store's library, or one of its causes, stems from a refused redirect."""
+    # Our words, S3's, and those of HTTP, as an answer to HEAD has no body.
+    words = rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect"
     each: BaseException | None = wrong
-    # Libraries raise errors from themselves, too.
+    # Chains of causes may be circular.
     seen: set[int] = set()
     while each is not None and id(each) not in seen:
         seen.add(id(each))
-        if isinstance(each, Redirected) or _REDIRECT.search(f"{type(each).__name__} {each}"):
+        if isinstance(each, Redirected) or re.search(words, f"{type(each).__name__} {each}"):
             return True
         each = each.__cause__
     return False
 
 
 def led_elsewhere(place: str) -> OutputError:
-    """Return the error of a store or server that leads to another one."""
+    """Make the error for a store or server that redirects to another host."""
     return OutputError("{0}: its server leads to another one, which is not asked (name that one if it is meant)", place)
 
 
 def unredirected(kind: str) -> dict[str, Any]:
-    """Return options of fsspec's for addresses of a kind, such as ``s3``, beside those that the user has set."""
+    """Return fsspec options for a scheme, such as ``s3``, merged with those of the user's configuration."""
     if kind in ("s3", "s3a"):
         return {"config_kwargs": {**_configured("s3", "config_kwargs"), "http_session_cls": s3_session}}
     if kind in ("gs", "gcs"):
@@ -52,10 +52,10 @@ def unredirected(kind: str) -> dict[str, Any]:
 
 
 def follow_none(store: Any) -> Any:
-    """Return a file system of fsspec's; have one of Azure's follow no redirect, for which it has no option."""
+    """Turn off redirects of an fsspec file system for Azure, which has no option for it; return the file system."""
     clients = getattr(store, "service_client", None) if type(store).__module__.startswith("adlfs") else None
     for client in clients if isinstance(clients, list) else [clients] if clients is not None else []:
-        # Azure's clients of containers and blobs take these policies over.
+        # Clients of containers and blobs inherit these policies.
         policies = client._pipeline._impl_policies  # noqa: SLF001
         following = [one for one in policies if hasattr(one, "configure_redirects")]
         if not following:
@@ -66,7 +66,7 @@ def follow_none(store: Any) -> Any:
 
 
 def _configured(kind: str, name: str) -> dict[str, Any]:
-    """Return what the user's configuration of fsspec has, of which ours would take the place."""
+    """Return the user's fsspec setting, which ours would otherwise replace."""
     fsspec: Any = import_module("fsspec")
     names = fsspec.get_filesystem_class(kind).protocol
     found: dict[str, Any] = {}
@@ -76,7 +76,7 @@ def _configured(kind: str, name: str) -> dict[str, Any]:
 
 
 def s3_session(**options: Any) -> Any:
-    """Return a session of aiobotocore's that leaves redirects to botocore, which goes to AWS's regions alone."""
+    """Make an aiobotocore session that leaves redirects to botocore, which follows them to AWS regions only."""
     return _s3_session_class()(**options)
 
 
@@ -84,7 +84,7 @@ def s3_session(**options: Any) -> Any:
 def _s3_session_class() -> Any:
     base: Any = import_module("aiobotocore.httpsession").AIOHTTPSession
     failed: Any = import_module("botocore.exceptions").HTTPClientError
-    # What it overrides has to be there: else nothing would be refused, in silence.
+    # Fail if the overridden method is missing, in which case nothing would be refused.
     _ = base._get_session  # noqa: SLF001
 
     class Session(base):  # type: ignore[misc]
@@ -92,7 +92,7 @@ def _s3_session_class() -> Any:
             try:
                 return await super().send(request)
             except failed as wrong:
-                # As any other error of a request it would be tried again.
+                # Wrapped, it would be retried like any error of a request.
                 raise (redirect if isinstance(redirect := wrong.kwargs.get("error"), Redirected) else wrong) from None
 
         async def _get_session(self, proxy_url: str | None) -> Any:
@@ -102,16 +102,16 @@ def _s3_session_class() -> Any:
 
 
 class _Unredirected:
-    """Session of aiohttp's that follows no redirect."""
+    """An aiohttp session that follows no redirects."""
 
     def __init__(self, session: Any) -> None:
         self._session = session
 
     async def request(self, *arguments: Any, **options: Any) -> Any:
         answer = await self._session.request(*arguments, **{**options, "allow_redirects": False})
-        # S3 names the region of a bucket in this header.
+        # S3 states the region of a bucket in this header.
         if answer.status in (301, 302, 303, 307, 308) and "x-amz-bucket-region" not in answer.headers:
-            # botocore would ask for the region of the bucket, and be led elsewhere again, without end.
+            # botocore would ask for the region of the bucket and be redirected again, endlessly.
             answer.close()
             raise Redirected(errno.EREMOTE, _ELSEWHERE)
         return answer
@@ -119,7 +119,7 @@ class _Unredirected:
 
 @lru_cache(maxsize=1)
 def same_server() -> Any:
-    """Return what ends a request of aiohttp's that is led to another host; a server may lead to itself."""
+    """Make an aiohttp trace that fails a redirect to another host, but allows one to the same."""
     aiohttp: Any = import_module("aiohttp")
 
     class Trace(aiohttp.TraceConfig):  # type: ignore[misc]

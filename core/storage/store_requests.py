@@ -1,10 +1,10 @@
-"""Requests to object stores that end: within limits of bytes, names and time, and where the caller is interrupted.
+"""Requests to object stores, limited in bytes, names and time, and interruptible.
 
-fsspec asks stores over the network in a thread of its own; who waits here looks at what has come, and can be
-interrupted. Stores that it asks in the caller's thread, such as the one in memory, are left to their own timeouts.
+fsspec talks to network stores in a separate thread; callers here wait for it, watch the progress, and can be
+interrupted. Stores that run in the caller's thread, such as the in-memory one, only have their built-in timeouts.
 """
 
-# ruff: noqa: SLF001 (fsspec's asynchronous methods have an underscore before the names of the others)
+# ruff: noqa: SLF001 (names of fsspec's asynchronous methods begin with an underscore)
 from __future__ import annotations
 
 import asyncio
@@ -26,16 +26,17 @@ from ..waiting import wait_until_done
 from .redirects import same_server
 
 _PIECE_BYTES = 1 << 18
-#: Bytes that a name counts as: about what it takes in an answer of S3.
+#: Bytes counted for a name: about what it takes in an answer of S3.
 _NAME_BYTES = 300
 
 
 class StoreLimitError(Exception):
-    """A store goes beyond a limit: a message to follow its address.
+    """A store exceeds a limit.
 
     Parameters
     ----------
     message : Message
+        To follow the store's address.
     """
 
     def __init__(self, message: Message) -> None:
@@ -44,7 +45,7 @@ class StoreLimitError(Exception):
 
 
 class Entry(NamedTuple):
-    """A name in a listing, and the size of its object."""
+    """A name in a listing, with the size of its object."""
 
     name: str
     size_bytes: int
@@ -53,26 +54,29 @@ class Entry(NamedTuple):
 
 @dataclass
 class Moved:
-    """Bytes that have come so far, and those that come or are sent without being counted."""
+    """Bytes received so far, and bytes received or sent that cannot be counted as they move."""
 
     come: int = 0
     uncounted: int = 0
 
 
 def ask(store: Any, what: str, *arguments: Any, sent_bytes: int = 0, **options: Any) -> Any:
-    """Call a method of a filesystem of fsspec's by its name.
+    """Call a method of an fsspec file system by name.
 
     Parameters
     ----------
+    store : fsspec file system
+    what : str
+        Name of the method.
     sent_bytes : int
-        How much is sent, which takes its time.
+        Size of the request, which extends its time limit.
 
     Raises
     ------
     StoreLimitError
-        Nothing comes of it.
+        It takes too long.
     Exception
-        As the store's library raises.
+        As raised by the store's library.
     """
     if not store.async_impl:
         return getattr(store, what)(*arguments, **options)
@@ -86,7 +90,7 @@ def fetch(store: Any, key: str, file: IO[bytes], most_bytes: int) -> None:
     Raises
     ------
     InvalidInput
-        It is larger; says so in a few words.
+        It is larger; a few words.
     """
     if store.async_impl:
         _ended(store, lambda moved: _copied(store, key, file, most_bytes, moved))
@@ -97,7 +101,7 @@ def fetch(store: Any, key: str, file: IO[bytes], most_bytes: int) -> None:
 
 
 def fetch_range(store: Any, key: str, start: int, length: int, file: IO[bytes]) -> None:
-    """Copy part of an object into a file, no more than was asked for."""
+    """Copy a range of an object into a file."""
     if store.async_impl:
         _ended(store, lambda moved: _copied_range(store, key, start, length, file, moved))
     else:
@@ -105,7 +109,7 @@ def fetch_range(store: Any, key: str, start: int, length: int, file: IO[bytes]) 
 
 
 def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most_bytes: int) -> list[bool]:
-    """Copy objects into files, several at once; whether each was there."""
+    """Copy objects into files, several at once; return whether each exists."""
 
     async def copy_existing(key: str, file: IO[bytes], moved: Moved, turn: asyncio.Semaphore) -> bool:
         async with turn:
@@ -113,12 +117,12 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
                 await _copied(store, key, file, most_bytes, moved)
             except FileNotFoundError:
                 return False
-            # Small ones take a moment, too.
+            # A small object takes time too: count at least one second's bytes.
             moved.come += MIN_STORE_BYTES_PER_S
             return True
 
     async def all_copied(moved: Moved) -> list[bool]:
-        # 16 requests at a time.
+        # At most 16 requests at a time.
         turn = asyncio.Semaphore(16)
         return await asyncio.gather(*(copy_existing(key, file, moved, turn) for key, file in zip(keys, files)))
 
@@ -127,14 +131,14 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
 
 
 def entries(store: Any, key: str) -> list[Entry]:
-    """Names right inside a folder.
+    """List a folder.
 
     Raises
     ------
     FileNotFoundError
-        There is nothing.
+        There is no such folder.
     StoreLimitError
-        There are more than `MAX_STORE_NAMES`.
+        It holds more than `MAX_STORE_NAMES`.
     """
     store.invalidate_cache()
     if _is_s3(store):
@@ -142,14 +146,14 @@ def entries(store: Any, key: str) -> list[Entry]:
         if not listed and "/" in key:
             raise FileNotFoundError(key)
         return listed
-    # Of others nothing is seen to come before all has; of those by HTTP it is one page, which is limited.
+    # Other stores report no progress; HTTP listings are one page, which is limited.
     uncounted = 0 if _is_http(store) else MAX_STORE_NAMES * _NAME_BYTES
     found = ask(store, "ls", key, detail=True, sent_bytes=uncounted)
     return [_entry(one) for one in found]
 
 
 def larger_than(most_bytes: int) -> InvalidInput:
-    """Say of a file in a few words that it is too large."""
+    """Make the error for a file that is too large, in a few words."""
     return InvalidInput("larger than {0:,.0f} MB", most_bytes / 1000000.0)
 
 
@@ -157,7 +161,7 @@ def larger_than(most_bytes: int) -> InvalidInput:
 
 
 def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | None = None) -> Any:
-    """Result of what runs in fsspec's thread; it is cancelled where nothing comes, or the caller is interrupted."""
+    """Run work in fsspec's thread; cancel it if it stalls or the caller is interrupted."""
     moved = moved or Moved()
 
     async def limited_work() -> Any:
@@ -174,14 +178,14 @@ def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | N
 
 
 class _Watch:
-    """Raises StoreLimitError where too little has come, or all takes too long."""
+    """Raises StoreLimitError if too little arrives, or the request takes too long."""
 
     def __init__(self, moved: Moved) -> None:
         self._moved, self._before = moved, 0
         self._began_s = self._since_s = time.monotonic()
 
     def look(self) -> None:
-        """Look at what has come."""
+        """Check the progress."""
         moved, now_s = self._moved, time.monotonic()
         if now_s - self._began_s > MAX_STORE_S:
             raise StoreLimitError(Message("the answer has not ended within {0:,.0f} s", MAX_STORE_S))
@@ -217,22 +221,21 @@ async def _copied_range(store: Any, key: str, start: int, length: int, file: IO[
             moved.come += len(piece)
             left -= len(piece)
             if left <= 0:
-                # A store that heeds no range would go on.
+                # A store that ignores the range would go on.
                 return
 
     await _tried(copy, file)
 
 
 async def _tried(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
-    """Copy a body, and begin again where it breaks off."""
-    # A body that breaks off is requested three times.
+    """Copy a body, starting again if it breaks off, three times in all."""
     for tries_left in reversed(range(3)):
         try:
             return await copy()
         except InvalidInput:  # noqa: PERF203 (a try is a request)
             raise
         except Exception:
-            # Where nothing has come the store's library has tried again by itself.
+            # If nothing arrived, the store's library has already retried.
             if not tries_left or not file.tell():
                 raise
             file.seek(0)
@@ -243,7 +246,7 @@ async def _tried(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
 async def _pieces(
     store: Any, key: str, within: tuple[int, int] | None, most_bytes: int, moved: Moved
 ) -> AsyncIterator[bytes]:
-    """Body of an object, or of a range of it."""
+    """Yield the body of an object, or a range of it."""
     headers = {} if within is None else {"Range": f"bytes={within[0]}-{within[1] - 1}"}
     if _is_s3(store):
         bucket, name, version = store.split_path(key)
@@ -279,7 +282,7 @@ async def _pieces(
 
 
 async def _pages(store: Any, key: str, moved: Moved) -> list[Entry]:
-    """Names in a listing of S3's, page by page."""
+    """List a folder of S3 page by page."""
     errors = importlib.import_module("s3fs.errors")
     bucket, prefix, _ = store.split_path(key)
     found = []
@@ -292,7 +295,7 @@ async def _pages(store: Any, key: str, moved: Moved) -> list[Entry]:
     except StoreLimitError:
         raise
     except Exception as wrong:
-        # It is one already, raised from what has its reason, where s3fs has made it.
+        # Errors that s3fs has already translated are returned as they are.
         if (made := errors.translate_boto_error(wrong)) is wrong:
             raise
         raise made from wrong
@@ -307,25 +310,25 @@ def _entry(one: dict[str, Any]) -> Entry:
 
 
 async def _limit_answers(store: Any) -> None:
-    """Have a store of S3's read answers up to a limit only; those by HTTP do so from the start."""
+    """Limit the size of S3's answers; HTTP stores limit theirs in `http_client`."""
     if _is_s3(store):
         client = await store.set_session()
 
         async def send(request: Any, **_: Any) -> Any:
             return await _sent(client, request)
 
-        # Once: the name is known from then on.
+        # The unique_id prevents a second registration.
         client.meta.events.register("before-send.s3", send, unique_id="terrainav-limit")
 
 
 async def _sent(client: Any, request: Any) -> Any:
-    """Answer of a request of botocore's, read up to the limit unless it is the body of an object."""
+    """Send a botocore request; read the answer up to the limit, unless it is the body of an object."""
     errors = importlib.import_module("botocore.exceptions")
     is_object, request.stream_output = request.stream_output, True
     answer = await client._endpoint.http_session.send(request)
     if not is_object or answer.status_code >= 300:
         try:
-            # Where botocore itself keeps what it has read.
+            # The attribute in which botocore caches a body.
             answer._content = await limited(answer.raw.content)
         except (asyncio.TimeoutError, OSError) as wrong:
             raise errors.ConnectionClosedError(error=wrong, request=request, endpoint_url=request.url) from wrong
@@ -333,7 +336,7 @@ async def _sent(client: Any, request: Any) -> Any:
 
 
 async def limited(content: Any) -> bytes:
-    """All of what comes from a stream of aiohttp's; raises StoreLimitError."""
+    """Read an aiohttp stream to its end; raises StoreLimitError above the limit."""
     found = bytearray()
     while piece := await content.read(_PIECE_BYTES):
         found += piece
@@ -343,7 +346,7 @@ async def limited(content: Any) -> bytes:
 
 
 async def http_client(**options: Any) -> Any:
-    """Client of a store by HTTP, which reads answers up to the limit, and is not led to other servers."""
+    """Make the client of an HTTP store, which limits answers and refuses redirects to other servers."""
     import aiohttp
 
     class Limited(aiohttp.ClientResponse):

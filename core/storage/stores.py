@@ -1,8 +1,7 @@
-"""Where files lie: folders of this machine, and object stores by the addresses of fsspec.
+"""Folders on this machine and in object stores, the latter by fsspec addresses.
 
-What takes a folder takes such an address, too: `store_path` makes of it a path that has pathlib's words. Those of
-object stores are universal_pathlib's, which is imported where an address asks for it. An object is put whole or not at
-all.
+Functions that take a folder also take such an address: `store_path` converts it to a path with pathlib's methods.
+Paths in object stores come from universal_pathlib, which is imported on demand. Objects are written atomically.
 """
 
 from __future__ import annotations
@@ -34,35 +33,23 @@ from .store_requests import (
     http_client,
 )
 
-#: A folder or file of this machine or of an object store, as text or as a path.
+#: A folder or file on this machine or in an object store, as text or path.
 Address = Union[str, "os.PathLike[str]"]
 
-#: A letter alone is a drive.
+#: A single letter is a drive.
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")
-#: What brings all that S3 needs.
+#: Installs everything for S3.
 _EXTRA = "'terrainav[cluster]'"
-#: Modules that know a store, where fsspec itself does not, and what to install for them, by the scheme of addresses.
+#: By scheme, the module that extends fsspec, and the package to install.
 _PACKAGES = {
     **dict.fromkeys(("s3", "s3a"), ("s3fs", _EXTRA)),
     **dict.fromkeys(("gs", "gcs"), ("gcsfs", "gcsfs")),
     **dict.fromkeys(("az", "abfs", "abfss", "adl"), ("adlfs", "adlfs")),
 }
-#: What stores say where nobody has told who asks: none of these quotes a key.
-_NO_CREDENTIALS = re.compile(
-    r"credential|token|anonymous|unauthori[sz]ed|not authenticated|signing|connection string", re.IGNORECASE
-)
-_EXPIRED = re.compile(r"expired", re.IGNORECASE)
-_REFUSED = re.compile(
-    r"forbidden|access denied|accessdenied|permission|failed to authenticate|not authori[sz]ed", re.IGNORECASE
-)
-_NOT_THERE = re.compile(
-    r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404|invalid ?(resource|bucket) ?name",
-    re.IGNORECASE,
-)
 
 
 def is_address(place: Address) -> bool:
-    """Whether a place is one of an object store, by its address or as such a path."""
+    """Whether a place is in an object store, given as an address or a path."""
     if isinstance(place, str):
         found = _SCHEME.match(place)
         return found is not None and found[1].lower() not in ("file", "local")
@@ -70,26 +57,26 @@ def is_address(place: Address) -> bool:
 
 
 def place_kind(place: Address) -> Message:
-    """Word for a place in messages."""
+    """Noun for a place in messages."""
     return Message("address") if is_address(place) else Message("folder")
 
 
 def check_no_credentials(place: object, what: str, instead: str, field: str = "") -> None:
-    """Refuse an address of a store or a cluster that holds a user's name, a password, a key or a signature.
+    """Refuse an address of a store or a cluster that holds a user name, a password, a key or a signature.
 
     Parameters
     ----------
     place : str or path
-        What is no address is left alone.
+        Anything but an address is ignored.
     what, instead : str
-        What it is, and where credentials are taken from instead, as the error says it.
+        Noun for the address, and where credentials come from instead, for the error.
     field : str
-        As of errors.
+        As for errors.
 
     Raises
     ------
     InvalidInput
-        Quotes nothing of the address but its scheme.
+        Quotes only the scheme of the address.
     """
     if holds_credentials(str(place)):
         raise InvalidInput(
@@ -102,16 +89,16 @@ def check_no_credentials(place: object, what: str, instead: str, field: str = ""
 
 
 def store_path(place: Address) -> Path:
-    """Path of a folder or file of this machine, or of an address such as ``s3://bucket/folder``.
+    """Convert a path on this machine, or an address such as ``s3://bucket/folder``, to a path.
 
-    A path of an object store is none of pathlib's, but has its words, as far as a store knows what they mean.
+    A path in an object store is not a pathlib.Path, but has those of its methods that make sense for a store.
 
     Raises
     ------
     InvalidInput
-        An address of a kind that fsspec does not know, or with credentials in it, which are not quoted.
+        An address of a scheme unknown to fsspec, or with credentials, which are not quoted.
     OutputError
-        A package that it needs is missing, or there are no credentials.
+        A package is missing, or there are no credentials.
     """
     check_no_credentials(place, "address", Message("credentials are taken from where the store's own tools have them"))
     if not isinstance(place, str):
@@ -129,26 +116,26 @@ def store_path(place: Address) -> Path:
         )
     if kind in _PACKAGES:
         _imported(*_PACKAGES[kind])
-        # These libraries print pages where one line will do.
+        # These libraries log pages for an error that is reported in one line.
         for log in map(logging.getLogger, ("azure", "gcsfs")):
             if log.level == logging.NOTSET:
                 log.setLevel(logging.CRITICAL)
     options = {"get_client": http_client} if kind in ("http", "https") else unredirected(kind)
     path: Path = upath.UPath(place, **options)
     with store_errors(path):
-        # Asks for nothing, but makes what will ask.
+        # Creates the client, without a request.
         follow_none(path.fs)  # type: ignore[attr-defined]
     return path
 
 
 def resolved(path: Path) -> Path:
-    """Path without dots and links; of an address by HTTP the address, whose server would be asked where it leads."""
+    """Resolve dots and links of a path; HTTP addresses, which would need a request, stay as they are."""
     by_http = is_address(path) and str(path).startswith(("http:", "https:"))
     return path if by_http else path.resolve()
 
 
 def put(path: Path, data: bytes) -> None:
-    """Put an object, whole or not at all; one that is there is replaced.
+    """Put an object atomically, replacing an earlier one.
 
     Raises
     ------
@@ -159,7 +146,7 @@ def put(path: Path, data: bytes) -> None:
 
 
 def put_new(path: Path, data: bytes) -> bool:
-    """Put an object unless there is one; whether it was put. Of several that try at once, one does.
+    """Put an object unless it exists; return whether it was put. Of several concurrent writers, one succeeds.
 
     Raises
     ------
@@ -172,7 +159,7 @@ def put_new(path: Path, data: bytes) -> bool:
             _let_go(wrong)
             return False
         except Exception as wrong:
-            # S3 says so with the status of a condition that does not hold, of which s3fs makes no error of its own.
+            # S3 answers with a failed precondition, which s3fs does not translate.
             if "PreconditionFailed" in repr(wrong) or "ConditionalRequestConflict" in repr(wrong):
                 _let_go(wrong)
                 return False
@@ -181,12 +168,12 @@ def put_new(path: Path, data: bytes) -> bool:
 
 
 def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
-    """Content of an object; None where there is none.
+    """Read an object; None if it does not exist.
 
     Raises
     ------
     InvalidInput
-        Larger than that; says so in a few words.
+        It is larger than ``most_bytes``; a few words.
     OutputError
     """
     data = io.BytesIO()
@@ -200,12 +187,12 @@ def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
 
 
 def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
-    """Content of objects of one store, asked for together; None for each that is not there.
+    """Read objects of one store concurrently; None for each that does not exist.
 
     Raises
     ------
     InvalidInput
-        One of them is larger than that; says so in a few words.
+        One of them is larger than ``most_bytes``; a few words.
     OutputError
     """
     if not paths:
@@ -220,16 +207,16 @@ def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
 
 
 def open_object(path: Path, most_bytes: int) -> IO[bytes]:
-    """Object to be read as a file: a copy in the folder for temporary files, which has no name.
+    """Copy an object to an anonymous temporary file and open that.
 
     Raises
     ------
     FileNotFoundError
-        No such object.
+        There is no such object.
     InvalidInput
-        Larger than that; says so in a few words.
+        It is larger than ``most_bytes``; a few words.
     OutputError
-        A store that cannot be asked, or no room for the copy.
+        The store fails, or the copy cannot be written.
     """
     found = False
     try:
@@ -250,12 +237,12 @@ def open_object(path: Path, most_bytes: int) -> IO[bytes]:
 
 
 def get_range(path: Path, start: int, length: int) -> bytes:
-    """Part of an object, no longer than was asked for.
+    """Read a range of an object.
 
     Raises
     ------
     OutputError
-        Also where it is not there.
+        Also if it does not exist.
     """
     data = io.BytesIO()
     with store_errors(path):
@@ -264,7 +251,7 @@ def get_range(path: Path, start: int, length: int) -> bytes:
 
 
 def list_sizes(folder: Path) -> dict[str, int]:
-    """Bytes of the objects, or files, right inside a folder, by name; empty where there is none.
+    """Sizes in bytes of the objects or files in a folder, by name; empty if there is no such folder.
 
     Raises
     ------
@@ -285,12 +272,12 @@ def list_sizes(folder: Path) -> dict[str, int]:
 
 
 def list_folders(folder: Path) -> list[Path]:
-    """Folders right inside a folder, by name: a store's names have slashes where those of others have folders.
+    """Subfolders of a folder in a store, by name.
 
     Raises
     ------
     OutputError
-        Also where there is nothing at all.
+        Also if there is no such folder.
     """
     with store_errors(folder):
         found = entries(_filesystem(folder), _key(folder))
@@ -298,12 +285,12 @@ def list_folders(folder: Path) -> list[Path]:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file of this machine, or such an object.
+    """Whether a file or object exists.
 
     Raises
     ------
     OutputError
-        Where a store does not say.
+        The store fails.
     """
     if not is_address(path):
         return path.is_file()
@@ -316,7 +303,7 @@ def is_file(path: Path) -> bool:
 
 
 def remove(path: Path) -> None:
-    """Remove an object, if it is there.
+    """Remove an object, if it exists.
 
     Raises
     ------
@@ -328,7 +315,7 @@ def remove(path: Path) -> None:
 
 @contextmanager
 def store_errors(path: Path) -> Iterator[None]:
-    """Say in one line what a store refuses, in no words that may quote a key.
+    """Convert errors of a store's library to one line, without words that may quote a key.
 
     Raises
     ------
@@ -338,18 +325,18 @@ def store_errors(path: Path) -> Iterator[None]:
         yield
     except TerrAInavError:
         raise
-    except Exception as wrong:  # noqa: BLE001  (each store's library has errors of its own)
+    except Exception as wrong:  # noqa: BLE001  (each store's library has different errors)
         problem = _problem(path, wrong)
         _let_go(wrong)
     else:
         return
-    # What was raised may quote a key.
+    # The original error may quote a key.
     raise problem from None
 
 
 @contextmanager
 def _ignore_missing(path: Path) -> Iterator[None]:
-    """The same, and go on after what is done where there is no such object."""
+    """As `store_errors`, and leave the block without an error if the object does not exist."""
     with store_errors(path):
         try:
             yield
@@ -360,32 +347,35 @@ def _ignore_missing(path: Path) -> Iterator[None]:
 
 
 def _let_go(wrong: Exception) -> None:
-    """Let go of the frames that an error was raised through.
+    """Drop the frames that an error holds.
 
-    fsspec's own refers to the error, in a circle that would keep all callers and what they hold, such as loaders with
-    worker processes, until garbage is collected.
+    A frame of fsspec refers to the error, a cycle that would keep all callers, such as loaders with worker processes,
+    alive until garbage collection.
     """
     wrong.__traceback__ = None
 
 
 def _problem(path: Path, wrong: Exception) -> OutputError:
-    """One line for what a store's library has raised."""
+    """Convert an error of a store's library to one line."""
     what, root = str(path), _root(path)
     if isinstance(wrong, StoreLimitError):
         return OutputError("{0}: {1}", what, wrong.message)
-    said = f"{type(wrong).__name__} {wrong}"
+    words = f"{type(wrong).__name__} {wrong}".lower()
     if is_redirect(wrong):
         return led_elsewhere(what)
-    if _EXPIRED.search(said):
+    if "expired" in words:
         return OutputError(
             "{0}: the credentials have expired: new ones are taken from where the store's own tools have them",
             what,
         )
-    if isinstance(wrong, PermissionError) or _REFUSED.search(said):
+    refused = "forbidden|access denied|accessdenied|permission|failed to authenticate|not authori[sz]ed"
+    if isinstance(wrong, PermissionError) or re.search(refused, words):
         return OutputError("{0}: access is refused: the credentials do not allow it", what)
-    if _NO_CREDENTIALS.search(said):
+    anonymous = "credential|token|anonymous|unauthori[sz]ed|not authenticated|signing|connection string"
+    if re.search(anonymous, words):
         return OutputError("{0}: no valid credentials: they are taken from where the store's own tools have them", what)
-    if isinstance(wrong, FileNotFoundError) or _NOT_THERE.search(said):
+    missing = "nosuchbucket|no such bucket|bucket does not exist|not ?found|404|invalid ?(resource|bucket) ?name"
+    if isinstance(wrong, FileNotFoundError) or re.search(missing, words):
         return OutputError("{0}: is not there, or {1} is not", what, root, remedy="make the bucket first")
     known = isinstance(wrong, OSError) and wrong.strerror
     return OutputError("{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:120])
@@ -401,7 +391,7 @@ def _filesystem(path: Any) -> Any:
     store = path.fs
     if getattr(store, "_pid", os.getpid()) == os.getpid():
         return follow_none(store)
-    # What asks a store is of one process; those that were forked from it make their own.
+    # Clients do not survive a fork.
     return follow_none(type(store)(**path.storage_options))
 
 

@@ -1,7 +1,7 @@
-"""Text that others wrote, read and written within limits.
+"""Foreign text, read and written within limits.
 
-- `plain`: one printable line of any text, without markup
-- `secrets`: masked keys
+- `plain`: numbers, times and one printable line of any text
+- `secrets`: masking of keys
 - `safe_json`, `safe_xml`: JSON and XML from outside
-- `markup`: HTML pages that need nothing from elsewhere
+- `markup`: self-contained HTML pages
 """

@@ -1,4 +1,4 @@
-"""Pages in HTML that need nothing from elsewhere: elements, tables, figures, and one style for all."""
+"""Self-contained HTML pages: elements, tables, figures, and one style sheet."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Union
 
 
 class Markup(str):
-    """HTML that was made here; any other text is escaped before it goes into a page."""
+    """HTML made by this module; any other text is escaped."""
 
     __slots__ = ()
 
@@ -17,7 +17,7 @@ Content = Union[str, Markup]
 
 
 def element(name: str, *content: Content, **attributes: str) -> Markup:
-    """Return an element; a trailing underscore of an attribute's name, as in ``class_``, is dropped."""
+    """Write an element; trailing underscores of attribute names, as in ``class_``, are dropped."""
     marks = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
     # Void elements.
     if name in ("img", "meta", "link", "br"):
@@ -27,7 +27,7 @@ def element(name: str, *content: Content, **attributes: str) -> Markup:
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]], chosen: Container[int] = ()) -> Markup:
-    """Return a table, its chosen rows marked."""
+    """Write a table with its chosen rows marked."""
     head = element("tr", *(element("th", text, scope="col") for text in header))
     made = []
     for index, row in enumerate(rows):
@@ -38,24 +38,24 @@ def table(header: Sequence[str], rows: Iterable[Sequence[str]], chosen: Containe
 
 
 def pairs(found: list[tuple[str, str]]) -> Markup:
-    """Return a list of labels and values."""
+    """Write a list of labels and values."""
     return element("dl", *(Markup(element("dt", label) + element("dd", value)) for label, value in found))
 
 
 def figure(source: str, description: str, caption: str) -> Markup:
-    """Return a picture with its caption."""
+    """Write a picture with its caption."""
     return element("figure", element("img", src=source, alt=description), element("figcaption", caption))
 
 
 def document(title: str, *content: Content) -> str:
-    """Return a whole document that needs nothing from elsewhere."""
+    """Write a self-contained document."""
     head = element(
         "head",
         element("meta", charset="utf-8"),
         element("meta", name_="viewport", content="width=device-width, initial-scale=1"),
         element("meta", name_="color-scheme", content="light dark"),
         element("title", title),
-        # The style is the project's own: it is not escaped, as a browser does not undo that there.
+        # Not escaped, as browsers do not unescape a style element.
         element("style", Markup(_STYLE)),
     )
     body = element("body", element("main", *content))

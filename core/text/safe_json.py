@@ -1,4 +1,4 @@
-"""JSON that others wrote: read within limits, so that no text can hang, fill or end the program."""
+"""Foreign JSON, read within limits, so that no text can hang, fill or crash the program."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from ..limits import MAX_JSON_DEPTH, MAX_JSON_DIGITS
 
 
 def parse_json(text: str | bytes) -> Any:
-    """Value of a JSON text, stricter than `json.loads`.
+    """Parse JSON more strictly than `json.loads`.
 
-    Only finite numbers, so that every one of them fits a float; nothing nested deeper than `MAX_JSON_DEPTH`; and only
-    text that can be written again.
+    Numbers must be finite and fit a float, nesting is limited to `MAX_JSON_DEPTH`, and strings must be encodable.
 
     Parameters
     ----------
@@ -24,7 +23,7 @@ def parse_json(text: str | bytes) -> Any:
     Raises
     ------
     InvalidInput
-        Says why in a few words, to be put into a message of what was read.
+        A few words, for a message that names the file.
     """
     if isinstance(text, bytes):
         text = decoded(text)
@@ -34,22 +33,22 @@ def parse_json(text: str | bytes) -> Any:
         raise InvalidInput(str(wrong)) from wrong
     except RecursionError as wrong:
         raise _too_deep() from wrong
-    # Most texts have fewer brackets than may be nested, and no half of a character: they need no second look.
+    # Most texts have too few brackets to be nested too deep, and no escaped surrogates.
     if text.count("[") + text.count("{") > MAX_JSON_DEPTH or "\\ud" in text or "\\uD" in text:
         _check(value)
     return value
 
 
 def decoded(data: bytes) -> str:
-    """Text of bytes in UTF-8, without a byte order mark; raises InvalidInput, in a few words."""
+    """Decode UTF-8 without its byte order mark; raises InvalidInput in a few words."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as wrong:
-        raise InvalidInput("no text in UTF-8: byte {0} does not belong there", wrong.start) from wrong
+        raise InvalidInput("not UTF-8: byte {0} is invalid", wrong.start) from wrong
 
 
 def _check(value: Any) -> None:
-    """Refuse what is nested too deep, and halves of characters (surrogates), which no file or terminal takes."""
+    """Refuse too deep nesting, and surrogates, which cannot be encoded."""
     level, depth = [value], 0
     while level:
         inner: list[Any] = []

@@ -1,7 +1,7 @@
-"""XML of strangers: no document type, no entities, no network, and no more of it than the limits allow.
+"""Foreign XML, read within limits, without document types, entities or network access.
 
-What other libraries read of a document is what was read and written anew here, so that their own settings (those of
-OWSLib hold for one thread only) have nothing left to be wrong about.
+Other libraries, such as OWSLib, get a document only after it was parsed and written anew here, so that it does not
+depend on their settings whether they read it safely.
 """
 
 from __future__ import annotations
@@ -25,74 +25,66 @@ from ..limits import (
 )
 from .plain import one_line
 
-_ENCODINGS_TOLD = "UTF-8, UTF-16 or Latin-1"
-#: Marks of the encoding at the beginning of a file, and the beginning of XML in UTF-16 without one.
-_MARKS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-    (b"<\0", "utf-16-le"),
-    (b"\0<", "utf-16-be"),
-)
-#: Characters within which a document states its encoding, and its type.
-_HEAD_CHARACTERS = 1024
-_STATED = re.compile(rb"<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']", re.ASCII)
-_DECLARATION = re.compile(r"\s*<\?xml\s[^>]*\?>")
-_BEFORE_TYPE = re.compile(r"\s*(?:<!--.*?-->|<\?.*?\?>)", re.DOTALL)
-#: The type that WMS 1.1.1 prescribes (OGC 01-068r3, annex A), with elements of its own and no entities.
+#: The document type that WMS 1.1.1 prescribes (OGC 01-068r3, annex A), with declarations of elements but not entities.
 _WMS_TYPE = re.compile(
     r"\s*<!DOCTYPE\s+WMT_MS_Capabilities\s+SYSTEM\s+(?:\"[^\"<>]*\"|'[^'<>]*')\s*"
     r"(?:\[(?:\s|<!(?:ELEMENT|ATTLIST)\s[^<>%&\[\]]*>)*\]\s*)?>"
 )
-_REFUSED = re.compile(r"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
-#: Names of elements and attributes.
-_NAME = re.compile(r"<[^\s/<>]+|\s[^\s=<>\"'/]+\s*=")
-#: Children of a layer of a WMS that the layers within it have as well.
-_INHERITED = frozenset({"CRS", "SRS", "Style", "BoundingBox"})
 
-
-#: What reads documents that people give: of each element, where it begins, the name without its namespace, its text and
-#: its attributes; nothing of either where it ends. Readers may leave out texts but those of `TEXTS`, and attributes but
-#: those of `ATTRIBUTES`. It raises `UnreadableXMLError`.
+#: Reader of users' documents. At the start of each element it yields the name without namespace, the text and the
+#: attributes; at its end, empty values. Texts of elements other than `TEXTS`, and attributes of elements other than
+#: `ATTRIBUTES`, may be omitted. It raises `UnreadableXMLError`.
 XMLReader = Callable[[bytes], Iterator[tuple[str, str, Mapping[str, str]]]]
 #: Elements of KML and GPX whose text is read, and those whose attributes are.
 TEXTS, ATTRIBUTES = ("coordinates", "ele", "time"), ("trkpt", "rtept")
 
 
 class UnreadableXMLError(ValueError):
-    """A document that is refused, or is no XML; the text says why."""
+    """A document is refused or is not XML; the text says why."""
 
 
 def decode_document(body: bytes) -> str:
-    """Text of a document, without a declaration of its encoding.
+    """Decode a document and remove its XML declaration.
 
     Raises
     ------
     UnreadableXMLError
-        It is of another encoding than UTF-8, UTF-16 and Latin-1, or not of the one that it states.
+        Its encoding is not UTF-8, UTF-16 or Latin-1, or not the declared one.
     """
     body = body.lstrip(b" \t\r\n")
-    encoding = next((name for mark, name in _MARKS if body.startswith(mark)), None)
+    allowed = "UTF-8, UTF-16 or Latin-1"
+    # Byte order marks, and the first bracket in UTF-16 without one.
+    marks = {
+        codecs.BOM_UTF8: "utf-8-sig",
+        codecs.BOM_UTF16_LE: "utf-16",
+        codecs.BOM_UTF16_BE: "utf-16",
+        b"<\0": "utf-16-le",
+        b"\0<": "utf-16-be",
+    }
+    # The declaration lies within the first 1,024 characters.
+    head_characters = 1024
+    encoding = next((name for mark, name in marks.items() if body.startswith(mark)), None)
     if encoding is None:
-        found = _STATED.match(body[:_HEAD_CHARACTERS])
+        pattern = rb"<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']"
+        found = re.match(pattern, body[:head_characters], re.ASCII)
         stated = found.group(1).decode("ascii") if found else "utf-8"
         try:
             encoding = codecs.lookup(stated).name
         except LookupError:
             encoding = ""
-        # Python's names of the encodings that are read.
+        # Python's names of the allowed encodings.
         if encoding not in ("utf-8", "ascii", "utf-16", "iso8859-1"):
-            raise UnreadableXMLError(Message("encoding {0}: must be {1}", stated, _ENCODINGS_TOLD))
+            raise UnreadableXMLError(Message("encoding {0}: must be {1}", stated, allowed))
     try:
         text = body.decode(encoding)
     except UnicodeDecodeError:
-        raise UnreadableXMLError(Message("is not {0}; must be {1}, and say which", encoding, _ENCODINGS_TOLD)) from None
-    found_text = _DECLARATION.match(text, 0, _HEAD_CHARACTERS)
-    return text[found_text.end() :] if found_text else text
+        raise UnreadableXMLError(Message("is not {0}; must be {1}, and say which", encoding, allowed)) from None
+    declaration = re.match(r"\s*<\?xml\s[^>]*\?>", text[:head_characters])
+    return text[declaration.end() :] if declaration else text
 
 
 def checked_text(body: bytes) -> str:
-    """Text of a document that any reader may be given: within the limits, and without a type or entities of its own.
+    """Decode a document that is safe for any reader: within the limits, without a document type or entities.
 
     Raises
     ------
@@ -100,30 +92,30 @@ def checked_text(body: bytes) -> str:
         As `parse_xml` does.
     """
     text = _without_wms_type(decode_document(body))
-    if _REFUSED.search(text):
-        raise UnreadableXMLError(Message("a document type or entities of its own, which are not read"))
+    if re.search("<!(?:DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise UnreadableXMLError(Message("a document type or entities, which are not read"))
     _check_size(text)
     return text
 
 
 def too_deep() -> UnreadableXMLError:
-    """Error of a document with elements that are within each other deeper than `MAX_XML_DEPTH`."""
+    """Make the error for elements nested deeper than `MAX_XML_DEPTH`."""
     return UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
 
 
 def parse_xml(body: bytes) -> Any:
-    """Root of a document as lxml has it, with nothing in it but elements, attributes and text.
+    """Parse a document with lxml; return its root, with elements, attributes and text only.
 
     Raises
     ------
     UnreadableXMLError
-        It declares a type or entities (but for the type that WMS 1.1.1 prescribes, which is left out), is beyond the
-        limits, or is no XML.
+        It declares a document type (other than that of WMS 1.1.1, which is removed) or entities, exceeds a limit, or is
+        not XML.
     """
     text = checked_text(body)
     etree = importlib.import_module("lxml.etree")
     parser = etree.XMLParser(
-        # Whatever a second declaration says, which may stand behind the first.
+        # A second declaration, after the first, may state another one.
         encoding="utf-8",
         resolve_entities=False,
         no_network=True,
@@ -145,7 +137,7 @@ def parse_xml(body: bytes) -> Any:
 
 
 def iterate_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
-    """Elements of a document as an `XMLReader` gives them, read by lxml; raises as `parse_xml` does."""
+    """`XMLReader` that uses lxml; raises as `parse_xml` does."""
     todo: list[Any] = [parse_xml(body)]
     while todo:
         element = todo.pop()
@@ -157,24 +149,25 @@ def iterate_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]
 
 
 def written(root: Any) -> bytes:
-    """XML of what `parse_xml` has read, for other libraries to read."""
+    """Write a parsed document, for other libraries."""
     xml: bytes = importlib.import_module("lxml.etree").tostring(root, encoding="utf-8")
     return xml
 
 
 def _without_wms_type(text: str) -> str:
-    """Leave out the type that every WMS 1.1.1 states: what it declares is of no use here."""
+    """Remove the document type of WMS 1.1.1, which declares nothing of use here."""
+    comment = re.compile(r"\s*(?:<!--.*?-->|<\?.*?\?>)", re.DOTALL)
     at = 0
     head = text[: 1 << 16]
-    while found := _BEFORE_TYPE.match(head, at):
+    while found := comment.match(head, at):
         at = found.end()
     stated = _WMS_TYPE.match(head, at)
     return text[stated.end() :] if stated else text
 
 
 def _check_size(text: str) -> None:
-    """Refuse what would take memory or time beyond measure, before it is parsed."""
-    # Each element has one bracket that begins it; those within comments and attributes count as if they had begun one.
+    """Refuse a document that would take too much memory or time to parse."""
+    # Upper bound: brackets within comments and attributes count as well.
     elements = text.count("<") - text.count("</")
     if len(text) > MAX_CAPABILITIES_BYTES or elements > MAX_XML_ELEMENTS or text.count("</") > MAX_XML_ELEMENTS:
         raise UnreadableXMLError(
@@ -183,30 +176,31 @@ def _check_size(text: str) -> None:
     if elements + text.count("=") > MAX_XML_NODES:
         raise UnreadableXMLError(Message("more than {0:,} elements and attributes", MAX_XML_NODES))
     for piece in text.split("<"):
-        # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
+        # Parsers compare each attribute of an element with all others. The shortest, with its space, is ` a=""`.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
             raise UnreadableXMLError(Message("more than {0:,} attributes of one element", MAX_XML_ATTRIBUTES))
     names = set()
-    for found in _NAME.finditer(text):
+    # Names of elements and attributes.
+    for found in re.finditer(r"<[^\s/<>]+|\s[^\s=<>\"'/]+\s*=", text):
         names.add(found.group())
-        # Parsers keep each of them, in a table that does not grow with them.
+        # Parsers keep each name in a hash table of fixed size.
         if len(names) > MAX_XML_NAMES:
             raise UnreadableXMLError(Message("more than {0:,} different names", MAX_XML_NAMES))
 
 
 def _check_layers(root: Any) -> None:
-    """Refuse more layers than memory and time are for, or what they pass on to those within: OWSLib copies it."""
+    """Refuse too many layers, or too many inherited properties, which OWSLib copies to each layer."""
     if sum(1 for _ in root.iter("{*}Layer", "{*}Style")) > MAX_SERVICE_LAYERS:
         raise UnreadableXMLError(Message("more than {0:,} layers and styles", MAX_SERVICE_LAYERS))
-    total = 0
-    # Of each layer, after those around it: how deep it is, and how much it passes on.
+    inherited, total = ("CRS", "SRS", "Style", "BoundingBox"), 0
+    # Depth of each layer, and number of properties that it passes on; parents come first.
     known: dict[Any, tuple[int, int]] = {}
     for layer in root.iter("{*}Layer"):
         depth, passed_on = known.get(layer.getparent(), (0, 0))
         depth += 1
-        passed_on += sum(max(len((child.text or "").split()), 1) for child in layer if _name(child) in _INHERITED)
+        passed_on += sum(max(len((child.text or "").split()), 1) for child in layer if _name(child) in inherited)
         known[layer] = depth, passed_on
-        # OWSLib reads a layer once more for each of those around it.
+        # OWSLib reads a layer once for each of its ancestors.
         total += depth * (1 + passed_on + len(layer))
         if total > MAX_XML_INHERITED:
             raise UnreadableXMLError(

@@ -1,4 +1,4 @@
-"""Keys that no text may show, masked however they are spelled."""
+"""Masking of keys in texts, however they are encoded."""
 
 from __future__ import annotations
 
@@ -11,25 +11,23 @@ from urllib.parse import quote, quote_plus
 
 from .plain import CUT
 
-#: Stands where a key stood.
+#: Replaces a key.
 MASK = "***"
-#: A character as URLs (encoded up to nine times over), HTML and JSON spell it.
-_SPELLED = re.compile(
+#: A character encoded for URLs (up to nine times over), HTML or JSON.
+_ENCODED = re.compile(
     rb"%(?:25){0,8}([0-9a-f]{2})|(&(?:#[0-9]{1,7}|#x[0-9a-f]{1,6}|[a-z]{2,8});)|\\u([0-9a-f]{4})|\\(?=[/\"\\])",
     re.IGNORECASE,
 )
-#: Beginning of such a spelling, cut short.
-_PARTLY_SPELLED = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
 
 
 class Secrets:
-    """Keys that no text may show, however they are spelled: in URLs (encoded several times, too), HTML or JSON."""
+    """Keys to be masked in any text, plain or encoded (also repeatedly) for URLs, HTML or JSON."""
 
     def __init__(self, values: Iterable[str]) -> None:
         forms = set()
         for value in filter(None, values):
             written = (value, quote(value), quote(value, safe=""), quote_plus(value), html.escape(value))
-            forms |= {_alike(value.encode("utf-8", "replace"))}
+            forms |= {_folded(value.encode("utf-8", "replace"))}
             forms |= {_read(one)[0] for one in (*written, json.dumps(value)[1:-1])}
         self._forms = sorted(forms - {b""}, key=len, reverse=True)
 
@@ -40,14 +38,14 @@ class Secrets:
         return bool(self._forms)
 
     def masked(self, text: str) -> str:
-        """Text with asterisks for the keys, and for the beginning of one where it was cut short."""
-        return self._with(MASK, text, lambda plain, form: _places(plain, form) + _cut_short(plain, form))
+        """Mask the keys, and the beginning of a key where the text was shortened."""
+        return self._replace(MASK, text, lambda plain, form: _places(plain, form) + _cut_short(plain, form))
 
     def replaced(self, text: str, by: str) -> str:
-        """Text with ``by`` in the place of the keys."""
-        return self._with(by, text, _places)
+        """Replace the keys with ``by``."""
+        return self._replace(by, text, _places)
 
-    def _with(self, by: str, text: str, places: Callable[[bytes, bytes], list[tuple[int, int]]]) -> str:
+    def _replace(self, by: str, text: str, places: Callable[[bytes, bytes], list[tuple[int, int]]]) -> str:
         if not self._forms:
             return text
         plain, starts = _read(text)
@@ -57,24 +55,24 @@ class Secrets:
         written, pieces, at = text.encode("utf-8", "replace"), [], 0
         for begin, end in sorted(found):
             if starts[end] > at:
-                # Keys that overlap are replaced once.
+                # Replace overlapping keys once.
                 pieces += [written[at : starts[begin]], by.encode()] if starts[begin] >= at else []
                 at = starts[end]
         return b"".join([*pieces, written[at:]]).decode("utf-8", "replace")
 
 
-def _alike(plain: bytes) -> bytes:
-    """Bytes without what spellings of a key may differ in: upper case, and + for a space."""
+def _folded(plain: bytes) -> bytes:
+    """Fold differences between encodings of a key: upper case, and + for a space."""
     return plain.lower().replace(b"+", b" ")
 
 
 def _read(text: str) -> tuple[bytes, list[int] | range]:
-    """Text as UTF-8 with its spellings read, `_alike`, and where each of these bytes begins in its own UTF-8."""
+    """Decode and fold a text; return its UTF-8, and the index of each byte in the UTF-8 of the original."""
     written = text.encode("utf-8", "replace")
-    if not _SPELLED.search(written):
-        return _alike(written), range(len(written) + 1)
+    if not _ENCODED.search(written):
+        return _folded(written), range(len(written) + 1)
     plain, starts, at = bytearray(), [], 0
-    for found in _SPELLED.finditer(written):
+    for found in _ENCODED.finditer(written):
         percent, entity, code = found.groups()
         if percent:
             read = bytes([int(percent, 16)])
@@ -86,11 +84,11 @@ def _read(text: str) -> tuple[bytes, list[int] | range]:
         starts += [*range(at, found.start()), *(found.start(),) * len(read)]
         at = found.end()
     plain += written[at:]
-    return _alike(bytes(plain)), [*starts, *range(at, len(written) + 1)]
+    return _folded(bytes(plain)), [*starts, *range(at, len(written) + 1)]
 
 
 def _places(plain: bytes, form: bytes) -> list[tuple[int, int]]:
-    """Where a key begins and ends."""
+    """Begin and end of each occurrence of a key."""
     found, at = [], plain.find(form)
     while at >= 0:
         found.append((at, at + len(form)))
@@ -99,10 +97,12 @@ def _places(plain: bytes, form: bytes) -> list[tuple[int, int]]:
 
 
 def _cut_short(plain: bytes, form: bytes) -> list[tuple[int, int]]:
-    """Where the beginning of a key stands before the last mark of what was cut short; that mark is its end."""
+    """Begin and end of the part of a key before the last mark of a shortened text."""
     found = []
     cut = plain.rfind(CUT.encode())
-    partly = _PARTLY_SPELLED.search(plain, max(cut - 20, 0), cut) if cut >= 0 else None
+    # An encoded character may be cut as well.
+    encoded_part = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
+    partly = encoded_part.search(plain, max(cut - 20, 0), cut) if cut >= 0 else None
     for end in {cut, partly.start() if partly else cut} - {-1}:
         before = plain[max(end - len(form), 0) : end]
         length = next((n for n in range(len(before), 0, -1) if before.endswith(form[:n])), 0)

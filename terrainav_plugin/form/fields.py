@@ -27,7 +27,7 @@ def field_sentence(field: Field) -> str:
 def field_tip(field: Field) -> str:
     """Help of a field with its unit and range; only the unit if numbers are typed in another."""
     numbers = field.kind in (float, int)
-    beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
+    beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.domain)
     text = capitalized(translate(field.help))
     shown = ", ".join(map(translate, filter(None, beside))) if numbers else ""
     return f"{text} ({shown})" if shown else text

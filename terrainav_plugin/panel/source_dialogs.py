@@ -385,14 +385,13 @@ class AddSourceDialog(QDialog):
     def _describe(self) -> None:
         """Ask for the details of the chosen layer."""
         from ...core.imagery.opening import named_source
-        from ...core.imagery.services.detecting import LAYER_CHOICES
 
         layer, found = self._layer(), self._found
         self._entry = None
         if layer is None or found is None:
             self._check()
             return
-        choice = f"{LAYER_CHOICES[found.kind]}={quote(layer.name, safe='')}"
+        choice = f"{found.layer_choice}={quote(layer.name, safe='')}"
         joint = "&" if "#" in found.source.text else "#"
         name, crs = f"{found.source.text}{joint}{choice}", self.system.currentData() or ""
         options = self._options

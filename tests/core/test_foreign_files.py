@@ -193,7 +193,7 @@ def test_a_pipe_is_read_where_the_user_names_one(tmp_path):
     os.close(write_end)
     try:
         assert read_limited(f"/dev/fd/{read_end}", 100, named_by_user=True) == b"lat lon"
-        with pytest.raises(OSError, match="no regular file"):
+        with pytest.raises(OSError, match="not a regular file"):
             read_limited(f"/dev/fd/{read_end}", 100)
     finally:
         os.close(read_end)

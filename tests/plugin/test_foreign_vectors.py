@@ -236,7 +236,7 @@ def test_a_pipe_is_no_footprints(folder):
     path = folder / "footprints.geojson"
     path.unlink()
     os.mkfifo(path)
-    with pytest.raises(InvalidInput, match="no regular file"):
+    with pytest.raises(InvalidInput, match="not a regular file"):
         check_geojson(path)
 
 

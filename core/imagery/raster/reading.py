@@ -34,8 +34,6 @@ _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
 #: GDAL's options by name, for one raster.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: GDAL's option not to open files beside a raster where they are not checked first: in archives, on other machines.
-ALONE: Options = MappingProxyType({"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR"})
 #: Domains of GDAL's metadata that describe bands: the default, and the one of wavelengths.
 _DOMAINS = ("", "IMAGERY")
 #: Item and domain of GDAL's metadata for greys where 0 is white.
@@ -191,7 +189,8 @@ def _checked(kind: Opener, path: str, drivers: Sequence[str], options: Options) 
     """
     if not path.startswith(VIRTUAL):
         return drivers, options
-    options = {**ALONE, **options}
+    # Do not open files beside the raster, which cannot be checked there.
+    options = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", **options}
     raw = kind(raw_bytes_vrt(path), 0, ("VRT",), {**OPTIONS, **options})
     file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], PixelBox(0, row, ROW_BYTES, 1)).tobytes()))
     try:

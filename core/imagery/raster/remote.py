@@ -28,8 +28,6 @@ from .trust import CURL, fill_key
 _SAME_FOR_S = 2.0
 #: Most bytes of the answer to a request of one byte.
 _MOST_BYTES = 1 << 16
-#: GDAL's option to request the head of a file first.
-_HEAD = "CPL_VSIL_CURL_USE_HEAD"
 #: Distinguishes the addresses of rasters opened in turn, by which GDAL caches parts of files.
 _opened = itertools.count(1)
 
@@ -146,9 +144,10 @@ class Remote:
 
         Servers refuse that request where the signature of an address covers GET only.
         """
-        if not self._url or _HEAD in self.options:
+        use_head = "CPL_VSIL_CURL_USE_HEAD"
+        if not self._url or use_head in self.options:
             return False
-        self.options[_HEAD] = "NO"
+        self.options[use_head] = "NO"
         # GDAL caches the failure by address.
         self.path, _ = _address(self._path_with_key)
         return True

@@ -1,9 +1,8 @@
-"""Colours of the map's pixels out of a raster's: each the mean over the ground that it covers.
+"""Resampling of a raster to the map's pixels: each pixel is the mean over the ground that it covers.
 
-A pixel of the map becomes a box of the raster, along its columns and rows, as wide as the pixel's footprint but one
-pixel of the raster at least, and its colour is the mean over the box, parts of pixels counted by their area. Where
-the map shrinks the raster that is the average; where it does not, it is bilinear interpolation; and where the two
-grids fall together it is the raster's pixel itself.
+The footprint of a map pixel is a box along the raster's columns and rows, at least one raster pixel wide; its colour is
+the mean over the box, weighted by area. This averages where the map is coarser than the raster, interpolates bilinearly
+where it is not, and copies pixels where the grids coincide.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from .reading import Values
 #: Sums of blocks of pixels: whole numbers, or float64 where values are floats.
 Sums = NDArray[Any]
 
-#: Most pixels of a raster that a part of a picture is made of: their sums stay within 32 bits.
+#: Most pixels of a raster read for a part of a picture: their sums fit 32 bits.
 MOST_PX = 4096 * 4096
 
 

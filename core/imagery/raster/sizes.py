@@ -24,8 +24,6 @@ _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS = 256, 257, 258, 259, 277,
 _PLANAR, _TILE_WIDTH, _TILE_HEIGHT, _TIE_POINTS = 284, 322, 323, 33922
 #: Types of whole numbers: of 1, 2, 4 and 8 bytes.
 _TYPES = {1: "B", 3: "H", 4: "I", 16: "Q"}
-#: Tags whose first value is read.
-_READ = frozenset([_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS, _PLANAR, _TILE_WIDTH, _TILE_HEIGHT])
 
 
 def check_counts(bands: int, overviews: int) -> None:
@@ -153,9 +151,10 @@ def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> d
     size = struct.calcsize(order + entry_kind)
     content = file.read(count * size)
     behind = file.tell()
+    wanted = {_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS, _PLANAR, _TILE_WIDTH, _TILE_HEIGHT}
     found: dict[int, _Entry] = {}
     for tag, kind, length, values in struct.iter_unpack(order + entry_kind, content):
-        is_read = kind in _TYPES and tag in _READ and tag not in found
+        is_read = kind in _TYPES and tag in wanted and tag not in found
         first = _first(file, order, _TYPES[kind], length, values) if is_read else 0
         found.setdefault(tag, _Entry(kind, length, first, values))
     file.seek(behind)

@@ -155,7 +155,7 @@ def open_raster(
         )
     except ReadError as wrong:
         pool.close()
-        raise InvalidInput("{0}: is no raster that can be read: {1}", file, wrong) from wrong
+        raise InvalidInput("{0}: is not a readable raster: {1}", file, wrong) from wrong
     except InvalidInput as wrong:
         pool.close()
         raise InvalidInput("{0}: {1}", file, wrong, field=wrong.field) from wrong
@@ -199,7 +199,7 @@ class RasterSource:
     ) -> None:
         if not facts.bands:
             inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
-            raise InvalidInput("is no raster itself", remedy=inside)
+            raise InvalidInput("is not a raster itself", remedy=inside)
         self.name = name
         self.title = _title(path)
         self.date = date

@@ -57,18 +57,11 @@ FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 _TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
 #: First bytes of formats whose check reads whole files: these, databases, and grids in text form.
 _READ_WHOLE = (*_TEXT_ANYWHERE, b"SQLite format 3", b"ncols", b"NCOLS")
-#: First bytes of all formats, as far as they have any.
-_MAGIC = (
-    *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
-    *(b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a"),
-    *_READ_WHOLE,
-)
 #: Ending of SRTM files, which have no signature, and their lengths in bytes for 1, 1.5 and 3 arc seconds.
 _SRTM, _SRTM_BYTES = (
     ".hgt",
     frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
 )
-_VRT = re.compile(rb"<VRTDataset", re.IGNORECASE)
 #: First bytes of a file that determine its format.
 _HEAD_BYTES = 4096
 #: Elements and attributes of a VRT, in lower case, that name data.
@@ -191,7 +184,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     if depth > MAX_VRT_DEPTH:
         raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
-    if _VRT.search(head):
+    if _is_vrt(head):
         for (name, relative), times in Counter(_named(file)).items():
             each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
             seen[whole] += times * (1 + max(each))
@@ -206,7 +199,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
             file.name,
             remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
-    elif depth and head and not (head.startswith(_MAGIC) or _is_srtm(file)):
+    elif depth and head and not (_has_signature(head) or _is_srtm(file)):
         raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
     for beside in _companions(file):
         _check(beside, folders, depth + 1, seen)
@@ -228,7 +221,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
 
 
 def _companions(file: Path) -> list[Path]:
-    """Files that GDAL opens with a raster; refuses pipes and the like in their place, for which GDAL would wait."""
+    """Files that GDAL opens with a raster; refuses pipes and other special files, on which GDAL would block."""
     try:
         companions, odd = _companion_files(str(file.parent), file.parent.stat().st_mtime_ns)
     except OSError:
@@ -236,7 +229,7 @@ def _companions(file: Path) -> list[Path]:
         companions, odd = {}, ()
     for name in odd:
         if name.lower().startswith(file.stem.lower()):
-            raise InvalidInput("{0}: is no regular file, and lies beside {1}", name, file.name)
+            raise InvalidInput("{0}: is not a regular file, and lies beside {1}", name, file.name)
     found = [name for ending in _COMPANIONS for name in companions.get((file.name + ending).lower(), ())]
     there = [file.with_name(file.name + ending) for ending in _COMPANIONS]
     return [*dict.fromkeys([*(one for one in there if file_exists(one)), *map(file.with_name, found)])]
@@ -283,8 +276,21 @@ def _refuse_number(file: Path, count: int, most: int, what: str) -> None:
     raise InvalidInput("{0} has {1:,} {2} or more: must be at most {3:,}", file.name, count, what, most)
 
 
+def _has_signature(head: bytes) -> bool:
+    """Whether a file begins as one of the formats that have a signature."""
+    tiff = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+    jpeg_2000_and_xl = (b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a")
+    return head.startswith(
+        (*tiff, b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF", *jpeg_2000_and_xl, *_READ_WHOLE)
+    )
+
+
 def _is_srtm(file: Path) -> bool:
     return file.suffix.lower() == _SRTM and file.stat().st_size in _SRTM_BYTES
+
+
+def _is_vrt(head: bytes) -> bool:
+    return b"<vrtdataset" in head.lower()
 
 
 def _names(pattern: str, metadata: bytes) -> bool:
@@ -317,7 +323,7 @@ def check_references(file: Path, head: bytes | None = None) -> None:
             with open_foreign(place) as opened:
                 _check_texts(place.name, _chunks(opened, 0, place.stat().st_size))
     head = _head(file) if head is None else head
-    if _VRT.search(head):
+    if _is_vrt(head):
         _parse(file, _References(file))
     elif head.startswith(b"SQLite format 3"):
         _check_texts(file.name, _definitions(file))
@@ -481,7 +487,7 @@ def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int
         return _check(source, folders, depth + 1, seen)
     if os.path.exists(source):  # noqa: PTH110
         # GDAL would wait for a pipe for ever, and take a folder for a product whose description names other files.
-        raise InvalidInput("{0} reads {1}, which is no regular file", vrt.name, source)
+        raise InvalidInput("{0} reads {1}, which is not a regular file", vrt.name, source)
     return 0
 
 
@@ -499,7 +505,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
     name = name.strip()
     inside = Path(name).is_absolute() and not name.startswith("/vsi")
     if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
-        raise InvalidInput("{0} reads {1!r}, which is no file beside it", vrt.name, name.partition("?")[0][:80])
+        raise InvalidInput("{0} reads {1!r}, which is not a file beside it", vrt.name, name.partition("?")[0][:80])
     if relative != "1":
         yield Path.cwd() / name
     if relative != "0":

@@ -43,7 +43,7 @@ _SCALE_SLACK = 1e-3
 class ArcGISService(JSONService):
     """A map or image service of ArcGIS Server as a mission names it."""
 
-    def _first(self) -> Document:
+    def _document(self) -> Document:
         return self._json(self._filled(set_query(self._base, {"f": "json"})), Message("description"))
 
     @property

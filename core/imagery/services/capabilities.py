@@ -21,7 +21,7 @@ from ..policy import Policy
 from ..systems import WORLD_DEG
 from ..tiles import check_address
 
-#: Choices after the # of each kind of service.
+#: Choices after the # of each kind of service, beginning with that of a layer.
 CHOICES = {
     "wmts": ("layer", "style", "tilematrixset", "tilematrix", "format"),
     "wms": ("layers", "styles", "format", "version"),
@@ -266,7 +266,7 @@ def _mark_keys(root: Any, document: Document) -> None:
 
 @contextmanager
 def reading(document: Document) -> Iterator[None]:
-    """Turn errors of a reader of capabilities into one line."""
+    """Convert errors of reading capabilities to one line."""
     try:
         yield
     except TerrAInavError:

@@ -9,19 +9,8 @@ from typing import Any
 from ...errors import InvalidInput, Message, SourceError
 from ...text.safe_json import parse_json
 from ..opening import NamedSource, SourceOptions, named_source, source_kind
-from .capabilities import ROOTS, Offered, fetch_document
+from .capabilities import CHOICES, ROOTS, Offered, fetch_document
 from .ogcapi import OGCAPITiles
-
-#: Patterns of addresses, and the kinds to try for each. The address of a WMS or WMTS of ArcGIS Server ends with that
-#: name.
-_HINTS = (
-    (re.compile(r"/(Map|Image)Server(/\d+)?/?(\?|$)|/rest/services(/[^/?]*)?/?(\?|$)"), ("arcgis",)),
-    (re.compile(r"wmts", re.IGNORECASE), ("wmts", "wms")),
-    (re.compile(r"wms", re.IGNORECASE), ("wms", "wmts")),
-    (re.compile(r"/collections(/|$|\?)|tilematrixset", re.IGNORECASE), ("ogcapi",)),
-)
-#: Name of the choice of a layer, by kind.
-LAYER_CHOICES = {"wmts": "layer", "wms": "layers", "arcgis": "service", "ogcapi": "collection"}
 
 
 @dataclass(frozen=True)
@@ -41,8 +30,13 @@ class FoundService:
 
     @property
     def kind(self) -> str:
-        """One of the keys of `LAYER_CHOICES`."""
+        """One of the keys of `CHOICES`."""
         return self.source.text.partition(":")[0].lower()
+
+    @property
+    def layer_choice(self) -> str:
+        """Name of the choice of a layer."""
+        return CHOICES[self.kind][0]
 
 
 def is_service_address(text: str) -> bool:
@@ -71,7 +65,14 @@ def found_service(text: str, options: SourceOptions) -> FoundService:
     if source_kind(text).is_service:
         return _found(text, options)
     address = text.partition("#")[0]
-    hinted = next((kinds for hint, kinds in _HINTS if hint.search(address)), ())
+    # Kinds to try. The address of a WMS or WMTS of ArcGIS Server ends with that name.
+    hints = (
+        (r"/(Map|Image)Server(/\d+)?/?(\?|$)|/rest/services(/[^/?]*)?/?(\?|$)", ("arcgis",)),
+        ("(?i)wmts", ("wmts", "wms")),
+        ("(?i)wms", ("wms", "wmts")),
+        (r"(?i)/collections(/|$|\?)|tilematrixset", ("ogcapi",)),
+    )
+    hinted = next((kinds for hint, kinds in hints if re.search(hint, address)), ())
     problem: SourceError | None = None
     for kind in hinted:
         try:

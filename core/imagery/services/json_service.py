@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,48 +12,16 @@ from ...errors import InvalidInput, Message
 from ...limits import MAX_SERVICE_JSON_BYTES
 from ...text.plain import one_line
 from ...text.safe_json import parse_json
-from ..entry import CatalogueEntry, under_provider
+from ..entry import CatalogueEntry
 from ..policy import Policy
 from ..systems import WORLD_DEG, Bounds
 from ..tiles import KEY_ENV
-from .capabilities import Document, Offered, fetch_document, reading
+from .capabilities import Document, fetch_document
 from .service import ServiceSource
 
 
 class JSONService(ServiceSource):
     """A layer of a service that describes itself in JSON, as a mission names it."""
-
-    def layers(self) -> list[Offered] | None:
-        """Layers to choose from, where a layer is needed and none is named."""
-        document = self._first()
-        with reading(document):
-            return self._layers(document)
-
-    def _find(self) -> CatalogueEntry:
-        """Entry of the layer, under its provider's terms where those are known.
-
-        Raises
-        ------
-        InvalidInput
-            The text or a choice in it is invalid; the error lists the valid choices.
-        SourceError
-            The documents cannot be fetched or read, or offer no usable tiles.
-        """
-        document = self._first()
-        with reading(document):
-            return under_provider(self._entry(document))
-
-    @abstractmethod
-    def _first(self) -> Document:
-        """Document at the service's address."""
-
-    @abstractmethod
-    def _layers(self, document: Document) -> list[Offered] | None:
-        """Layers in a document; None where no layer has to be named."""
-
-    @abstractmethod
-    def _entry(self, document: Document) -> CatalogueEntry:
-        """Entry of the wanted layer."""
 
     def _filled(self, url: str) -> str:
         """Address with the key."""
@@ -83,7 +50,7 @@ class JSONService(ServiceSource):
         except InvalidInput as wrong:
             raise document.wrong(Message("JSON that cannot be read: {0}", wrong)) from None
         if not isinstance(root, Mapping):
-            raise document.wrong(Message("JSON that is no description of a service"))
+            raise document.wrong(Message("JSON that does not describe a service"))
         return replace(document, root=_mark_keys(root, document))
 
     def _made(self, title: str, credit: str, url: str, policy: Policy, **tiles: Any) -> CatalogueEntry:

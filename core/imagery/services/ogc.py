@@ -29,7 +29,7 @@ from ...numbers import real_number
 from ...text.plain import one_line
 from ...text.safe_xml import written
 from ..catalogue import DEFAULT_MAX_ZOOM
-from ..entry import CatalogueEntry, Dates, time_dimension_dates, under_provider
+from ..entry import CatalogueEntry, Dates, time_dimension_dates
 from ..systems import MAP, MERCATOR_CODES, Bounds, best_system, epsg_code, is_usable, northing_first, refused
 from ..tiles import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX
 from .capabilities import (
@@ -44,7 +44,6 @@ from .capabilities import (
     read_bounds,
     read_credit,
     read_policy,
-    reading,
 )
 from .matrices import SCALE_PX_M, chosen_tiles
 from .service import ServiceSource
@@ -66,27 +65,16 @@ class ServiceLayer(ServiceSource):
         """Layers of the service, where none is named yet."""
         if "layer" in self.service.choices or "layers" in self.service.choices:
             return None
-        document = self._document()
-        with reading(document):
-            return _wmts_layers(document) if self.service.kind == "wmts" else _wms_layers(document)
+        return super().layers()
 
-    def _find(self) -> CatalogueEntry:
-        """Entry of the layer, from the capabilities, under its provider's terms where those are known.
+    def _layers(self, document: Document) -> list[Offered]:
+        return _wmts_layers(document) if self.service.kind == "wmts" else _wms_layers(document)
 
-        Raises
-        ------
-        InvalidInput
-            The text, or a choice in it, is not right; says which are.
-        SourceError
-            OWSLib is missing, or the capabilities cannot be had or read, or offer no tiles that can be used.
-        """
-        document, options = self._document(), self.options
-        with reading(document):
-            if self.service.kind == "wmts":
-                entry = _wmts_entry(self.text, document, options.crs, options.area_deg)
-            else:
-                entry = _wms_entry(self.text, document, options.tile_px or 256, options.crs, options.area_deg)
-        return under_provider(entry)
+    def _entry(self, document: Document) -> CatalogueEntry:
+        options = self.options
+        if self.service.kind == "wmts":
+            return _wmts_entry(self.text, document, options.crs, options.area_deg)
+        return _wms_entry(self.text, document, options.tile_px or 256, options.crs, options.area_deg)
 
     def _document(self) -> Document:
         return fetch_capabilities(self.service, self.key, self.options.transport)

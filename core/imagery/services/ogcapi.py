@@ -44,7 +44,7 @@ class OGCAPITiles(JSONService):
         #: Title, credit, licence and ground in the documents.
         self._stated: dict[str, Any] = {}
 
-    def _first(self) -> Document:
+    def _document(self) -> Document:
         return self._json(self._keyed(self.service.address), Message("description"))
 
     def _layers(self, document: Document) -> list[Offered] | None:

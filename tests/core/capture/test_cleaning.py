@@ -411,7 +411,7 @@ def test_a_table_that_is_no_file_is_named(dataset):
     path = folder / "satellite" / "meta_data.csv"
     path.unlink()
     path.mkdir()
-    with pytest.raises(OutputError, match=r"table .*meta_data\.csv: cannot be read \(it is no regular file\)"):
+    with pytest.raises(OutputError, match=r"table .*meta_data\.csv: cannot be read \(it is not a regular file\)"):
         capture(worked_out, source, folder, resume=True)
 
 

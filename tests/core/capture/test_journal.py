@@ -195,7 +195,7 @@ def test_a_journal_that_is_a_link_or_a_pipe_is_left_alone(tmp_path):
     assert foreign.read_bytes() == b"not ours"
     path.unlink()
     os.mkfifo(path)
-    with pytest.raises(OutputError, match="it is no regular file"):
+    with pytest.raises(OutputError, match="it is not a regular file"):
         Journal(path)
     with pytest.raises(OutputError, match="cannot write journal"):
         open_locked(path)

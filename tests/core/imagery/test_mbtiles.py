@@ -197,7 +197,7 @@ def test_what_is_not_there_or_broken_is_a_missing_part(tmp_path):
         source.fetch("", window(21, 30))
     with pytest.raises(PartError, match="tile 6/21/31"):
         source.fetch("", window(21, 31))
-    with pytest.raises(InvalidInput, match="is no tile of 256 px"):
+    with pytest.raises(InvalidInput, match="is not a tile of 256 px"):
         source.fetch("", Window(ZOOM, 5, 0, 256, 256))
     with pytest.raises(InvalidInput, match="zoom 7: own has 6 to 6"):
         source.fetch("", window()._replace(zoom=7))
@@ -266,9 +266,9 @@ def zooms_that_are_none(path):
     ("make", "message"),
     [
         (no_file, "is not there"),
-        (no_database, r"is no MBTiles file, or is damaged \(file is not a database\)"),
-        (no_tables, r"is no MBTiles file, or is damaged \(no such table: metadata\)"),
-        (a_schema_that_is_not_utf8, r"is no MBTiles file, or is damaged \('utf-8' codec"),
+        (no_database, r"is not an MBTiles file, or is damaged \(file is not a database\)"),
+        (no_tables, r"is not an MBTiles file, or is damaged \(no such table: metadata\)"),
+        (a_schema_that_is_not_utf8, r"is not an MBTiles file, or is damaged \('utf-8' codec"),
         (without_tiles, "holds no tiles"),
         (vector_by_name, r"holds vector tiles \(pbf\); must hold images"),
         (vector_by_content, r"holds vector tiles \(pbf\); must hold images"),
@@ -377,7 +377,7 @@ def test_a_wal_file_in_a_folder_that_is_read_only(tmp_path, log):
         timeout=60,
     )
     folder.chmod(0o755)
-    expected = "is no MBTiles file, or is damaged" if log else "(256, 256, 3)"
+    expected = "is not an MBTiles file, or is damaged" if log else "(256, 256, 3)"
     assert expected in result.stdout
     assert result.stdout.count("\n") == 1
 

@@ -145,9 +145,9 @@ def test_parts_fill_any_window_once(zoom, tile_px, data):
 @pytest.mark.parametrize(
     ("part", "message"),
     [
-        (Window(3, 1, 0, 256, 256), "is no tile of 256 px"),
-        (Window(3, 0, 0.5, 256, 256), "is no tile of 256 px"),
-        (Window(3, 0, 0, 512, 512), "is no tile of 256 px"),
+        (Window(3, 1, 0, 256, 256), "is not a tile of 256 px"),
+        (Window(3, 0, 0.5, 256, 256), "is not a tile of 256 px"),
+        (Window(3, 0, 0, 512, 512), "is not a tile of 256 px"),
         (Window(20, 0, 0, 256, 256), "zoom 20: h has 2 to 19"),
         (Window(1, 0, 0, 256, 256), "zoom 1: h has 2 to 19"),
     ],

@@ -244,7 +244,7 @@ def _stopped(case: Case) -> None:
         stopped.setattr(benchmarking, "collected", pressed)
         case.says(case.run(*COMMAND).stderr, only_here=False)
     case.follow(
-        "what is finished is kept, go on with --resume",
+        "finished images are kept, continue with --resume",
         lambda: case.run(*COMMAND, "--resume").returncode == 0,
     )
 

@@ -63,7 +63,7 @@ def pressed():
     yield [signal.SIGINT]
 
 
-STOPPED = "terrainav: stopped; what is finished is kept, go on with --resume"
+STOPPED = "terrainav: stopped; finished images are kept, continue with --resume"
 
 
 @remedy("cli/flying.py", STOPPED)
@@ -72,7 +72,9 @@ def _stopped_capture(case: Case) -> None:
     with case.monkeypatch.context() as stopped:
         stopped.setattr(flying, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
-    case.follow("what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0)
+    case.follow(
+        "finished images are kept, continue with --resume", lambda: case.run(*asked, "--resume").returncode == 0
+    )
 
 
 @remedy("cli/pairing.py", STOPPED)
@@ -81,12 +83,14 @@ def _stopped_pairs(case: Case) -> None:
     with case.monkeypatch.context() as stopped:
         stopped.setattr(pairing, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
-    case.follow("what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0)
+    case.follow(
+        "finished images are kept, continue with --resume", lambda: case.run(*asked, "--resume").returncode == 0
+    )
 
 
 @remedy(
     "cli/flying.py",
-    "same tile: {} has one and the same file in {} places, which {} images show{}. It may be water or "
+    "same tile: {} has the same file in {} places, shown by {} images{}. It may be water or "
     "snow; if it shows no "
     "imagery, treat it as missing: --resume --placeholder {}",
 )

@@ -194,7 +194,7 @@ def _link(case: Case) -> None:
     case.follow("remove it", lambda: files.open_own(own, "ab").close())
 
 
-@remedy("storage/files.py", "it is no regular file; remove it")
+@remedy("storage/files.py", "it is not a regular file; remove it")
 def _pipe(case: Case) -> None:
     if not hasattr(os, "mkfifo"):
         pytest.skip("this system has no pipes with a name")

@@ -81,7 +81,7 @@ def test_what_is_no_regular_file_is_not_replaced(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "link").symlink_to("pipe")
     for name in ("pipe", "link"):
-        with pytest.raises(OutputError, match="it is no regular file"):
+        with pytest.raises(OutputError, match="it is not a regular file"):
             write_whole(tmp_path / name, b"x")
     assert sorted(one.name for one in tmp_path.iterdir()) == ["link", "pipe"]
     assert not (tmp_path / "pipe").is_file()
@@ -98,5 +98,5 @@ def test_foreign_files_are_regular(tmp_path):
     # With a writer that does not come, opening a pipe would wait for good.
     os.mkfifo(tmp_path / "pipe")
     for other in (tmp_path / "pipe", Path(os.devnull), tmp_path):
-        with pytest.raises(OSError, match="no regular file"):
+        with pytest.raises(OSError, match="not a regular file"):
             files.open_foreign(other)

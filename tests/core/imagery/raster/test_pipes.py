@@ -17,5 +17,5 @@ def test_a_pipe_beside_a_raster_is_refused(tmp_path, name):
     Image.new("L", (8, 8)).save(tmp_path / "a.tif")
     allowed_drivers(str(tmp_path / "a.tif"))
     os.mkfifo(tmp_path / name)
-    with pytest.raises(InvalidInput, match=rf"{name}: is no regular file"):
+    with pytest.raises(InvalidInput, match=rf"{name}: is not a regular file"):
         allowed_drivers(str(tmp_path / "a.tif"))

@@ -230,7 +230,7 @@ def test_files_that_are_no_rasters_are_refused_in_one_line(tmp_path, library):
     assert "is a folder" in refused(tmp_path)
     for name, content in (("empty.tif", b""), ("text.tif", b"a,b\n1,2\n"), ("cut.tif", b"II*\0\x08\0\0\0")):
         (tmp_path / name).write_bytes(content)
-        assert "no raster that can be read" in refused(tmp_path / name)
+        assert "not a readable raster" in refused(tmp_path / name)
 
 
 def test_rasters_without_a_place_on_the_map_are_refused_in_one_line(values, tmp_path, library):

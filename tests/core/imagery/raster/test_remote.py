@@ -163,7 +163,7 @@ def test_redirects_lead_to_http_alone(server, url, values):
 
 def test_what_is_no_raster_is_named_as_the_user_did(server):
     server.files["/x.tif"] = b"hello" * 1000, '"x"'
-    with pytest.raises(InvalidInput, match="is no raster that can be read") as raised:
+    with pytest.raises(InvalidInput, match="is not a readable raster") as raised:
         open_raster(f"{server.url}/x.tif")
     assert "#" not in str(raised.value)
 

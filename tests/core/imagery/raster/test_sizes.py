@@ -222,7 +222,7 @@ def test_directories_of_a_tiff_are_counted(tmp_path, library, monkeypatch, loops
 def test_broken_directories_are_left_to_gdal(tmp_path, library, content):
     path = tmp_path / "broken.tif"
     path.write_bytes(b"II*\0" + content)
-    assert "is no raster that can be read" in refusal(path)
+    assert "is not a readable raster" in refusal(path)
 
 
 def test_metadata_beside_and_within_a_raster_are_counted(tmp_path, library, one, monkeypatch):

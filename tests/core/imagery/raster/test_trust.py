@@ -199,14 +199,14 @@ def test_a_vrt_reads_regular_files_alone(folder, outside, library, kind):
     else:
         inside.symlink_to("/dev/zero")
     text = refusal(naming(folder / "map.vrt", outside, "odd.tif", "1"))
-    assert "which is no regular file" in text or (kind == "link to a device" and "is not beside it" in text)
+    assert "which is not a regular file" in text or (kind == "link to a device" and "is not beside it" in text)
 
 
 @pytest.mark.parametrize("ending", [".ovr", ".msk", ".OVR"])
 def test_a_folder_in_the_place_of_overviews_is_refused(outside, library, ending):
     """GDAL would look for a format in it, of which some name other files."""
     outside.with_name(outside.name + ending).mkdir()
-    assert "is no regular file, and lies beside" in refusal(outside)
+    assert "is not a regular file, and lies beside" in refusal(outside)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links need rights there")
@@ -451,5 +451,5 @@ def test_a_pipe_in_the_place_of_a_file_beside_a_raster_is_refused(tmp_path, name
     (tmp_path / "map.tif.gone").symlink_to("nowhere")
     assert allowed_drivers(str(path))
     os.mkfifo(tmp_path / name)
-    with pytest.raises(InvalidInput, match=f"{name}: is no regular file, and lies beside map.tif"):
+    with pytest.raises(InvalidInput, match=f"{name}: is not a regular file, and lies beside map.tif"):
         allowed_drivers(str(path))

@@ -235,7 +235,7 @@ def test_token_goes_with_each_request_and_into_no_file(server):
             "not started",
         ),
         ({"error": {}}, "no reason given"),
-        ([1, 2], "no description of a service"),
+        ([1, 2], "does not describe a service"),
         (map_service(cached=False, capabilities="Query"), "neither has tiles nor draws maps"),
         (map_service(tileInfo={"cols": "many"}, capabilities="Tilemap"), "cannot be read"),
         (map_service(tileInfo={**map_service()["tileInfo"], "cols": 10**40}), ""),

@@ -386,7 +386,7 @@ def test_a_key_is_sent_and_written_nowhere(server):
          {"wmts": "capabilities that cannot be read", "wms": "are of a WMTS: write wmts:"}),
         (xml(b"<WMS_Capabilities/>"), {"wmts": "are of a WMS: write wms:", "wms": "capabilities that cannot be read"}),
         (xml(b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><Capabilities>&e;</Capabilities>'),
-         {"wmts": "a document type or entities of its own, which are not read", "wms": "are of a WMTS"}),
+         {"wmts": "a document type or entities, which are not read", "wms": "are of a WMTS"}),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("kind", ["wmts", "wms"])

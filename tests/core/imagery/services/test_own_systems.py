@@ -423,7 +423,7 @@ def test_templates_are_of_the_map_or_state_their_plane(tmp_path):
     url = "https://h.example/wms?bbox={bbox}"
     kept = add("mine", {**data, "urls": {"": url}, "plane": plane}, tmp_path)
     assert kept.templates("")[""].url(2, 1, 1).endswith("bbox=262144.0,5475712.0,524288.0,5737856.0")
-    with pytest.raises(InvalidInput, match=r"\{bbox\} is for a source with a plane of its own"):
+    with pytest.raises(InvalidInput, match=r"\{bbox\} is for a source that states a plane"):
         open_source(url)
     with pytest.raises(InvalidInput, match=r"\{bbox-epsg-3857\} is for tiles of the Web-Mercator map"):
         add("other", {**data, "urls": {"": "https://h.example/?{bbox-epsg-3857}"}, "plane": plane}, tmp_path)
