@@ -23,7 +23,6 @@ from .parts import (
     BY_WAYPOINT,
     FLAT_PARTS,
     PAPER,
-    PAPER_MAX_PX,
     Accuracy,
     Attitude,
     Flight,
@@ -122,7 +121,8 @@ class Mission:
     @property
     def limit_px(self) -> int | None:
         """Limit of a picture's longer side in pixels of 256 px tiles, besides the source's; None without one."""
-        return PAPER_MAX_PX if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
+        # The paper's images have at most 640 px.
+        return 640 if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
 
     @property
     def kind(self) -> str:
@@ -131,7 +131,7 @@ class Mission:
 
     @property
     def trigger(self) -> str:
-        """What releases the camera; for points, which have no rows, waypoints in place of distance."""
+        """Trigger of the camera: the route's, but waypoints instead of distance for points, which have no rows."""
         if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
             return BY_WAYPOINT
         return self.route.trigger

@@ -31,14 +31,10 @@ COVER, PAPER = "cover", "paper"
 AUTO = "auto"
 #: One ray per pixel of a camera frame instead of a mesh.
 RAYS = "rays"
-#: Limit of a picture's longer side in the paper's layout, unless the mission gives another.
-PAPER_MAX_PX = 640
 #: Greatest height above ground, metres: up to there, float64 holds the ground to less than a micrometre.
 HIGHEST_AGL_M = 1e9
 #: Heights of the ground, metres: the deepest ocean trench and Everest, with room for the geoid.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
-#: Widest margin around an area, metres.
-WIDEST_MARGIN_M = 100_000.0
 #: References of the heights of captures.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
 #: Entries into the rows: as laid out, at the corner nearest to the take-off, or at a compass corner (east, north).
@@ -324,7 +320,7 @@ class Flight(CheckedFields):
         unit="m",
         option="margin",
         least=0.0,
-        most=WIDEST_MARGIN_M,
+        most=100_000.0,
     )
     airspeed_m_per_s: float = declared(
         15.0,

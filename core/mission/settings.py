@@ -29,14 +29,7 @@ from .options import OPTIONS
 from .parts import Pixels
 from .presets import preset_named
 
-ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
-#: Alternatives that state the same, each of one option or of options that go together.
-_ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
-    (("coords",), ("area",)),
-    (("camera",), ("fov",), ("hfov",), ("vfov",), ("sensor", "focal_length")),
-    (("zoom",), ("gsd",)),
-)
 
 
 def resolve(
@@ -117,7 +110,7 @@ def _places(
 ) -> Iterator[dict[str, tuple[str, Any]]]:
     """Yield the options of each place in order of precedence: by name, a label for messages and the value."""
     yield {name: ("option", value) for name, value in given.items() if value is not None}
-    variables = {option.name: ENVIRONMENT_PREFIX + option.name.upper() for option in OPTIONS}
+    variables = {option.name: f"TERRAINAV_{option.name.upper()}" for option in OPTIONS}
     yield {
         name: (f"environment {variable}, option", environment[variable])
         for name, variable in variables.items()
@@ -128,10 +121,15 @@ def _places(
 
 
 def _settled_options(name: str) -> set[str]:
-    """Options that later places cannot change once one is given: itself, and its alternatives."""
+    """Options that later places cannot change once one is given: itself, and others that state the same."""
     # A named camera sets shape and pixels; these do not set a camera.
     found = {name, "aspect_ratio", "image_px"} if name == "camera" else {name}
-    for ways in _ALTERNATIVES:
+    alternatives: tuple[tuple[tuple[str, ...], ...], ...] = (
+        (("coords",), ("area",)),
+        (("camera",), ("fov",), ("hfov",), ("vfov",), ("sensor", "focal_length")),
+        (("zoom",), ("gsd",)),
+    )
+    for ways in alternatives:
         if any(name in way for way in ways):
             found.update(other for way in ways if name not in way for other in way)
     return found

@@ -15274,5 +15274,10 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>a document type or entities, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
     </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py" />
+        <source>{0}: its crs {1!r} is not a geographic or projected reference system that PROJ knows; must be a code such as EPSG:25832</source>
+        <translation>{0}: su crs {1!r} no es ningún sistema de referencia geográfico o proyectado que PROJ conozca; debe ser un código como EPSG:25832</translation>
+    </message>
     </context>
 </TS>

@@ -3,7 +3,7 @@
 In reading order:
 
 - `area`: boxes, polygons and points
-- `coords`: areas in text
+- `coords`: areas from text, in the paper's formats
 - `geojson`: shapes of GeoJSON files, in degrees of WGS 84
-- `files`: polygons in GeoJSON, KML and KMZ files
+- `files`: polygons from GeoJSON, KML and KMZ files
 """

@@ -1,4 +1,4 @@
-"""Where a mission goes: a box, a polygon or several, or points, and what of it lies in bands and rectangles."""
+"""Areas of missions: boxes, polygons and points, and the parts of them inside bands and rectangles."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ from ..parts import HIGHEST_AGL_M, Attitude, Flight
 Position = tuple[float, float]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.
 Edges = tuple[Floats, Floats, Floats, Floats]
-#: Share of sides within which they touch rather than cross, and of a square about a polygon below which it is none.
-_TOUCHING, _NO_GROUND = 1e-9, 1e-9
-#: Pairs of edges, or of a rectangle and a corner of a polygon, looked at in one go, to bound memory: 13 MB for areas.
+#: Pairs of edges, or of a rectangle and a corner of a polygon, per batch, which bounds memory to 13 MB.
 _CHUNK = 100_000
 
 
@@ -35,7 +33,7 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
 
 
 def check_ground(area: Area) -> None:
-    """Refuse a box whose edges enclose no ground; polygons without ground are none from the start."""
+    """Refuse a box whose edges enclose no ground; `check_rings` does so for polygons."""
     if not isinstance(area, Box) or area.area_m2() > 0.0:
         return
     if area.north_deg == area.south_deg or area.span_deg > 0.0:
@@ -54,13 +52,13 @@ def check_ground(area: Area) -> None:
 
 
 def check_agl(agl_m: float) -> None:
-    """Refuse a height above ground that no flight has."""
+    """Refuse a height above ground outside the limits of `Flight.agl_m`."""
     field_named(Flight, "agl_m").settled(agl_m)
 
 
-#: Angles that points may have of their own.
+#: Angles that points may state.
 ANGLES = ("yaw", "tilt", "roll")
-#: The year 10000, which no text of ISO 8601 has.
+#: The year 10000, beyond ISO 8601.
 LATEST_S = 253_402_300_800.0
 
 
@@ -70,21 +68,21 @@ def check_yaw(yaw_deg: float) -> None:
 
 
 class _Covered:
-    """Areas that rows of captures cover, as opposed to points."""
+    """An area that rows of captures cover, as opposed to points."""
 
     covers_ground: ClassVar[bool] = True
     kind: ClassVar[str] = "raster"
-    #: Times that points may state, and these do not.
+    #: Points may state times; these areas do not.
     times_s: ClassVar[tuple[float, ...]] = ()
 
     def stated_deg(self, _name: str) -> tuple[float, ...]:
-        """Return no angles: all captures have the mission's."""
+        """Return no angles: the mission's hold for all captures."""
         return ()
 
 
 @dataclass(frozen=True)
 class Box(_Covered):
-    """A latitude-longitude box, in degrees; one whose west exceeds its east crosses the antimeridian."""
+    """A box in degrees; where its west exceeds its east, it crosses the antimeridian."""
 
     north_deg: float
     west_deg: float
@@ -110,12 +108,12 @@ class Box(_Covered):
 
     @property
     def continuous_east_deg(self) -> float:
-        """East edge, never less than west."""
+        """East edge, at least the west edge."""
         return self.west_deg + self.span_deg
 
     @property
     def edges_deg(self) -> tuple[float, float, float, float]:
-        """West, south, east and north, the east never less than the west."""
+        """West, south, east and north; east is at least west."""
         return self.west_deg, self.south_deg, self.continuous_east_deg, self.north_deg
 
     @property
@@ -134,7 +132,7 @@ class Box(_Covered):
         return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
 
     def area_m2(self) -> float:
-        """Square metres of ellipsoid inside."""
+        """Area on the ellipsoid, square metres."""
         return self.span_deg * float(WGS84.zone_area_m2_per_deg(np.asarray(self.south_deg), np.asarray(self.north_deg)))
 
 
@@ -145,8 +143,8 @@ class Polygon(_Covered):
     Parameters
     ----------
     rings : tuple of rings, each a tuple of (longitude, latitude) in degrees
-        The outer ring first, then holes; closed or not. Longitudes run on across the antimeridian (179,
-        181) instead of jumping; a jump of more than 180 degrees is read as such a crossing, but for one along a pole.
+        The outer ring first, then holes; closed or not. Longitudes are continuous across the antimeridian (179, 181);
+        a jump of more than 180 degrees is taken as a crossing, except along a pole.
     """
 
     rings: tuple[tuple[Position, ...], ...]
@@ -178,15 +176,15 @@ class Polygon(_Covered):
         return (self,)
 
     def area_m2(self) -> float:
-        """Square metres of ellipsoid inside the outer ring and outside the holes."""
+        """Area on the ellipsoid without the holes, square metres."""
         outer, *holes = (WGS84.ring_area_m2(lon, lat) for lon, lat in self.arrays())
         return outer - sum(holes)
 
 
 def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
-    """Ring without its closing corner, longitudes made continuous."""
+    """Drop a ring's closing corner and make its longitudes continuous."""
     corners = [(float(lon), float(lat)) for lon, lat in ring]
-    # As often as it is there: what is written and read again is the same ring.
+    # Repeated closing corners go as well, so that a ring read back equals the one written.
     while len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < 3:
@@ -195,7 +193,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
         check_lat_lon(lat, lon)
     tidy = [corners[0]]
     for lon, lat in corners[1:]:
-        # Along a pole all longitudes are one place: sides there lead as far as they say.
+        # Sides along a pole may span any longitudes.
         along_pole = abs(lat) == 90.0 and lat == tidy[-1][1]
         turns = 0 if along_pole else round((lon - tidy[-1][0]) / 360.0)
         tidy.append((lon - 360.0 * turns, lat))
@@ -204,15 +202,14 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
 
 @dataclass(frozen=True)
 class Polygons(_Covered):
-    """Several polygons that one mission covers, each by rows of its own.
+    """Several polygons that one mission covers, each by separate rows.
 
-    Parts that are the same polygon are one. Where two others overlap, the ground belongs to both: each of them is
-    covered, and the area counts it for each.
+    Equal polygons count once. Ground where others overlap counts for each of them, and is covered for each.
 
     Parameters
     ----------
     parts : tuple of Polygon
-        One at least.
+        At least one.
     """
 
     parts: tuple[Polygon, ...]
@@ -226,13 +223,13 @@ class Polygons(_Covered):
         object.__setattr__(self, "parts", parts)
 
     def placed(self) -> tuple[PlacedRings, ...]:
-        """Return the parts, all their longitudes within those of the bounds, which go on beyond 180."""
+        """Return the parts with longitudes within those of the bounds, which continue beyond 180."""
         west = self.bounds.west_deg
         return tuple(PlacedRings.from_polygon(part, west) for part in self.parts)
 
     @property
     def bounds(self) -> Box:
-        """The smallest box around all parts: across the antimeridian where that is the shorter way."""
+        """The smallest box around all parts; may cross the antimeridian."""
         boxes = [part.bounds for part in self.parts]
         if len(boxes) == 1:
             return boxes[0]
@@ -241,18 +238,18 @@ class Polygons(_Covered):
         return Box(north, west, south, east - 360.0 if east > 180.0 else east)
 
     def area_m2(self) -> float:
-        """Square metres of ellipsoid inside the parts."""
+        """Sum of the parts' areas on the ellipsoid, square metres."""
         return sum(part.area_m2() for part in self.parts)
 
 
 class PlacedRings(NamedTuple):
-    """Rings of one polygon, the outer one first, with longitudes of a turn of the world of their own."""
+    """Rings of one polygon, the outer one first, shifted by whole turns of longitude."""
 
     rings: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
     def from_polygon(cls, polygon: Polygon, west_deg: float) -> PlacedRings:
-        """Return a polygon whose westernmost longitude is in the turn eastward of a meridian."""
+        """Shift a polygon so that its westernmost longitude lies in the turn east of a meridian."""
         rings = polygon.arrays()
         turn = 360.0 * math.ceil((west_deg - float(rings[0][0].min())) / 360.0)
         return cls(tuple((lon + turn, lat) for lon, lat in rings))
@@ -269,13 +266,13 @@ class PlacedRings(NamedTuple):
 
 
 def _around(spans: list[tuple[float, float]]) -> tuple[float, float]:
-    """West and east end, in continuous degrees, of the shortest stretch that holds all of some; west in [-180, 180)."""
+    """West and east end, in continuous degrees, of the shortest span that holds all spans; west in [-180, 180)."""
     spans = sorted(spans)
     reach, gaps = spans[0][1], []
     for west, east in spans[1:]:
         gaps.append((west - reach, west))
         reach = max(reach, east)
-    # The gap across the antimeridian, from the last back to the first, comes first: it wins where all are equal.
+    # The gap from the last span back to the first comes first, so that it wins among equal gaps.
     widest, first = max([(spans[0][0] + 360.0 - reach, spans[0][0]), *gaps], key=lambda gap: gap[0])
     if widest <= 0.0:
         return -180.0, 180.0
@@ -284,16 +281,16 @@ def _around(spans: list[tuple[float, float]]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Points:
-    """Single captures, each with its own height.
+    """Single captures at given places and heights.
 
     Parameters
     ----------
     poses : tuple of (latitude, longitude, height above ground), degrees and metres
     yaws_deg, tilts_deg, rolls_deg : tuple of float
-        Yaw of each, -360..360, its tilt and its roll, -180..180; empty where all have the mission's own.
+        Yaw (-360 to 360), tilt and roll (-180 to 180) of each; empty where the mission's hold for all.
     times_s : tuple of float
-        When each is captured, seconds after 1970 in UTC, none before the one before it; empty where the mission's start
-        and airspeed tell.
+        Times of capture, seconds after 1970 in UTC, not decreasing; empty where they follow from the mission's start
+        and airspeed.
     """
 
     poses: tuple[tuple[float, float, float], ...]
@@ -322,13 +319,13 @@ class Points:
                     "{0} {1} of {2} points: give one for each, or none", len(values), what, len(self.poses)
                 )
         for name in ANGLES:
-            field, own = field_named(Attitude, f"{name}_deg"), self.stated_deg(name)
-            for angle in () if _all_allowed(own, field.least, field.most) else own:
+            field, angles = field_named(Attitude, f"{name}_deg"), self.stated_deg(name)
+            for angle in () if _all_allowed(angles, field.least, field.most) else angles:
                 field.settled(angle)
         _check_times(self.times_s)
 
     def stated_deg(self, name: str) -> tuple[float, ...]:
-        """Angles of the points, one of `ANGLES`; empty where all have the mission's."""
+        """Angles of the points, by one of `ANGLES`; empty where the mission's holds for all."""
         stated: tuple[float, ...] = getattr(self, f"{name}s_deg")
         return stated
 
@@ -341,21 +338,21 @@ class Points:
         """Some of the points, by index."""
         lists = ("poses", "yaws_deg", "tilts_deg", "rolls_deg", "times_s")
         values = ((name, getattr(self, name)) for name in lists)
-        return Points(**{name: tuple(of[one] for one in which) for name, of in values if of})
+        return Points(**{name: tuple(items[one] for one in which) for name, items in values if items})
 
     @property
     def bounds(self) -> Box:
-        """The smallest box around the points: across the antimeridian where that is the shorter way."""
+        """The smallest box around the points; may cross the antimeridian."""
         lat, lon, _ = np.array(self.poses, np.float64).reshape(-1, 3).T
         lon = np.unique(np.where(np.abs(lon) <= 180.0, lon, wrap_lon_deg(lon)))
-        # It ends where the widest gap between neighbours begins; the first is the one across the antimeridian.
+        # The box leaves out the widest gap between neighbours; the first gap crosses the antimeridian.
         gaps = np.diff(lon, prepend=lon[-1] - 360.0)
         first = int(np.argmax(gaps))
         return Box(float(lat.max()), float(lon[first]), float(lat.min()), float(lon[first - 1]))
 
 
 def _all_allowed(numbers: tuple[Any, ...], least: float | None, most: float | None) -> bool:
-    """Whether numbers are surely within limits, looked at all at once; where not, each is looked at by itself."""
+    """Fast check of numbers against limits; where it fails, the slow check of each decides."""
     if least is None or most is None or not set(map(type, numbers)) <= {float, int}:
         return False
     values = np.array(numbers)
@@ -379,7 +376,7 @@ def _check_times(times_s: tuple[Any, ...]) -> None:
 
 
 def _all_poses_allowed(poses: tuple[tuple[float, float, float], ...]) -> bool:
-    """Whether poses are surely right, looked at all at once; where not, each is looked at by itself."""
+    """Fast check of poses; where it fails, the slow check of each decides."""
     values = np.array(poses) if len({len(pose) for pose in poses}) == 1 else np.empty(0)
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
@@ -396,7 +393,7 @@ Area = Union[Box, Polygon, Polygons, Points]
 
 
 class Rings(Protocol):
-    """Something of rings, the outer one first, whose sides are straight along two axes: of degrees, or of a plane."""
+    """Rings, the outer one first, with straight sides in degrees or in the coordinates of a plane."""
 
     def arrays(self) -> list[tuple[Floats, Floats]]:
         """First and second coordinates of each ring's corners."""
@@ -404,7 +401,7 @@ class Rings(Protocol):
 
 
 def polygon_edges(polygon: Rings) -> Edges:
-    """Start longitude, start latitude, end longitude, end latitude of every side of every ring."""
+    """Edges of all rings."""
     rings = polygon.arrays()
     lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
     lon1, lat1 = (np.concatenate([np.roll(part, -1) for part in parts]) for parts in zip(*rings))
@@ -412,23 +409,23 @@ def polygon_edges(polygon: Rings) -> Edges:
 
 
 def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, Floats]]:
-    """Ground that an area shares with any of some polygons, as trapezoids between parallels.
+    """Ground that an area shares with any of some polygons, as disjoint trapezoids between parallels.
 
-    They have no ground in common. Their longitudes are continuous with the area's.
+    Longitudes are continuous with the area's.
     """
     rings = area.arrays()
     west, east = float(rings[0][0].min()), float(rings[0][0].max())
     south, north = float(rings[0][1].min()), float(rings[0][1].max())
     shapes = [rings]
     for other in others:
-        own = other.arrays()
-        lon, lat = own[0]
+        other_rings = other.arrays()
+        lon, lat = other_rings[0]
         if lat.max() <= south or lat.min() >= north:
             continue
-        # It lies there as often as the world goes round beneath the area.
+        # The polygon appears once for each turn of longitude that the area spans.
         first = math.ceil((west - float(lon.max())) / 360.0)
         last = math.floor((east - float(lon.min())) / 360.0)
-        shapes += [[(x + 360.0 * turn, y) for x, y in own] for turn in range(first, last + 1)]
+        shapes += [[(x + 360.0 * turn, y) for x, y in other_rings] for turn in range(first, last + 1)]
     edges, owners = [], []
     for owner, shape in enumerate(shapes):
         sides = np.stack(polygon_edges(PlacedRings(tuple(shape))))
@@ -462,7 +459,9 @@ def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, F
 
 
 def _crossing_places(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> tuple[Floats, Floats]:
-    """Longitudes and latitudes at which edges (n,) cross each other, but for those that only touch."""
+    """Longitudes and latitudes at which edges (n,) cross each other; edges that touch do not cross."""
+    # Edges that meet within this share of their length from an end only touch.
+    end = 1e-9
     order = np.argsort(np.minimum(lon0, lon1), kind="stable")
     lon0, lat0, lon1, lat1 = (part[order] for part in (lon0, lat0, lon1, lat1))
     x, y = lon1 - lon0, lat1 - lat0
@@ -473,8 +472,8 @@ def _crossing_places(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> 
         with np.errstate(divide="ignore", invalid="ignore"):
             share = (apart_x * y[other] - apart_y * x[other]) / turn
             other_share = (apart_x * y[at] - apart_y * x[at]) / turn
-            cross = (share > _TOUCHING) & (share < 1.0 - _TOUCHING)
-            cross &= (other_share > _TOUCHING) & (other_share < 1.0 - _TOUCHING)
+            cross = (share > end) & (share < 1.0 - end)
+            cross &= (other_share > end) & (other_share < 1.0 - end)
         if cross.any():
             first = at[cross]
             lon.append(lon0[first] + share[cross] * x[first])
@@ -483,9 +482,9 @@ def _crossing_places(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> 
 
 
 def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbers]]:
-    """Yield pairs of edges that share longitudes, many at a time; edges are in the order of their western ends."""
+    """Yield pairs of edges that share longitudes, in batches; edges are sorted by their western ends."""
     west = np.minimum(lon0, lon1)
-    # Only those that begin before one ends can cross it.
+    # Count the edges that begin before each one ends.
     counts = np.maximum(np.searchsorted(west, np.maximum(lon0, lon1)) - np.arange(len(west)) - 1, 0)
     totals = np.cumsum(counts)
     if len(totals) and totals[-1] > MAX_PAIRS_OF_SIDES:
@@ -505,11 +504,12 @@ def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbe
 
 
 def check_rings(polygon: Polygon) -> None:
-    """Refuse a polygon whose rings tell no ground: sides that cross, holes that are not in it, or no area.
+    """Refuse a polygon that is not valid.
 
     Raises
     ------
     InvalidInput
+        Sides cross, a hole lies outside, the polygon encloses no ground, or it surrounds a pole.
     """
     outer, *holes = polygon.arrays()
     if abs(outer[0][-1] - outer[0][0]) > 180.0:
@@ -526,13 +526,14 @@ def check_rings(polygon: Polygon) -> None:
         )
     whole = PlacedRings((outer,))
     for number, (hole_lon, hole_lat) in enumerate(holes, 1):
-        # The middles of its sides are inside even where its corners lie on the ring around it.
+        # Middles of sides lie inside even where corners lie on the outer ring.
         at_lon, at_lat = (np.concatenate([at, (at + np.roll(at, -1)) / 2.0]) for at in (hole_lon, hole_lat))
         if not holds(whole, at_lat, at_lon).any():
             raise InvalidInput("polygon with hole {0:,} outside of it: holes lie inside the outer ring", number)
     west, south, east, north = whole.edges_deg
     sides_m2 = WGS84.a_m**2 * math.radians(max(east - west, north - south)) ** 2
-    if polygon.area_m2() <= _NO_GROUND * sides_m2 * math.cos(math.radians(min(abs(south), abs(north)))):
+    # Rounding leaves corners on one line this share of the square around them.
+    if polygon.area_m2() <= 1e-9 * sides_m2 * math.cos(math.radians(min(abs(south), abs(north)))):
         raise InvalidInput(
             "polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are "
             "all of it"
@@ -540,19 +541,19 @@ def check_rings(polygon: Polygon) -> None:
 
 
 def check_area(area: Area) -> None:
-    """Refuse an area with a polygon that tells no ground, see `check_rings`."""
+    """Refuse an area with an invalid polygon, see `check_rings`."""
     check_polygons([one for one in area.parts if isinstance(one, Polygon)], Message("area"), "area")
 
 
 def check_polygons(polygons: Sequence[Polygon], what: Message, name: str) -> None:
-    """Refuse polygons of which one tells no ground, see `check_rings`; number it where there are several.
+    """Refuse polygons of which one is invalid, see `check_rings`; messages number it among several.
 
     Parameters
     ----------
     what : Message
-        What they are, such as "area".
+        What the polygons are, such as "area", for messages.
     name : str
-        Field that they are of.
+        Field that holds them.
     """
     for number, polygon in enumerate(polygons, 1):
         _check_named(polygon, what if len(polygons) == 1 else Message("{0}: polygon {1:,}", what, number), name)
@@ -566,26 +567,25 @@ def _check_named(polygon: Polygon, what: Message, name: str) -> None:
 
 
 def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
-    """Least and greatest longitude of what each edge has strictly between two parallels; others left out."""
+    """Least and greatest longitude of the edges that enter the band strictly between two parallels, inside it."""
     inside = _reach_into(edges, south, north)
     return _between(_picked(edges, inside), south, north)
 
 
 def _picked(edges: Edges, which: Flags | Numbers) -> Edges:
-    """Some of the edges."""
     lon0, lat0, lon1, lat1 = (part[which] for part in edges)
     return lon0, lat0, lon1, lat1
 
 
 def _reach_into(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
-    """Which edges have something strictly between two parallels."""
+    """Which edges enter the band strictly between two parallels."""
     _, lat0, _, lat1 = edges
     reach: Flags = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
     return reach
 
 
 def _between(edges: Edges, south: Floats | float, north: Floats | float) -> tuple[Floats, Floats]:
-    """Least and greatest longitude of what each edge has between two parallels that it reaches into."""
+    """Least and greatest longitude of each edge inside a band of latitude that it enters."""
     lon0, lat0, lon1, lat1 = edges
     rise = np.where(lat1 == lat0, 1.0, lat1 - lat0)
     slope = (lon1 - lon0) / rise
@@ -597,7 +597,7 @@ def _between(edges: Edges, south: Floats | float, north: Floats | float) -> tupl
 
 
 def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
-    """West and east end, in continuous degrees, of what each band of latitude holds of an area.
+    """West and east end, in continuous degrees, of an area inside each band of latitude.
 
     Parameters
     ----------
@@ -607,7 +607,7 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
     Returns
     -------
     array (n, 2)
-        NaN where a band holds nothing.
+        NaN where a band misses the area.
     """
     if isinstance(area, Box):
         return np.tile([area.west_deg, area.continuous_east_deg], (len(top_v), 1))
@@ -621,9 +621,9 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
 
 
 def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Flags:
-    """Which rectangles of degrees share ground with a polygon (n,); longitudes continuous with it.
+    """Which rectangles of degrees (n,) share ground with a polygon; longitudes continuous with it.
 
-    Rectangles of one row (equal south and north, one after the other) are looked at together.
+    Consecutive rectangles with equal south and north are tested together.
     """
     edges = polygon_edges(polygon)
     touches = np.zeros(len(west), bool)
@@ -633,11 +633,11 @@ def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: F
         low, high = in_band(edges, float(south[start]), float(north[start]))
         crossings = _crossings(edges, float(south[start] + north[start]) / 2.0)
         middle = (west[row] + east[row]) / 2.0
-        within = np.searchsorted(crossings, middle) % 2 == 1
-        # An edge meets a rectangle unless it ends before it or begins after it.
+        held = np.searchsorted(crossings, middle) % 2 == 1
+        # An edge meets a rectangle unless it ends west of it or begins east of it.
         before = np.searchsorted(np.sort(high), west[row], side="right")
         after = len(low) - np.searchsorted(np.sort(low), east[row], side="left")
-        touches[row] = within | (before + after < len(low))
+        touches[row] = held | (before + after < len(low))
     return touches
 
 
@@ -656,9 +656,9 @@ def _crossing(edges: Edges, lat: Floats | float) -> Floats:
 
 
 def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> tuple[Flags, Flags]:
-    """Which rectangles an edge of a polygon passes through, and of which the middle is inside it, (n,) each.
+    """Which rectangles an edge of a polygon crosses, and which have their middle inside it, (n,) each.
 
-    One of the two holds where `touching` does. This is for rectangles that lie in no rows.
+    One of the two is true where `touching` is; unlike that, rectangles need not lie in rows.
     """
     edges = polygon_edges(polygon)
     crossed = np.zeros(len(west), bool)
@@ -672,7 +672,7 @@ def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, 
 
 
 def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
-    """Which places are inside a polygon, (n,); longitudes go on beyond 180 where the polygon's do."""
+    """Which places are inside a polygon, (n,); longitudes are continuous with the polygon's."""
     edges = polygon_edges(polygon)
     held = np.zeros(len(lat_deg), bool)
     for some in _parts(len(lat_deg), len(edges[0])):
@@ -684,7 +684,7 @@ def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
 
 
 def inside(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
-    """Return which places are inside an area, (n,), whatever turn of the world their longitudes count from."""
+    """Which places are inside an area, (n,); longitudes may differ by whole turns."""
     west, south, _, north = area.bounds.edges_deg
     if isinstance(area, Box):
         in_turn = np.mod(lon_deg - west, 360.0) <= area.span_deg
@@ -693,20 +693,20 @@ def inside(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
     for polygon in area.parts:
         west, south, east, north = polygon.bounds.edges_deg
         lon = lon_deg - 360.0 * np.floor((lon_deg - west) / 360.0)
-        # Only what is in the box around it is looked at.
+        # Test only places in the polygon's box.
         near = np.flatnonzero((lat_deg >= south) & (lat_deg <= north) & (lon <= east) & ~found)
         found[near] = holds(polygon, lat_deg[near], lon[near])
     return found
 
 
 def _parts(count: int, each: int) -> Iterator[slice]:
-    """Parts of so many values that each take so many numbers."""
+    """Batches of ``count`` values that need ``each`` numbers apiece, see `_CHUNK`."""
     step = max(_CHUNK // each, 1)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
 def area_within_m2(area: Box | Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
-    """Square metres of an area inside rectangles of degrees that do not pass its box, (n,)."""
+    """Square metres of an area inside rectangles of degrees, (n,); those for a Box lie inside it."""
     if isinstance(area, Box):
         return (east - west) * WGS84.zone_area_m2_per_deg(south, north)
     return ground_m2(area, west, south, east, north, lambda lon, lat: (lat, lon))
@@ -720,18 +720,18 @@ def ground_m2(
     north: Floats,
     geodetic: Callable[[Floats, Floats], tuple[Floats, Floats]],
 ) -> Floats:
-    """Square metres of a polygon inside rectangles along its axes, (n,).
+    """Square metres of a polygon inside rectangles of its coordinates, (n,).
 
     Parameters
     ----------
     geodetic : callable
-        Latitudes and longitudes, continuous, of positions along the axes.
+        Converts coordinates to latitudes and continuous longitudes.
     """
     rectangles = np.stack([west, south, east, north], axis=1)
     crossed, held = crossed_and_held(polygon, west, south, east, north)
     ground = np.zeros(len(rectangles))
     corners = rectangles[:, [[0, 1], [2, 1], [2, 3], [0, 3]]]
-    # Only those that an edge passes through need to be cut.
+    # Only rectangles that an edge crosses need clipping.
     whole = np.flatnonzero(held & ~crossed)
     for some in _parts(len(whole), 4):
         count = len(whole[some])
@@ -750,9 +750,9 @@ def ground_m2(
 
 
 def _clipped(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
-    """Corners (m, 2) of a ring inside each of rectangles (n, 4), and which of these each corner is for, (m,).
+    """Clip a ring to each of n rectangles (n, 4), by Sutherland and Hodgman: corners (m, 2), and their rectangles (m,).
 
-    By Sutherland and Hodgman's clipping; rectangles that hold nothing of the ring have no corners.
+    Rectangles that miss the ring have no corners.
     """
     points, owner = np.tile(ring, (len(rectangles), 1)), np.repeat(np.arange(len(rectangles)), len(ring))
     for side, axis, sense in ((0, 0, 1.0), (2, 0, -1.0), (1, 1, 1.0), (3, 1, -1.0)):
@@ -763,26 +763,26 @@ def _clipped(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
 
 
 def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: float) -> tuple[Floats, Floats]:
-    """Ring cut by a meridian (axis 0) or parallel (axis 1) at ``limit``, one side of it kept.
+    """Cut a ring at a meridian (axis 0) or parallel (axis 1) ``limit``, and keep one side.
 
     Parameters
     ----------
     lon, lat : array (n,)
         Corners in degrees, not closed.
     sense : float
-        1 keeps the side where the coordinate is greater, -1 the other.
+        1 keeps the side of greater coordinates, -1 the other.
 
     Returns
     -------
     arrays (m,), (m,)
-        Corners of what is left; a concave ring's separate pieces stay joined along the cut.
+        Corners of that side; separate pieces of a concave ring stay joined along the cut.
     """
     points, _ = _cut(np.stack([lon, lat], axis=1), np.zeros(len(lon), np.int64), axis, limit, sense)
     return points[:, 0], points[:, 1]
 
 
 def _cut(points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float) -> tuple[Floats, Numbers]:
-    """Rings, one after the other, each cut at its own limit: corners (n, 2), and the ring's number of each, (n,)."""
+    """Cut consecutive rings, given by corners (n, 2) and their rings' numbers (n,), at one limit or one for each."""
     following = points[next_corners(ring)]
     here = sense * (points[:, axis] - limit)
     there = sense * (following[:, axis] - limit)

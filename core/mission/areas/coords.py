@@ -1,4 +1,4 @@
-"""The paper's coordinate formats."""
+"""Areas from text, in the paper's formats."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ from ..pose_table import UNICODE_MINUS, read_header, read_poses, states_separato
 from .area import Area, Box, Points
 
 _FORMATS = Message('"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines')
-_SEPARATORS = re.compile(r"[_,;\s]+")
 
 
 def _numbers(text: str, where: str) -> list[float]:
-    fields = [field for field in _SEPARATORS.split(text.translate(UNICODE_MINUS).strip()) if field]
+    fields = [field for field in re.split(r"[_,;\s]+", text.translate(UNICODE_MINUS).strip()) if field]
     try:
         return [_number(field) for field in fields]
     except InvalidInput as wrong:
@@ -32,7 +31,7 @@ def _number(text: str) -> float:
     try:
         return real_number(text)
     except ValueError as wrong:
-        # In Python's own words.
+        # The message of Python's float().
         raise InvalidInput("could not convert string to float: {0!r}", text) from wrong
 
 
@@ -45,27 +44,26 @@ def _scaled(agl: float, unit: str) -> float:
 def parse_coords(
     text: str, kind: str | None = None, agl_unit: str = "m", agl_m: float | None = None
 ) -> tuple[Area, float]:
-    """Area and height above ground (metres) from the paper's ``--coords``.
+    """Read area and height above ground (metres) from the paper's ``--coords``.
 
     Parameters
     ----------
     text : str
-        ``"lat_lon_agl"``, ``"latTL_lonTL_latBR_lonBR_agl"`` (commas or spaces do as well as underscores,
-        Unicode minus signs as hyphens), or a file of ``lat lon agl`` lines; those may have a fourth number, the
-        point's yaw in degrees. A file whose first line names its columns is a table of poses, as
-        `pose_table.read_poses` has it.
+        ``"lat_lon_agl"``, ``"latTL_lonTL_latBR_lonBR_agl"``, or a file of ``lat lon agl [yaw]`` lines, yaw in degrees.
+        Commas or spaces may replace underscores, and Unicode minus signs hyphens. A file whose first line names its
+        columns is a table of poses, see `pose_table.read_poses`.
     kind : str or None
-        single, list or raster; None to infer it. A single mission takes a file's first row, and a box's
-        top-left corner as its centre.
+        single, list or raster; None to infer it. A single mission takes a file's first row, and a box's top-left
+        corner as its centre.
     agl_unit : str
-        m or ft, of the heights given.
+        Unit of the heights, m or ft.
     agl_m : float or None
-        Height in metres of corners, a point or a table's poses that have none of their own.
+        Height in metres of corners, points or poses that state none.
 
     Raises
     ------
     InvalidInput
-        Names what cannot be read, with the line of a file.
+        The text or a line of the file cannot be read; names it.
     """
     if kind is not None and kind not in KINDS:
         raise InvalidInput("mission {0!r}: must be one of {1}", kind, ", ".join(KINDS))
@@ -97,21 +95,21 @@ def parse_points(
     agl_unit: str = "m",
     most: int | None = None,
 ) -> Points:
-    """Points from lines of ``lat lon agl``, or ``lat lon agl yaw``; empty lines and those that begin with # are none.
+    """Read points from lines of ``lat lon agl [yaw]``, without empty lines and comments (#).
 
     Parameters
     ----------
     where : str
-        What the lines are of, for messages.
+        Name of the text, for messages.
     agl_unit : str
-        m or ft.
+        Unit of the heights, m or ft.
     most : int or None
-        How many points are read; None for all.
+        Greatest number of points to read; None for all.
 
     Raises
     ------
     InvalidInput
-        Names the line that cannot be read; or no line holds a point.
+        A line cannot be read, or no line holds a point.
     """
     poses: list[tuple[float, float, float]] = []
     yaws: list[float] = []
@@ -140,7 +138,7 @@ def parse_points(
 def _read_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput("file {0}: holds points; a raster mission needs two corners and a height as text", path)
-    # Trajectories and flight logs have no heights above ground.
+    # Trajectories and flight logs lack heights above ground.
     if path.suffix.lower() in (".gpx", ".ulg", ".bin"):
         raise InvalidInput(
             "file {0}: is a trajectory or a flight log",
@@ -160,7 +158,7 @@ def _read_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None)
 
 
 def _pose(line: str, where: str, agl_unit: str) -> tuple[tuple[float, float, float], list[float]]:
-    """Pose of a line, and its yaw where it has one."""
+    """Pose of a line, and its yaw, if any, in a list."""
     values = _numbers(line, where)
     if len(values) not in (3, 4):
         raise InvalidInput("{0} {1!r} has {2} numbers; expected lat lon agl [yaw]", where, line.strip(), len(values))

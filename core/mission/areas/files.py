@@ -1,4 +1,4 @@
-"""Polygons in files: GeoJSON, KML and KMZ."""
+"""Polygons from GeoJSON, KML and KMZ files."""
 
 from __future__ import annotations
 
@@ -21,57 +21,43 @@ from ...text.safe_xml import UnreadableXMLError, XMLReader, iterate_elements
 from .area import Polygon, Polygons, check_rings
 from .geojson import System, shapes
 
-#: Ways in which files of a KMZ are packed; readers of others raise errors of their own.
-_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: What holds the rings of a Polygon: the outer one, and those of holes.
+#: Elements of a Polygon around its outer ring and its holes.
 _BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
-#: What `zipfile` raises of archives that are broken, encrypted, or not what they say.
-_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError, OSError)
-
-
 _Rings = tuple[tuple[tuple[float, float], ...], ...]
 
 
 def load_area(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> Polygon | Polygons:
-    """All polygons of a file as one area.
-
-    Raises
-    ------
-    InvalidInput
-        As `load_polygons` does.
-    """
+    """Read all polygons of a file as one area; raises as `load_polygons`."""
     found = load_polygons(path, Message("area file {0}", path), read_xml)
     return found[0] if len(found) == 1 else Polygons(found)
 
 
 def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> tuple[Polygon, ...]:
-    """All polygons of a file where no camera may stand; raises as `load_polygons` does."""
+    """Read all polygons of a file as no-fly areas; raises as `load_polygons`."""
     return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
 def load_polygons(
     path: str | os.PathLike[str], where: str, read_xml: XMLReader = iterate_elements
 ) -> tuple[Polygon, ...]:
-    """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
+    """Read the polygons of a GeoJSON, KML or KMZ file, in its order and without duplicates.
 
-    The kind of file is told by what it holds, whatever its name. Other geometries of it are left out, and so are the
-    heights of corners. In KML rings count that are those of a Polygon or stand alone; what the file links to is not
-    fetched.
+    The content decides the format, not the name. Other geometries and the heights of corners are ignored. In KML, rings
+    outside a Polygon count as polygons; links are not followed.
 
     Parameters
     ----------
     where : str
-        What the file is, for messages.
+        Name of the file, for messages.
     read_xml : callable
-        What reads KML; by default lxml does.
+        Parser of KML, by default lxml's.
 
     Raises
     ------
     InvalidInput
-        The file cannot be read, is in a reference system that is not known, holds no polygon, or one that is none, see
-        `check_rings`.
+        The file cannot be read, has an unknown reference system, no polygon, or an invalid one, see `check_rings`.
     OutputError
-        A KML file, and lxml is not installed.
+        The file is KML, and lxml is not installed.
     """
     try:
         body = read_limited(path, MAX_MISSION_BYTES, named_by_user=True)
@@ -83,12 +69,12 @@ def load_polygons(
     # A KMZ is a zip.
     if body.startswith(b"PK\x03\x04"):
         found = _kmz_polygons(body, where, read_xml)
-    # A mark of the encoding may come first, and UTF-16 has a zero beside each character.
+    # KML may begin with a byte order mark, and UTF-16 has a zero byte beside each character.
     elif body.lstrip(b"\xef\xbb\xbf\xfe\xff\0 \t\r\n").startswith(b"<"):
         found = _kml_polygons(body, where, read_xml)
     else:
         found = _geojson_polygons(body, where)
-    # Those that are there again take no time; they are numbered as the file has them.
+    # Skip duplicates early, but number polygons as the file does.
     first: dict[_Rings, int] = {}
     for number, rings in enumerate(found, 1):
         first.setdefault(rings, number)
@@ -135,14 +121,14 @@ def _ring_degrees(ring: list[Any], system: System) -> tuple[tuple[float, float],
 
 
 def _kmz_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
-    """Polygons of a KMZ: those of ``doc.kml``, or where that only leads to other files in it, as GDAL's, theirs."""
+    """Polygons of ``doc.kml`` in a KMZ, else those of its other KML files, to which GDAL's ``doc.kml`` links."""
     main, *others = _unpacked(body, where)
     found = list(_kml_polygons(main, where, read_xml))
     return found or [rings for text in others for rings in _kml_polygons(text, where, read_xml)]
 
 
 def _unpacked(body: bytes, where: str) -> list[bytes]:
-    """The KML files of a KMZ: ``doc.kml`` first, then those nearest to the top; raises where there is none."""
+    """Unpack the KML files of a KMZ, ``doc.kml`` first, then by depth; raises InvalidInput if there are none."""
     try:
         with zipfile.ZipFile(io.BytesIO(body)) as archive:
             entries = archive.infolist()
@@ -151,21 +137,23 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             found = [one for one in entries if one.filename.lower().endswith(".kml")]
             if not found:
                 raise InvalidInput("{0}: is a zip without a KML file", where)
-            # Google Earth calls the file that a KMZ shows doc.kml; others put it elsewhere.
+            # Google Earth shows doc.kml; other programs name the file differently.
             found.sort(key=lambda one: (one.filename.lower() != "doc.kml", one.filename.count("/")))
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
-                if one.compress_type not in _PACKED:
+                # Other decompressors raise undocumented errors.
+                if one.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
                     raise InvalidInput("{0}: is compressed in a way that KMZ does not use", where)
                 with archive.open(one) as packed:
-                    # What it says of its size may be wrong.
+                    # The stated size may be wrong.
                     texts.append(packed.read(left + 1))
                 left -= len(texts[-1])
                 if left < 0:
                     break
     except InvalidInput:
         raise
-    except _BROKEN as wrong:
+    # Raised by zipfile for broken, encrypted and forged archives.
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError, OSError) as wrong:
         raise InvalidInput("{0}: cannot be read as KMZ ({1})", where, wrong) from wrong
     if left < 0:
         raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
@@ -189,7 +177,7 @@ def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
 
 
 def _read_rings(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
-    """Rings of each Polygon, the outer one first, and those that stand alone."""
+    """Read the rings of each Polygon, the outer one first, and each LinearRing outside a Polygon."""
     found: list[_Rings] = []
     open_: list[str] = []
     ring: list[tuple[float, float]] = []
@@ -202,7 +190,7 @@ def _read_rings(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]
             elif name == "LinearRing":
                 ring = []
             elif open_[-2:] == ["LinearRing", "coordinates"]:
-                # People write spaces after the commas of a corner.
+                # Allow spaces after the commas of a corner.
                 corners = ",".join(part.strip() for part in text.split(",")).split()
                 ring += [_corner(corner, where) for corner in corners]
             continue

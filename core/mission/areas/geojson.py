@@ -1,8 +1,8 @@
-"""Shapes of GeoJSON files in degrees of WGS 84, whatever reference system they are written in.
+"""Read shapes of GeoJSON files, in any reference system, in degrees of WGS 84.
 
-RFC 7946 has WGS 84 alone. The specification of 2008 has a member ``crs``, which QGIS, GDAL and PostGIS still write; it
-holds for all that is inside, up to a ``crs`` further in. The easting or longitude comes first, as GDAL reads it,
-whatever order the system's own axes have.
+RFC 7946 allows only WGS 84. The specification of 2008 has a member ``crs``, which QGIS, GDAL and PostGIS still write;
+it applies to everything inside its object, unless an inner object has another ``crs``. Easting or longitude comes
+first, whatever the axis order of the system, as in GDAL.
 """
 
 from __future__ import annotations
@@ -22,25 +22,24 @@ from ...geodesy.reference import is_code, read_reference
 if TYPE_CHECKING:
     from pyproj import Transformer
 
-#: Metres that a side which is straight in its own system may be off on the ground once it is straight in degrees: about
-#: a pixel of the sharpest imagery there is. Between the places that are looked at it may be off by twice as much.
+#: Greatest deviation on the ground, metres, of a side that is straight in degrees from one that is straight in its
+#: system: about a pixel of the sharpest imagery. Half of it is allowed at the places compared.
 EDGE_TOLERANCE_M = 0.1
-#: Corners of one ring or line once its sides have been divided.
+#: Corners of one ring or line, with those added to its sides.
 _MOST_CORNERS = 1_000_000
-_M_PER_DEG = math.pi / 180.0 * WGS84.a_m
-#: Characters of a name that are shown.
+#: Characters of a name that messages show.
 _SHOWN = 80
 
 
 class Shape(NamedTuple):
-    """A Polygon or LineString of a file: its coordinates as they are there, and the system that they are in."""
+    """A Polygon or LineString: its coordinates as in the file, and their reference system."""
 
     coordinates: Any
     system: System
 
 
 def shapes(data: Any, kind: str, where: str) -> Iterator[Shape]:
-    """Yield each shape of a kind, and each part of several, however deep it is inside features and collections.
+    """Yield each shape of a kind, and each part of a multi-part shape, at any depth of features and collections.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def shapes(data: Any, kind: str, where: str) -> Iterator[Shape]:
         A GeoJSON object.
     kind : {"Polygon", "LineString"}
     where : str
-        What the file is, for messages.
+        Name of the file, for messages.
 
     Raises
     ------
@@ -76,13 +75,13 @@ def _shapes(data: Any, kind: str, system: System, known: dict[str, System]) -> I
 
 
 def _listed(data: dict[str, Any], name: str) -> list[Any]:
-    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
+    """List under a name; empty for anything else, such as null."""
     value = data.get(name)
     return value if isinstance(value, list) else []
 
 
 def _name(crs: Any, where: str) -> str:
-    """Name of the reference system that a ``crs`` member states, in any of the forms that GDAL reads."""
+    """Name of the reference system in a ``crs`` member, in any form that GDAL reads."""
     kind = crs.get("type") if isinstance(crs, dict) else None
     stated = crs.get("properties") if isinstance(crs, dict) else None
     stated = stated if isinstance(stated, dict) else {}
@@ -104,19 +103,19 @@ def _name(crs: Any, where: str) -> str:
 
 
 class System:
-    """WGS 84, which files without a ``crs`` are in.
+    """WGS 84, the reference system of files without a ``crs``.
 
     Parameters
     ----------
     where : str
-        What the file is, for messages.
+        Name of the file, for messages.
     """
 
     def __init__(self, where: str) -> None:
         self.where = where
 
     def degrees(self, corners: Floats) -> Floats:
-        """Return corners (m, k), with longitude and latitude first, of the corners (n, k) of a ring or line."""
+        """Convert the corners (n, k) of a ring or line to corners (m, k), m >= n, longitude and latitude first."""
         return corners
 
 
@@ -131,7 +130,7 @@ class SystemOfFile(System):
     Raises
     ------
     InvalidInput
-        No geographic or projected system has this name.
+        PROJ knows no geographic or projected system of this name.
     """
 
     def __init__(self, where: str, name: str) -> None:
@@ -140,7 +139,7 @@ class SystemOfFile(System):
         transformer = _transformer(name)
         if transformer is None:
             raise InvalidInput(
-                "{0}: its crs {1!r} is no geographic or projected reference system that PROJ knows; "
+                "{0}: its crs {1!r} is not a geographic or projected reference system that PROJ knows; "
                 "must be a code such as EPSG:25832",
                 where,
                 self.name,
@@ -148,14 +147,14 @@ class SystemOfFile(System):
         self._transformer = transformer
 
     def degrees(self, corners: Floats) -> Floats:
-        """Return corners in degrees of WGS 84, as many as keep all sides where they are.
+        """Convert corners to WGS 84, and add corners until sides stay in place within `EDGE_TOLERANCE_M`.
 
         Raises
         ------
         InvalidInput
-            A corner that the system does not have, or a side through a pole or across the edge of its map.
+            A corner is outside the domain of the system, or a side runs through a pole or across the map's edge.
         """
-        # A side that is not straight after 24 halvings crosses a pole or the map's edge.
+        # A side still bent after 24 halvings crosses a pole or the map's edge.
         for _ in range(24):
             places = self._places(corners)
             bent = self._bent(corners, places)
@@ -171,15 +170,15 @@ class SystemOfFile(System):
         )
 
     def _bent(self, corners: Floats, places: Floats) -> NDArray[np.intp]:
-        """Sides that are elsewhere once they are straight in degrees, by their numbers."""
+        """Indices of sides that move too far when drawn straight in degrees."""
         way = np.diff(places, axis=0)
         way[:, 0] -= 360.0 * np.rint(way[:, 0] / 360.0)
-        farthest = np.zeros(len(way))
+        farthest, m_per_deg = np.zeros(len(way)), math.radians(WGS84.a_m)
         for share in (0.25, 0.5, 0.75):
             there = self._places(corners[:-1] + share * np.diff(corners, axis=0))
             off = there - (places[:-1] + share * way)
             east = (off[:, 0] - 360.0 * np.rint(off[:, 0] / 360.0)) * np.cos(np.radians(there[:, 1]))
-            farthest = np.maximum(farthest, np.hypot(east, off[:, 1]) * _M_PER_DEG)
+            farthest = np.maximum(farthest, np.hypot(east, off[:, 1]) * m_per_deg)
         return np.flatnonzero(farthest > EDGE_TOLERANCE_M / 2.0)
 
     def _places(self, corners: Floats) -> Floats:
@@ -201,7 +200,7 @@ class SystemOfFile(System):
 
 
 def _transformer(name: str) -> Transformer | None:
-    """Transformation to WGS 84 of a system by its name; None where there is none."""
+    """Transformation from a named system to WGS 84, if PROJ has one."""
     if len(name) > _SHOWN or not is_code(name):
         return None
     from pyproj import Transformer
