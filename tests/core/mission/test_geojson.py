@@ -108,17 +108,17 @@ def test_wgs_84_by_any_name_is_as_it_stands_longitude_first(tmp_path, crs):
         ({"type": "name", "properties": {}}, "crs has no name"),
         ({"type": "name", "properties": {"name": 4230}}, "crs has no name"),
         ({"type": "EPSG", "properties": {"code": [4230]}}, "crs has no name"),
-        (named(""), "crs '' is no geographic"),
-        (named("EPSG:99999999"), "crs 'EPSG:99999999' is no geographic"),
-        (named("USER:100000"), "crs 'USER:100000' is no geographic"),
-        (named("EPSG:4978"), "crs 'EPSG:4978' is no geographic"),  # geocentric
-        (named("EPSG:5703"), "crs 'EPSG:5703' is no geographic"),  # heights alone
-        (named("+proj=longlat +nadgrids=/etc/passwd"), r"crs '\+proj=longlat .*' is no geographic"),
+        (named(""), "crs '' is not a geographic"),
+        (named("EPSG:99999999"), "crs 'EPSG:99999999' is not a geographic"),
+        (named("USER:100000"), "crs 'USER:100000' is not a geographic"),
+        (named("EPSG:4978"), "crs 'EPSG:4978' is not a geographic"),  # geocentric
+        (named("EPSG:5703"), "crs 'EPSG:5703' is not a geographic"),  # heights alone
+        (named("+proj=longlat +nadgrids=/etc/passwd"), r"crs '\+proj=longlat .*' is not a geographic"),
         (
             named("http://127.0.0.1:9/ref/epsg/4230/"),
-            "crs 'http://127.0.0.1:9/ref/epsg/4230/' is no geographic",
+            "crs 'http://127.0.0.1:9/ref/epsg/4230/' is not a geographic",
         ),
-        (named("x" * 100_000), "crs 'x{80}' is no geographic"),
+        (named("x" * 100_000), "crs 'x{80}' is not a geographic"),
     ],
 )
 def test_a_system_that_is_not_known_is_refused_by_its_name(tmp_path, crs, says):
