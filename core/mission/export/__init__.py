@@ -1,13 +1,13 @@
-"""A plan in files: tables, layers, and missions for those who fly.
+"""Plans written to files: tables, layers, and missions for autopilots.
 
 In reading order:
 
-- `writing`: a file by its ending
-- `rows`: the table, and rows, times and rings for others
-- `waypoints`, `sorties`: captures, and the path through them, as an autopilot is asked for them
-- `geojson`, `geopackage`, `kml`: for GIS and Google Earth
-- `flown`: files that lead over relief, read back and held against the surface
-- `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: for those who fly
+- `writing`: formats by file ending
+- `rows`: the table, and batches of rows, times and rings for the other formats
+- `waypoints`, `sorties`: the path as points for an autopilot, one by one or as arrays
+- `geojson`, `geopackage`, `kml`: formats of GIS and Google Earth
+- `clearance`: files over relief, read back and checked against the surface
+- `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: formats of autopilots and navigation devices
 """
 
 from .writing import PartsAlreadyThere, PlanFiles, check_plan_ending, write_plan

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..plan import Plan
-from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, closed_rings, parts, sorties_of
+from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, closed_rings, parts, sortie_numbers
 
 
 def geojson_text(plan: Plan) -> Iterator[str]:
     """Text of the footprints, in blocks."""
-    sorties = sorties_of(plan)
+    sorties = sortie_numbers(plan)
     yield '{"type": "FeatureCollection", "features": [\n'
     for part, batch in zip(parts(len(plan)), batches(plan)):
         names = POSE_COLUMNS + WINDOW_COLUMNS
@@ -32,7 +32,7 @@ def geojson_text(plan: Plan) -> Iterator[str]:
 
 
 def _sight(plan: Plan, index: int) -> dict[str, Any]:
-    """What a footprint's properties say of horizon and poles, where they are in the picture."""
+    """Properties of a footprint that shows the horizon or a pole."""
     found: dict[str, Any] = {}
     if not plan.corners.hit[index].all():
         found["horizon_edges"] = int(plan.views.outline(index).horizon.sum())

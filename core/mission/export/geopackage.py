@@ -1,4 +1,4 @@
-"""A plan as a GeoPackage: footprints, captures and flight line as layers, written by GDAL."""
+"""A plan as a GeoPackage with layers of footprints, captures and flight line, written by GDAL."""
 
 from __future__ import annotations
 
@@ -13,20 +13,18 @@ from typing import Any
 from ...errors import Message, OutputError
 from ...storage.files import partial_file
 from ..plan import Plan
-from .flown import Reader, places_of_geopackage
+from .clearance import Reader, geopackage_points
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
-from .waypoints import flight_line, takeoff_of
+from .waypoints import flight_line, takeoff_deg
 
-#: Ending of the file while it is written: GDAL wants its own at the very end.
-PARTIAL_ENDING = ".part.gpkg"
-#: Codes of well-known binary: little-endian; the kinds of geometry.
+#: Codes of well-known binary: little-endian byte order, and geometry types.
 _LITTLE, _POINT, _LINE, _POLYGON, _MULTI_LINE, _MULTI_POLYGON = 1, 1, 2, 3, 5, 6
 #: Added to the codes of geometries with heights (ISO).
 _WITH_Z = 1000
 
 
 def geopackage_notes(plan: Plan) -> tuple[str, ...]:
-    """What the layers do not show, one line each."""
+    """Notes on what the layers show, one line each."""
     if plan.nominal is None:
         return ()
     return (
@@ -35,16 +33,16 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
 
 
 def write_geopackage(plan: Plan, path: Path) -> None:
-    """Write the layers ``footprints``, ``captures``, ``flight_line`` and, where it is set, ``takeoff``.
+    """Write the layers ``footprints``, ``captures``, ``flight_line`` and, if one is set, ``takeoff``.
 
     The file is written whole or not at all.
 
     Raises
     ------
     OutputError
-        Where GDAL's Python module is missing, or the file cannot be written.
+        GDAL's Python module is missing, or the file cannot be written.
     InvalidInput
-        The flight line comes too near to the relief.
+        The flight line is too close to the relief.
     """
     try:
         from osgeo import ogr
@@ -56,21 +54,22 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         ) from missing
     try:
         with (
-            partial_file(path, PARTIAL_ENDING) as partial,
+            # GDAL requires the ending .gpkg.
+            partial_file(path, ".part.gpkg") as partial,
             _without_side_files(partial),
-            _heard(path) as failed,
+            _gdal_errors(path) as failed,
         ):
             _write(ogr, plan, partial, failed)
             if not plan.relief.is_level:
                 reader = Reader(plan)
-                reader.check(reader.above_ground([places_of_geopackage(partial)]), path.name)
+                reader.check(reader.above_ground([geopackage_points(partial)]), path.name)
     except OSError as wrong:
         raise OutputError("folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror) from wrong
 
 
 @contextmanager
 def _without_side_files(partial: Path) -> Iterator[None]:
-    """Remove what SQLite has beside a file while it writes it, before and afterwards."""
+    """Remove the temporary files of SQLite beside a file, before and afterwards."""
     side_files = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
     for path in side_files:
         path.unlink(missing_ok=True)
@@ -83,10 +82,11 @@ def _without_side_files(partial: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _heard(path: Path) -> Iterator[Callable[[], None]]:
-    """Errors of GDAL in this thread: collected instead of printed; what it yields raises where there are any.
+def _gdal_errors(path: Path) -> Iterator[Callable[[], None]]:
+    """Collect errors of GDAL in this thread instead of printing them; yields a function that raises the first.
 
-    Whether the bindings raise is a choice of the whole process (of QGIS, of another plugin), so both ways are met.
+    Whether GDAL's bindings raise exceptions is set for the whole process, by QGIS or another plugin, so both cases are
+    handled.
     """
     from osgeo import gdal
 
@@ -121,7 +121,7 @@ def _write(ogr: Any, plan: Plan, partial: Path, failed: Callable[[], None]) -> N
             layer = data.CreateLayer(name, _wgs84(), kind)
             failed()
             _add_fields(ogr, layer)
-            # One transaction for all of them: else each feature is one, and waits for the disk.
+            # One transaction: otherwise each feature is one, and waits for the disk.
             data.StartTransaction()
             _fill(ogr, layer, plan, shapes, failed)
             data.CommitTransaction()
@@ -129,12 +129,12 @@ def _write(ogr: Any, plan: Plan, partial: Path, failed: Callable[[], None]) -> N
         line = data.CreateLayer("flight_line", _wgs84(), ogr.wkbMultiLineString25D)
         failed()
         _draw(ogr, line, plan)
-        place = takeoff_of(plan)
+        place = takeoff_deg(plan)
         if place is not None:
             _mark(ogr, data.CreateLayer("takeoff", _wgs84(), ogr.wkbPoint), place)
             failed()
     finally:
-        # Before the file is renamed or removed. Newer bindings have a better word for it.
+        # Close before the file is renamed or removed; older bindings lack Close.
         (data.Close if hasattr(data, "Close") else data.Destroy)()
 
 
@@ -148,14 +148,14 @@ def _wgs84() -> Any:
 
 
 def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
-    """Make the feature of the flight line, where there is one: of a path with more than captures one of each sortie."""
+    """Add the flight line: one feature, or one per sortie where the path has more than captures."""
     for name in ("length_m", "flight_s"):
         layer.CreateField(ogr.FieldDefn(name, ogr.OFTReal))
     path = plan.path
     figures = [(plan.direct.distance_m, plan.direct.duration_s)]
     if not path.is_captures:
         layer.CreateField(ogr.FieldDefn("sortie", ogr.OFTInteger))
-        each = map(path.of, range(path.sorties))
+        each = map(path.sortie_path, range(path.sorties))
         figures = [(one.distance_m, float(seconds)) for one, seconds in zip(each, path.sorties_s)]
     if len(path) < 2:
         return
@@ -170,7 +170,7 @@ def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
 
 
 def _mark(ogr: Any, layer: Any, place: tuple[float, float]) -> None:
-    """Make the one feature of the place of take-off."""
+    """Add the take-off point."""
     lat, lon = place
     feature = ogr.Feature(layer.GetLayerDefn())
     shape = struct.pack("<BI2d", _LITTLE, _POINT, lon, lat)
@@ -186,7 +186,7 @@ def _add_fields(ogr: Any, layer: Any) -> None:
 
 
 def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Callable[[], None]) -> None:
-    """Make a feature of each capture, with its geometry in well-known binary."""
+    """Add a feature for each capture, with its geometry in well-known binary."""
     definition = layer.GetLayerDefn()
     columns = list(enumerate(POSE_COLUMNS))
     at_time = len(columns)

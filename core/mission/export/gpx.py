@@ -1,7 +1,7 @@
 """A plan as a route for navigation devices: GPX 1.1 (https://www.topografix.com/GPX/1/1/).
 
-A route point's ``ele`` would be a height above sea level, which a height above ground is not; it is left out, and the
-height above ground stands in the description and, for programs, in the extensions.
+The ``ele`` of a route point is a height above sea level, so it is left out; the height above ground is in the
+description and, for programs, in the extensions.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from ...errors import Message
 from ..plan import Plan
 from .rows import parts
-from .waypoints import Waypoint, not_flown, takeoff_of, waypoints
+from .waypoints import Waypoint, waypoint_notes, takeoff_deg, waypoints
 
-#: Name of our extensions; nothing is fetched from it.
+#: XML namespace of the extensions; it is not a page.
 NAMESPACE = "https://github.com/terrainav/terrainav/gpx/1"
 
 
@@ -27,30 +27,30 @@ def gpx_text(plan: Plan) -> Iterator[str]:
         f"<metadata><name>TerrAInav plan</name><time>{plan.direct.start}</time></metadata>\n"
     )
     path = plan.path
-    place = takeoff_of(plan)
+    place = takeoff_deg(plan)
     if place is not None:
         yield f'<wpt lat="{place[0]:.9f}" lon="{_lon(place[1])}"><name>Take-off</name></wpt>\n'
     for sortie in range(path.sorties):
         name = "TerrAInav flight" if path.sorties == 1 else f"TerrAInav flight, sortie {sortie + 1}"
         yield f"<rte><name>{name}</name><desc>Heights are metres above ground</desc>\n"
         flown = waypoints(plan, sortie)
-        for part in parts(len(path.of(sortie))):
+        for part in parts(len(path.sortie_path(sortie))):
             yield "".join(_point(next(flown)) for _ in range(part.stop - part.start))
         yield "</rte>\n"
     yield "</gpx>\n"
 
 
 def gpx_notes(plan: Plan) -> tuple[str, ...]:
-    """What the route leaves out, one line each."""
+    """Notes on what the route leaves out, one line each."""
     return (
-        *not_flown(plan),
+        *waypoint_notes(plan),
         Message("heights are above ground, in each point's description; GPX's own are above the sea"),
     )
 
 
 def _point(one: Waypoint) -> str:
     about = "".join(f"<terrainav:{name}>{value}</terrainav:{name}>" for name, value in one.details.items())
-    # XML Schema's decimals have no exponent; nine digits of a degree are a tenth of a millimetre.
+    # Decimals of XML Schema have no exponent; nine decimals of a degree are a tenth of a millimetre.
     return (
         f'<rtept lat="{one.lat_deg:.9f}" lon="{_lon(one.lon_deg)}"><time>{one.time}</time>'
         f"<name>{html.escape(one.name)}</name><desc>{one.agl_m:.2f} m above ground, heading {one.heading_deg:.2f} deg, "
@@ -59,6 +59,6 @@ def _point(one: Waypoint) -> str:
 
 
 def _lon(lon_deg: float) -> str:
-    # Its longitudes end below 180, to which one a hair's breadth west of the antimeridian may be rounded.
+    # GPX longitudes are below 180, but one just west of the antimeridian may be rounded to it.
     text = f"{lon_deg:.9f}"
     return "-180.000000000" if text == "180.000000000" else text

@@ -8,11 +8,10 @@ from collections.abc import Iterator
 from ...errors import Message
 from ..plan import Plan
 from .rows import Corners, closed_rings, parts
-from .waypoints import Waypoint, flight_line, takeoff_of, waypoints
+from .waypoints import Waypoint, flight_line, takeoff_deg, waypoints
 
-#: Captures up to which each has its footprint and its mark: some 40 MB, about what Google Earth still opens. Of more
-#: of them the file has the flight line alone.
-MOST_MARKED = 50_000
+#: Captures up to which the file holds footprints and waypoints: 40 MB, about the most that Google Earth opens.
+MAX_PLACEMARKS = 50_000
 
 _HEAD = (
     '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"><Document>\n'
@@ -26,7 +25,7 @@ _HEAD = (
 def kml_text(plan: Plan) -> Iterator[str]:
     """Text of footprints, waypoints and flight line, in blocks."""
     yield _HEAD
-    if len(plan) <= MOST_MARKED:
+    if len(plan) <= MAX_PLACEMARKS:
         yield "<Folder><name>Footprints</name>\n"
         for part in parts(len(plan)):
             marks = zip(plan.names[part], closed_rings(plan, part))
@@ -35,7 +34,7 @@ def kml_text(plan: Plan) -> Iterator[str]:
         yield from (_waypoint(one) for one in waypoints(plan) if one.is_capture)
         yield "</Folder>\n"
     yield "<Folder><name>Flight line</name>\n"
-    place = takeoff_of(plan)
+    place = takeoff_deg(plan)
     if place is not None:
         yield (
             f"<Placemark><name>Take-off</name><Point><coordinates>{place[1]},{place[0]}</coordinates>"
@@ -48,19 +47,19 @@ def kml_text(plan: Plan) -> Iterator[str]:
 
 
 def kml_notes(plan: Plan) -> tuple[str, ...]:
-    """What the file leaves out or mixes, one line each."""
+    """Notes on what the file leaves out or mixes, one line each."""
     notes = []
     if plan.nominal is not None:
         notes.append(
             Message("footprints are those of the flight in wind, waypoints and flight line are those that were meant")
         )
-    if len(plan) > MOST_MARKED:
+    if len(plan) > MAX_PLACEMARKS:
         notes.append(
             Message(
                 "{0:,} captures are more than Google Earth opens: the file has the flight line alone; footprints and "
                 "waypoints come with up to {1:,}",
                 len(plan),
-                MOST_MARKED,
+                MAX_PLACEMARKS,
             )
         )
     return tuple(notes)

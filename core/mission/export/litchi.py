@@ -1,6 +1,6 @@
 """A plan for Litchi, which flies DJI drones: the CSV of its Mission Hub.
 
-Columns, codes and ranges are those of the files that the Mission Hub writes (44 columns in metric units), described at
+Columns, codes and ranges are those of files written by the Mission Hub (44 columns in metric units), as described at
 https://www.litchiutilities.com/docs/litchiCsv.php; limits of a mission are those of DJI's SDK.
 """
 
@@ -16,8 +16,9 @@ from ..flight.path import LANDING, TAKEOFF
 from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan
 from .sorties import sorties
-from .waypoints import Waypoint, not_flown, waypoints
+from .waypoints import Waypoint, waypoint_notes, waypoints
 
+#: Actions of a waypoint.
 ACTIONS = 15
 COLUMNS = (
     *("latitude", "longitude", "altitude(m)", "heading(deg)", "curvesize(m)", "rotationdir"),
@@ -26,53 +27,49 @@ COLUMNS = (
     *("altitudemode", "speed(m/s)", "poi_latitude", "poi_longitude", "poi_altitude(m)", "poi_altitudemode"),
     *("photo_timeinterval", "photo_distinterval"),
 )
-#: Waypoints that DJI's drones take in one go, and that make a mission at all.
-MOST_WAYPOINTS, FEWEST_WAYPOINTS = 99, 2
-#: Files of one flight, at most: Litchi itself holds no more than some 10,000 waypoints.
-MOST_PARTS = 101
-HIGHEST_M = 500.0
-FASTEST_M_PER_S = 15.0
-#: Lowest and highest pitch that the format takes.
-_PITCHES_DEG = (-90.0, 30.0)
-#: Codes of the columns: the pitch is set; the height is above ground; the aircraft stays; an image is taken; no further
-#: action.
-_INTERPOLATE, _ABOVE_GROUND, _STAY, _TAKE_PHOTO, _NONE = 2, 1, 0, 1, -1
+#: Limits of DJI's SDK: waypoints of one mission, height and speed.
+MAX_WAYPOINTS, MAX_HEIGHT_M, MAX_SPEED_M_PER_S = 99, 500.0, 15.0
+#: Limit of the files of one flight: Litchi holds about 10,000 waypoints.
+MAX_PARTS = 101
+#: Codes of actions.
+_STAY, _TAKE_PHOTO, _NONE = 0, 1, -1
 
 
 def check_litchi(plan: Plan) -> None:
-    """Raise InvalidInput for a mission that Litchi or DJI's drones do not take."""
+    """Raise InvalidInput for a mission that Litchi or DJI's drones do not accept."""
     meant, path = plan.meant, plan.path
     air = ~np.isin(path.kind, (TAKEOFF, LANDING))
     count = int(np.count_nonzero(air))
-    if count < FEWEST_WAYPOINTS:
+    if count < 2:
         raise InvalidInput("Litchi mission of one waypoint: takes two or more", remedy="plan a list or an area")
-    if plan.mission.trigger != BY_DISTANCE and count > MOST_PARTS * MOST_WAYPOINTS:
+    if plan.mission.trigger != BY_DISTANCE and count > MAX_PARTS * MAX_WAYPOINTS:
         raise InvalidInput(
             "Litchi mission of {0:,} waypoints: takes {1:,} or fewer",
             count,
-            MOST_PARTS * MOST_WAYPOINTS,
+            MAX_PARTS * MAX_WAYPOINTS,
             remedy="plan a smaller area, a greater height or less overlap",
         )
     highest = float(meant.agl_m.max()) if path.is_captures else float(path.agl_m.max())
-    if highest > HIGHEST_M:
-        raise InvalidInput("Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M)
+    if highest > MAX_HEIGHT_M:
+        raise InvalidInput("Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, MAX_HEIGHT_M)
     pitch = float(np.abs(meant.tilt_deg).max()) - 90.0
-    if pitch > _PITCHES_DEG[1]:
+    low_deg, high_deg = -90.0, 30.0
+    if pitch > high_deg:
         raise InvalidInput(
             "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less",
             pitch,
-            _PITCHES_DEG[0],
-            _PITCHES_DEG[1],
-            90.0 + _PITCHES_DEG[1],
+            low_deg,
+            high_deg,
+            90.0 + high_deg,
         )
 
 
 def litchi_texts(plan: Plan) -> list[Iterator[str]]:
-    """Text of each file, in blocks: sorties, in parts of `MOST_WAYPOINTS` or fewer, as long as each other."""
-    speed = min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S)
+    """Text of each file, in blocks: sorties, divided into equal parts of at most `MAX_WAYPOINTS`."""
+    speed = min(plan.mission.flight.airspeed_m_per_s, MAX_SPEED_M_PER_S)
     texts = []
     for sortie in range(plan.path.sorties):
-        # At most 10,000 waypoints: all of them may be in memory.
+        # At most 10,000 waypoints, which fit into memory.
         lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in _shots(plan, sortie)]
         count, files = len(lines), _files(len(lines))
         ends = [count * number // files for number in range(files + 1)]
@@ -81,58 +78,60 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
 
 
 def _files(waypoints: int) -> int:
-    """Files that a sortie is cut into."""
-    return -(-waypoints // MOST_WAYPOINTS)
+    """Number of files of a sortie."""
+    return -(-waypoints // MAX_WAYPOINTS)
 
 
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
-    """Waypoints of a sortie in the air, with the actions there, and the distance between images from there on.
+    """Waypoints of a sortie in the air, with the actions there and the distance between images from there on.
 
-    Where distance releases the camera, of a row there are its ends alone, and over relief where it bends.
+    If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends.
     """
-    # Milliseconds of hovering for an image.
+    # Hovering for an image takes 1000 ms.
     hover = (_STAY, 1000) if plan.mission.trigger == HOVER else ()
     flown = [one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING)]
     if plan.mission.trigger != BY_DISTANCE:
         for one in flown:
             yield one, (*hover, _TAKE_PHOTO, 0) if one.is_capture else (), -1.0
         return
-    own = sorties(plan)[sortie]
-    way_m = legs(own.lat_deg, own.lon_deg).distance_m
+    points = sorties(plan)[sortie]
+    way_m = legs(points.lat_deg, points.lon_deg).distance_m
     spacing_m = {}
-    for first, last in own.runs(plan):
+    for first, last in points.runs(plan):
         spacing_m.update(dict.fromkeys(range(first, last), float(way_m[first:last].min(initial=np.inf))))
-    for at in np.flatnonzero(own.waypoints(plan)).tolist():
+    for at in np.flatnonzero(points.waypoints(plan)).tolist():
         yield flown[at], (_TAKE_PHOTO, 0) if flown[at].is_capture else (), spacing_m.get(at, -1.0)
 
 
 def litchi_notes(plan: Plan) -> tuple[str, ...]:
-    """What the file cannot say, one line each."""
+    """Notes on what the file cannot express, one line each."""
     notes = [Message("in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say")]
-    if plan.mission.flight.airspeed_m_per_s > FASTEST_M_PER_S:
+    if plan.mission.flight.airspeed_m_per_s > MAX_SPEED_M_PER_S:
         notes.append(
             Message(
                 "the speed of {0:g} m/s is reduced to Litchi's {1:g} m/s",
                 plan.mission.flight.airspeed_m_per_s,
-                FASTEST_M_PER_S,
+                MAX_SPEED_M_PER_S,
             )
         )
     files = [_files(sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
     if sum(files) > len(files) > 1:
         first = (str(1 + sum(files[:number])) for number in range(len(files)))
         notes.append(Message("sorties begin at the parts {0}", ", ".join(first)))
-    return (*not_flown(plan), *notes)
+    return (*waypoint_notes(plan), *notes)
 
 
 def _line(one: Waypoint, speed_m_per_s: float, actions: tuple[int, ...], spacing_m: float) -> str:
-    # Plain decimals: eight of a degree are a millimetre. Headings are rounded before they are taken modulo 360.
+    # Eight decimals of a degree are a millimetre. Rounding before the modulo keeps headings below 360.
     heading = round(one.heading_deg, 2) % 360.0
     actions = (*actions, *(_NONE, 0) * (ACTIONS - len(actions) // 2))
     cells = (
         *(f"{one.lat_deg:.8f}", f"{one.lon_deg:.8f}", f"{one.agl_m:.2f}", f"{heading:.2f}", "0", "0"),
-        *(str(_INTERPOLATE), f"{one.gimbal_pitch_deg:.2f}"),
+        # The gimbal turns to its pitch on the leg to the waypoint.
+        *("2", f"{one.gimbal_pitch_deg:.2f}"),
         *map(str, actions),
-        *(str(_ABOVE_GROUND), f"{speed_m_per_s:.2f}", "0", "0", "0", "0"),
+        # Heights are above ground.
+        *("1", f"{speed_m_per_s:.2f}", "0", "0", "0", "0"),
         *("-1", "-1" if spacing_m < 0.0 else f"{spacing_m:.2f}"),
     )
     return ",".join(cells) + "\n"

@@ -1,7 +1,7 @@
-"""A plan for QGroundControl: its ``.plan`` of JSON, flown by PX4 and ArduPilot.
+"""A plan for QGroundControl: its JSON ``.plan``, flown by PX4 and ArduPilot.
 
-Keys are those of https://docs.qgroundcontrol.com (developer guide, plan file format); commands, frames and modes those
-of MAVLink's common messages.
+Keys are documented at https://docs.qgroundcontrol.com (developer guide, plan file format); commands, frames and modes
+are those of MAVLink's common messages.
 """
 
 from __future__ import annotations
@@ -19,29 +19,25 @@ from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan
 from .rows import BATCH
 from .sorties import Sortie, sorties
-from .waypoints import not_flown
+from .waypoints import waypoint_notes
 
-#: Items that a MAVLink mission can count (16 bits).
-MOST_ITEMS = 65_535
+#: Limit of the items of a MAVLink mission, whose count has 16 bits.
+MAX_ITEMS = 65_535
+#: Limit of heights above the take-off in ArduPilot.
+MAX_HEIGHT_M = 83_000.0
+#: MAVLink commands.
 NAV_WAYPOINT, NAV_RETURN_TO_LAUNCH, NAV_TAKEOFF = 16, 20, 22
 DO_CHANGE_SPEED, DO_MOUNT_CONTROL, DO_SET_CAM_TRIGG_DIST, IMAGE_START_CAPTURE = 178, 205, 206, 2000
-#: Frames of an item: none; latitude, longitude and height over the place of take-off.
+#: MAVLink frames: no position; latitude, longitude and height above the take-off.
 FRAME_MISSION, FRAME_RELATIVE = 2, 3
-#: The gimbal holds what the mission says; the speed is that over ground.
-_MOUNT_BY_MAVLINK, _GROUND_SPEED = 2, 1
-_PX4, _QUADROTOR = 12, 2
-#: QGroundControl's names for heights over the place of take-off, and for a mission that mixes heights.
-_ALTITUDE_RELATIVE, _ALTITUDE_MIXED = 1, 0
-#: Items before and after those of the captures, and of each capture.
+#: Items before and after those of the captures, and per capture.
 _AROUND, _EACH = 4, 2
-#: Height over the place of take-off above which ArduPilot refuses an item, metres.
-_HIGHEST_M = 83_000.0
 
 Number = Union[float, int, None]
 
 
 class Command(NamedTuple):
-    """An item of a mission: MAVLink's command, frame and seven parameters."""
+    """An item of a mission: MAVLink command, frame and seven parameters."""
 
     command: int
     frame: int
@@ -49,41 +45,41 @@ class Command(NamedTuple):
 
 
 def check_qgroundcontrol(plan: Plan) -> None:
-    """Raise InvalidInput for a mission of more items than MAVLink counts, or higher than ArduPilot takes."""
+    """Raise InvalidInput for a mission with more items or at a greater height than autopilots accept."""
     by_distance = plan.mission.trigger == BY_DISTANCE
     for sortie in sorties(plan):
-        points, own = len(sortie), int(np.count_nonzero(sortie.capture >= 0))
+        points, triggers = len(sortie), int(np.count_nonzero(sortie.capture >= 0))
         if by_distance:
-            points, own = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
+            points, triggers = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
         turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
-        # Over relief up to two items lead back.
+        # Over relief the way back takes up to two items.
         back = 0 if plan.relief.is_level else 2
-        if points + own + turned + back + _AROUND > MOST_ITEMS:
+        if points + triggers + turned + back + _AROUND > MAX_ITEMS:
             raise InvalidInput(
                 "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
                 len(sortie),
-                (MOST_ITEMS - _AROUND) // _EACH,
+                (MAX_ITEMS - _AROUND) // _EACH,
                 remedy="plan a smaller area, a greater height or less overlap",
             )
         highest = float(sortie.height_m.max())
-        if highest >= _HIGHEST_M:
+        if highest >= MAX_HEIGHT_M:
             raise InvalidInput(
                 "QGroundControl plan at {0:g} m: must be below {1:g} m above the take-off",
                 highest,
-                _HIGHEST_M,
+                MAX_HEIGHT_M,
             )
 
 
 def qgroundcontrol_texts(plan: Plan) -> list[Iterator[str]]:
     """Text of the plan of each sortie, in blocks."""
     return [
-        text_of(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1)) for sortie in sorties(plan)
+        plan_text(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1)) for sortie in sorties(plan)
     ]
 
 
-def text_of(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[str]:
+def plan_text(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[str]:
     """Text of a plan with its items, in blocks."""
-    # The items come in between, one a line, and are never all in memory.
+    # Items are inserted one a line and are never all in memory.
     before, after = json.dumps(whole, indent=1).split('"items": []')
     yield before + '"items": [\n'
     first, rest = True, iter(items)
@@ -97,7 +93,7 @@ def text_of(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[
 
 
 def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
-    """What the plan cannot say, one line each."""
+    """Notes on what the plan cannot express, one line each."""
     heights = Message(
         "heights are above the take-off point: they are heights above ground only where the ground is level with it"
     )
@@ -106,11 +102,11 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
             "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
             plan.path.base_m,
         )
-    return *not_flown(plan), heights
+    return *waypoint_notes(plan), heights
 
 
 def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:
-    """What a plan of QGroundControl holds, without its items."""
+    """JSON object of a plan, without its items."""
     speed = plan.mission.flight.airspeed_m_per_s
     return {
         "fileType": "Plan",
@@ -118,12 +114,15 @@ def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict
         "groundStation": "QGroundControl",
         "mission": {
             "cruiseSpeed": speed,
-            "firmwareType": _PX4,
-            "globalPlanAltitudeMode": _ALTITUDE_MIXED if mixed_heights else _ALTITUDE_RELATIVE,
+            # PX4.
+            "firmwareType": 12,
+            # Heights above the take-off, or mixed.
+            "globalPlanAltitudeMode": 0 if mixed_heights else 1,
             "hoverSpeed": speed,
             "items": [],
             "plannedHomePosition": [*sortie.home, sortie.base_m],
-            "vehicleType": _QUADROTOR,
+            # Quadrotor.
+            "vehicleType": 2,
             "version": 2,
         },
         "rallyPoints": {"points": [], "version": 2},
@@ -132,10 +131,10 @@ def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict
 
 
 def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, Any]]:
-    """Items of commands, numbered from ``first``.
+    """JSON items of commands, numbered from ``first``.
 
-    They have no ``AltitudeMode``, ``Altitude`` and ``AMSLAltAboveTerrain``: QGroundControl asks for all three or none,
-    takes frame and parameters where there is none, and some of its versions refuse an unknown height above sea level.
+    They leave out ``AltitudeMode``, ``Altitude`` and ``AMSLAltAboveTerrain``: QGroundControl requires all or none of
+    them, and some versions refuse an unknown height above sea level. Without them it uses frame and parameters.
     """
     for number, (command, frame, params) in enumerate(commands, start=first):
         yield {
@@ -149,22 +148,23 @@ def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, 
 
 
 def _commands(plan: Plan, sortie: Sortie) -> Iterator[Command]:
-    yield from before_flight(plan, sortie)
+    yield from departure(plan, sortie)
     yield from flight(plan, sortie)
-    yield from after_flight(plan, sortie)
+    yield from return_home(plan, sortie)
 
 
-def before_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+def departure(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     """Take-off, speed and gimbal."""
     height = float(sortie.height_m[0])
     yield Command(NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, *sortie.home, height))
     speed = plan.mission.flight.airspeed_m_per_s
-    yield Command(DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0))
+    # Type 1 is ground speed.
+    yield Command(DO_CHANGE_SPEED, FRAME_MISSION, (1, speed, -1, 0, 0, 0, 0))
     yield _gimbal(float(sortie.gimbal_pitch_deg[0]))
 
 
-def after_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
-    """Return to the place of take-off; over relief up first, as high as the way back has to be."""
+def return_home(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+    """Return to the take-off; over relief after a climb to a safe height."""
     height = sortie.way_home_m(plan, -1)
     if sortie.takeoff is None and height > sortie.height_m[-1]:
         heading, last = float(sortie.heading_deg[-1]), (float(sortie.lat_deg[-1]), float(sortie.lon_deg[-1]))
@@ -174,15 +174,16 @@ def after_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
 
 
 def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
-    """Waypoints and images; where distance releases the camera, of a row its ends, and over relief where it bends.
+    """Waypoints and triggers of the camera.
 
-    The gimbal is turned on the way to the waypoint that asks for another pitch.
+    If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends. The
+    gimbal turns on the leg to a waypoint with another pitch.
     """
     trigger = plan.mission.trigger
     by_distance = trigger == BY_DISTANCE
     ends = dict(sortie.runs(plan)) if by_distance else {}
     is_waypoint = sortie.waypoints(plan) if by_distance else np.ones(len(sortie), bool)
-    # Seconds to come to rest for an image.
+    # Hovering for an image takes 1 s.
     hold = 1.0 if trigger == HOVER else 0
     last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])
     points = zip(
@@ -201,27 +202,28 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
             pitch_was = pitch
         yield Command(NAV_WAYPOINT, FRAME_RELATIVE, (hold if capture >= 0 else 0, 0, 0, heading, lat, lon, height))
         if at == last:
-            yield _by_distance(0)
+            yield _trigger_distance(0)
         elif at < last:
             continue
         elif ends.get(at, at) > at:
             last = ends[at]
-            yield _by_distance(spacing_m(sortie, at, last))
+            yield _trigger_distance(spacing_m(sortie, at, last))
         elif capture >= 0:
-            # One image, at once. ArduPilot refuses what is no number, also in parameters that are not used.
+            # One image, at once. ArduPilot refuses NaN, even in parameters that it does not use.
             yield Command(IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, 0, 0, 0, 0))
 
 
 def spacing_m(sortie: Sortie, first: int, last: int) -> float:
-    """Distance between the images of a row whose ends are two points of a sortie."""
+    """Distance between the images of a row from point ``first`` to point ``last`` of a sortie."""
     lat, lon = sortie.lat_deg, sortie.lon_deg
     return float(geodesics(lat[first], lon[first], lat[last], lon[last])[2]) / (last - first)
 
 
-def _by_distance(spacing: float) -> Command:
-    """Images every so many metres, the first one at once; 0 ends them, with a last one as QGroundControl has it."""
+def _trigger_distance(spacing: float) -> Command:
+    """Trigger the camera now and every ``spacing`` metres; 0 takes a last image and stops, as in QGroundControl."""
     return Command(DO_SET_CAM_TRIGG_DIST, FRAME_MISSION, (spacing, 0, 1, 0, 0, 0, 0))
 
 
 def _gimbal(pitch_deg: float) -> Command:
-    return Command(DO_MOUNT_CONTROL, FRAME_MISSION, (pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK))
+    # Mode 2: the mount follows MAVLink.
+    return Command(DO_MOUNT_CONTROL, FRAME_MISSION, (pitch_deg, 0, 0, 0, 0, 0, 2))

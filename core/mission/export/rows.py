@@ -1,4 +1,4 @@
-"""A plan as a table (CSV): rows, times and rings of plain values, some at a time, as a million are much text."""
+"""A plan as a table (CSV); batches of rows, times and rings as Python values, which keep a million captures small."""
 
 from __future__ import annotations
 
@@ -13,26 +13,24 @@ from ...geodesy.mercator import wrap_lon_deg
 from ..outlines import footprints_deg
 from ..plan import Plan
 
-#: Longitudes and latitudes of a ring's corners, the last one the first again.
+#: Longitudes and latitudes of a closed ring.
 Corners = list[tuple[float, float]]
 POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
 WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
 CORNER_COLUMNS = tuple(f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon"))
 COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
-#: ISO 8601 has four digits for a year.
-_YEAR_10000 = np.datetime64("10000-01-01", "ms")
-#: Captures turned to values in one go.
+#: Captures per batch.
 BATCH = 10_000
 
 
 def parts(count: int) -> Iterator[slice]:
-    """Slices of `BATCH` that make up ``count``."""
+    """Slices of `BATCH` that cover ``count``."""
     for start in range(0, count, BATCH):
         yield slice(start, min(start + BATCH, count))
 
 
 def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
-    """Columns of the table for one batch of captures after the other, as Python values."""
+    """Columns of the table, batch by batch, as Python values."""
     left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
     poses = plan.poses._replace(lon_deg=wrap_lon_deg(plan.lon_deg))
     columns = {**poses._asdict(), **plan.windows._replace(left_px=left)._asdict()}
@@ -55,14 +53,14 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
                 ("lat", plan.corners.lat_deg[part, index]),
                 ("lon", corner_lon[part, index]),
             ):
-                # A corner that looks past the Earth has no place on it.
+                # The view through a corner may miss the Earth.
                 cells = values.tolist()
                 batch[f"{corner}_{axis}_deg"] = cells if all(hit) else [c if h else "" for c, h in zip(cells, hit)]
         yield batch
 
 
-def sorties_of(plan: Plan) -> list[int] | None:
-    """Number of each capture's sortie, from 1, (n,); None where there is one sortie."""
+def sortie_numbers(plan: Plan) -> list[int] | None:
+    """Sortie of each capture, (n,), numbered from 1; None if there is only one."""
     path = plan.path
     if path.sorties == 1:
         return None
@@ -74,22 +72,22 @@ def sorties_of(plan: Plan) -> list[int] | None:
 
 
 def closed_rings(plan: Plan, part: slice) -> Iterator[list[Corners]]:
-    """Closed rings, counter-clockwise, of each capture's footprint; several where it crosses ±180°."""
+    """Closed counter-clockwise rings of each footprint; several where it crosses the antimeridian."""
     for rings in footprints_deg(plan, part):
         yield [[*zip(x.tolist(), y.tolist()), (float(x[0]), float(y[0]))] for x, y in rings]
 
 
 def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
-    """UTC of seconds after the start of a mission, as ISO 8601 to the millisecond, such as 2024-06-21T10:30:00.000Z.
+    """UTC times, as ISO 8601 to the millisecond (2024-06-21T10:30:00.000Z), of seconds after a start.
 
     Raises
     ------
     InvalidInput
-        Times after the year 9999, which have no such text.
+        A time is after the year 9999, the last in ISO 8601.
     """
     first = np.datetime64(start.rstrip("Z"), "us")
     milliseconds = np.round((first - np.datetime64(0, "us")).astype(np.int64) / 1000.0 + times_s * 1000.0)
-    if milliseconds.max() >= _YEAR_10000.astype(np.int64):
+    if milliseconds.max() >= np.datetime64("10000-01-01", "ms").astype(np.int64):
         raise InvalidInput(
             "start {0!r}: the flight of {1:.3g} s goes beyond the year 9999",
             start,
@@ -110,5 +108,5 @@ def csv_text(plan: Plan) -> Iterator[str]:
     yield ",".join(names) + "\n"
     for batch in batches(plan):
         rows = zip(*(batch[name] for name in names))
-        # Text of a float is its shortest exact form: all its digits.
+        # str() of a float is its shortest exact form.
         yield "".join(",".join(map(str, row)) + "\n" for row in rows)

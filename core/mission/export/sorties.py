@@ -1,4 +1,4 @@
-"""A plan's path by sorties: for each one the points that an autopilot is to fly through, as arrays."""
+"""The path of a plan by sorties: points for an autopilot, as arrays."""
 
 from __future__ import annotations
 
@@ -15,33 +15,32 @@ from ..flight.legs import legs
 from ..flight.path import CAPTURE, LANDING, TAKEOFF
 from ..plan import Plan
 
-#: Heights that differ by noise, metres.
+#: Heights that differ by less are equal, metres.
 _NOISE_M = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Sortie:
-    """Points of one sortie, k of them, as arrays (k,), without those on the ground.
+    """Points of one sortie in the air, arrays (k,).
 
     Parameters
     ----------
     takeoff : tuple of float, or None
-        Latitude and longitude of the place of take-off; None where the mission sets none.
+        Latitude and longitude of the take-off; None if the mission sets none.
     base_m : float
-        Height over the WGS 84 ellipsoid that heights count from: of the ground at the take-off, or below the first
-        point.
+        Reference of heights, above the WGS 84 ellipsoid: the ground at the take-off, or below the first point.
     lat_deg, lon_deg : array
         Longitudes in [-180, 180).
     height_m : array
-        Over ``base_m``.
+        Heights above ``base_m``.
     ground_m : array
-        Of the ground below, over the WGS 84 ellipsoid.
+        Heights of the ground below, above the WGS 84 ellipsoid.
     heading_deg : array
-        Of the aircraft, which is where the top of the image points, in [0, 360); between captures that of the next.
+        Heading of the aircraft, to which the top of the image points, in [0, 360); between captures that of the next.
     gimbal_pitch_deg : array
-        -90 straight down, 0 to the horizon.
+        -90 is straight down, 0 horizontal.
     capture : array of int64
-        Index of the capture in the plan; -1 at points between.
+        Index of the capture in the plan; -1 at other points.
     time_s : array
         Seconds after the first capture of the plan.
     """
@@ -75,7 +74,7 @@ class Sortie:
         )
 
     def part(self, which: slice) -> Sortie:
-        """Some of its points as a flight: where no take-off is set, heights count from the ground below its first."""
+        """Some of its points as a flight: if no take-off is set, with heights above the ground below the first."""
         part = self.take(which)
         if self.takeoff is not None:
             return part
@@ -84,13 +83,13 @@ class Sortie:
 
     @property
     def home(self) -> tuple[float, float]:
-        """Latitude and longitude of the take-off; where none is set, of the first point."""
+        """Latitude and longitude of the take-off, or of the first point if none is set."""
         return self.takeoff or (float(self.lat_deg[0]), float(self.lon_deg[0]))
 
     def way_home_m(self, plan: Plan, at: int) -> float:
-        """Height over ``base_m`` of a straight way between home and a point; minus infinity over level ground.
+        """Height above ``base_m`` of a level flight between home and a point; minus infinity over level ground.
 
-        It is as far above the relief as the lowest capture is above the ground, or as the clearance.
+        The flight keeps the clearance above the relief, and at least the height of the lowest capture above ground.
         """
         lat = np.array([self.home[0], self.lat_deg[at]])
         lon = continuous(np.array([self.home[1], self.lon_deg[at]]), float(plan.lon_deg[0]))
@@ -101,7 +100,7 @@ class Sortie:
         return highest_m + above_m - self.base_m
 
     def runs(self, plan: Plan) -> list[tuple[int, int]]:
-        """First and last point of each run of captures of one row, one after the other and none left out."""
+        """First and last point of each run of consecutive captures of one row."""
         at = np.flatnonzero(self.capture >= 0)
         captures = self.capture[at]
         ends = (np.diff(plan.row[captures]) != 0) | (np.abs(np.diff(plan.column[captures])) != 1)
@@ -111,10 +110,10 @@ class Sortie:
         return list(zip(at[starts].tolist(), at[last].tolist()))
 
     def waypoints(self, plan: Plan) -> NDArray[np.bool_]:
-        """Which points are waypoints where distance releases the camera, (k,).
+        """Which points are waypoints if the camera is triggered by distance, (k,).
 
-        Of a run they are its ends and, over relief, what the flight has to go through to be nowhere lower than planned,
-        and hardly higher.
+        They are the ends of each run and, over relief, points that keep the flight no lower than planned and hardly
+        higher.
         """
         found = self.capture < 0
         runs = self.runs(plan)
@@ -123,14 +122,14 @@ class Sortie:
             return found
         way_m = np.append(0.0, np.cumsum(legs(self.lat_deg, self.lon_deg).distance_m))
         for first, last in runs:
-            own = slice(first, last + 1)
-            # Lines through fewer waypoints may be higher than the captures by 1 % of their height above ground.
-            higher_m = 0.01 * plan.meant.agl_m[self.capture[own]]
-            found[first + _bends(way_m[own], self.height_m[own], higher_m)] = True
-        return found | self._low_between(plan, found)
+            run = slice(first, last + 1)
+            # Fewer waypoints may raise the flight by 1 % of the height above ground.
+            higher_m = 0.01 * plan.meant.agl_m[self.capture[run]]
+            found[first + _bends(way_m[run], self.height_m[run], higher_m)] = True
+        return found | self._low_points(plan, found)
 
-    def _low_between(self, plan: Plan, found: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Points between waypoints that are too far from each other to keep clear of the relief, (k,)."""
+    def _low_points(self, plan: Plan, found: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Points on legs between waypoints that are too low over the relief, (k,)."""
         at = np.flatnonzero(found)
         low = np.zeros(len(found), bool)
         if len(at) < 2:
@@ -147,14 +146,14 @@ class Sortie:
 
 
 def continuous(lon_deg: Floats, near_deg: float) -> Floats:
-    """Longitudes in the turn of the world that is next to one of them."""
+    """Longitudes within 180 degrees of ``near_deg``."""
     return near_deg + wrap_lon_deg(lon_deg - near_deg)
 
 
 def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
-    """Points (k,) of a run, by index, through which straight lines are nowhere lower than all, nor higher than so much.
+    """Indices (k,) of points of a run between which straight lines are nowhere lower, or higher by more than allowed.
 
-    From each point the line goes to the farthest one to which all between let it.
+    From each point the line goes to the farthest point possible.
     """
     if np.ptp(height_m) <= _NOISE_M:
         return np.empty(0, np.int64)
@@ -163,7 +162,7 @@ def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
         rest = slice(start + 1, None)
         away = np.maximum(way_m[rest] - way_m[start], _NOISE_M)
         slope, most = ((heights[rest] - height_m[start]) / away for heights in (height_m, height_m + higher_m))
-        # To a point itself the line goes exactly.
+        # The line passes exactly through its last point.
         low, high = np.maximum.accumulate(slope), np.minimum.accumulate(most)
         free = np.append(True, (slope[1:] >= low[:-1] - _NOISE_M / away[1:]) & (slope[1:] <= high[:-1]))
         start += int(np.flatnonzero(free)[-1]) + 1
@@ -172,10 +171,10 @@ def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
 
 
 def sorties(plan: Plan) -> list[Sortie]:
-    """Sorties of a plan, in order; one without a take-off where the mission has no route.
+    """Sorties of a plan, in order; one without a take-off if the mission has no route.
 
-    A gimbal does not look backwards: a view that is lifted to the rear becomes one to the front of an aircraft that
-    is turned around, as in `waypoints`.
+    As a gimbal cannot look backwards, a view tilted to the rear becomes a view to the front of an aircraft that is
+    turned around; see `waypoints`.
     """
     path, meant = plan.path, plan.meant
     heading = np.mod(meant.yaw_deg + 180.0 * (meant.tilt_deg < 0.0), 360.0)
@@ -184,21 +183,21 @@ def sorties(plan: Plan) -> list[Sortie]:
     pitch = np.abs(meant.tilt_deg) - 90.0
     lon = wrap_lon_deg(path.lon_deg)
     height = path.height_m - path.base_m
-    # In this order heights over level ground are those above it, to the last digit.
+    # This order of additions keeps heights over level ground exact.
     above = np.flatnonzero(path.kind == CAPTURE)
     captures = path.capture[above]
     height[above] = meant.agl_m[captures] + (plan.ground_m[captures] - path.base_m)
     found = []
     for number in range(path.sorties):
-        of_it = path.sortie == number
-        flown = np.flatnonzero(of_it & (path.kind != TAKEOFF) & (path.kind != LANDING))
+        in_sortie = path.sortie == number
+        flown = np.flatnonzero(in_sortie & (path.kind != TAKEOFF) & (path.kind != LANDING))
         capture = np.where(path.kind[flown] == CAPTURE, path.capture[flown], -1)
         at = np.flatnonzero(capture >= 0)
         if not len(at):
             continue
-        # Of points behind the last capture that one counts.
+        # Points after the last capture take its heading and pitch.
         counts = capture[at[np.minimum(np.searchsorted(at, np.arange(len(flown))), len(at) - 1)]]
-        ground = np.flatnonzero(of_it & (path.kind == TAKEOFF))
+        ground = np.flatnonzero(in_sortie & (path.kind == TAKEOFF))
         whole = Sortie(
             (float(path.lat_deg[ground[0]]), float(lon[ground[0]])) if len(ground) else None,
             path.base_m,

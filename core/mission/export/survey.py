@@ -1,14 +1,13 @@
-"""A plan for QGroundControl that it edits as a survey: a polygon, rows and a camera, beside the items that are flown.
+"""A plan that QGroundControl edits as a survey: polygon, rows and camera beside the items that are flown.
 
-Keys are those of the plan file format that QGroundControl publishes (https://docs.qgroundcontrol.com, developer guide);
-the survey's parts are in their first version, which every QGroundControl since 3.5 reads. Its items are the planned
-captures. QGroundControl works the rows out anew when the survey is edited, and also when it is opened where the speed
-is other than its own default; so the polygon, the spacing and the entry are such that its rows come to lie on the
-planned ones.
+Keys are those of QGroundControl's plan file format (https://docs.qgroundcontrol.com, developer guide); the parts of the
+survey have version 1, which every QGroundControl since 3.5 reads. The items are the planned captures. QGroundControl
+recomputes the rows when the survey is edited, or opened with a speed other than its default, so polygon, spacing and
+entry are chosen such that its rows coincide with the planned ones.
 
 QGroundControl lays rows of azimuth ``angle`` at distances ``k * spacing - reach / 2`` to the right of the middle of the
-polygon's extent in east and north, k = 0, 1, …, where ``reach`` is the extent's longer side and 2,000 m, and flies each
-from where it meets the polygon to where it leaves it.
+polygon's extent in east and north, k = 0, 1, …, where ``reach`` is the longer side of the extent plus 2,000 m, and
+clips each row to the polygon.
 """
 
 from __future__ import annotations
@@ -27,42 +26,33 @@ from ..areas.area import Box, Polygon
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..plan import Plan
 from .qgroundcontrol import (
-    after_flight,
-    before_flight,
     check_qgroundcontrol,
+    departure,
     flight,
     plan_object,
+    plan_text,
     qgroundcontrol_notes,
+    return_home,
     simple_items,
-    text_of,
 )
 from .sorties import Sortie, sorties
 
-#: Shares of the spacing by which the polygon may reach beyond its outermost rows, which choose where rows come to lie.
-_MARGINS = np.linspace(0.05, 0.95, 37)
-#: By how much the polygon reaches beyond the ends of rows, and by how much more where its side slants, in distances
-#: between images.
-_END_SHARE, _STRAIGHT_SHARE = 0.02, 0.6
-#: Diagonal of a 35 mm film's image, mm: QGroundControl asks for a sensor where a camera has an angle of view.
-_DIAGONAL_MM = float(np.hypot(36.0, 24.0))
-_TOP_LEFT, _TOP_RIGHT = 0, 1
-
 
 class _SurveyRows(NamedTuple):
-    """Rows of one sortie in the plane about its first capture, in flight order.
+    """Rows of one sortie in flight order, in the plane around its first capture.
 
     Parameters
     ----------
     azimuth_deg : float
-        QGroundControl's angle: above -90 to 90.
+        Angle for QGroundControl, in (-90, 90].
     offset_m : array (r,)
-        To the right of that direction.
+        Distances to the right of the origin, seen in that direction.
     low_m, high_m : array (r,)
-        Their first and last captures along that direction.
+        Positions of the first and last captures along that direction.
     forward : bool
         Whether the first row is flown in that direction.
     spacing_m, interval_m : float
-        Between rows, and between the captures of one.
+        Distance between rows, and between the captures of a row.
     """
 
     plane: LocalPlane
@@ -75,19 +65,19 @@ class _SurveyRows(NamedTuple):
     interval_m: float
 
     def placed(self, along_m: Floats, offset_m: Floats) -> list[list[float]]:
-        """Latitudes and longitudes of places along and to the right of the rows."""
+        """Latitudes and longitudes of positions along and to the right of the rows."""
         east, north = self.east_north(along_m, offset_m)
         lat, lon = self.plane.inverse(east, north)
         return [list(place) for place in zip(lat.tolist(), wrap_lon_deg(lon).tolist())]
 
     def east_north(self, along_m: Floats, offset_m: Floats) -> tuple[Floats, Floats]:
-        """Places east and north of the plane's middle."""
+        """Positions east and north of the origin of the plane."""
         sine, cosine = np.sin(np.radians(self.azimuth_deg)), np.cos(np.radians(self.azimuth_deg))
         return along_m * sine + offset_m * cosine, along_m * cosine - offset_m * sine
 
 
 def check_survey(plan: Plan) -> None:
-    """Raise InvalidInput for a mission that is no survey of QGroundControl's."""
+    """Raise InvalidInput for a mission that a survey cannot represent."""
     check_qgroundcontrol(plan)
     area, meant = plan.mission.area, plan.meant
     one_polygon = isinstance(area, Box) or (isinstance(area, Polygon) and len(area.rings) == 1)
@@ -107,11 +97,11 @@ def check_survey(plan: Plan) -> None:
         )
     for sortie in sorties(plan):
         rows = _rows(plan, sortie)
-        # Rows bend on the Earth, so yaws within a degree count as along or across them.
-        if _off_square_deg(plan, rows) > 1.0:
+        # Rows bend on the Earth, so yaws within a degree count as along or across the rows.
+        if _misalignment_deg(plan, rows) > 1.0:
             raise InvalidInput(
                 "QGroundControl survey with images {0:g} deg off the direction of rows: must be along or across them",
-                round(_off_square_deg(plan, rows), 1),
+                round(_misalignment_deg(plan, rows), 1),
                 field="yaw_deg",
                 remedy="choose the ending .plan",
             )
@@ -123,7 +113,7 @@ def survey_texts(plan: Plan) -> list[Iterator[str]]:
 
 
 def survey_notes(plan: Plan) -> tuple[str, ...]:
-    """What QGroundControl makes of the survey, one line each."""
+    """Notes on how QGroundControl treats the survey, one line each."""
     notes = [
         Message(
             "QGroundControl lays the rows anew when you edit the survey, or open it at another speed than its own: "
@@ -140,11 +130,11 @@ def survey_notes(plan: Plan) -> tuple[str, ...]:
 def _text(plan: Plan, sortie: Sortie) -> Iterator[str]:
     captures = np.flatnonzero(sortie.capture >= 0)
     first, end = int(captures[0]), int(captures[-1]) + 1
-    before = list(simple_items(chain(before_flight(plan, sortie), _way(plan, sortie.take(slice(0, first)))), 1))
+    before = list(simple_items(chain(departure(plan, sortie), _way(plan, sortie.take(slice(0, first)))), 1))
     item = _survey(plan, sortie.take(slice(first, end)), len(before) + 1)
     number = len(before) + 1 + len(item["TransectStyleComplexItem"]["Items"])
-    after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), after_flight(plan, sortie))
-    return text_of(
+    after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), return_home(plan, sortie))
+    return plan_text(
         plan_object(plan, sortie, mixed_heights=_follows_terrain(plan)),
         chain(before, [item], simple_items(after, number)),
     )
@@ -155,7 +145,7 @@ def _way(plan: Plan, sortie: Sortie) -> Iterator[Any]:
 
 
 def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
-    """The complex item of the rows of a sortie, whose own items are numbered from ``first``."""
+    """Complex item of the rows of a sortie, with simple items numbered from ``first``."""
     rows = _rows(plan, sortie)
     polygon, spacing_m, entry = _polygon(plan, rows)
     hovers = plan.mission.trigger == HOVER
@@ -173,8 +163,8 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
         "version": 1,
     }
     if _follows_terrain(plan):
-        # QGroundControl's defaults.
         inner.update(
+            # QGroundControl's default.
             TerrainAdjustTolerance=10,
             TerrainAdjustMaxClimbRate=plan.mission.terrain.climb_m_per_s or 0,
             TerrainAdjustMaxDescentRate=plan.mission.terrain.climb_m_per_s or 0,
@@ -198,14 +188,14 @@ def _follows_terrain(plan: Plan) -> bool:
 
 
 def _corners(plan: Plan, sortie: Sortie) -> list[list[float]]:
-    """Places at which the flight turns: the ends of its rows, and the points between them."""
+    """Positions at which the flight turns: the ends of rows, and the points between rows."""
     shown = np.flatnonzero(sortie.capture < 0).tolist()
     shown = sorted({*shown, *(end for run in sortie.runs(plan) for end in run)})
     return [[float(sortie.lat_deg[at]), float(sortie.lon_deg[at])] for at in shown]
 
 
 def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
-    """Rows of a sortie; of crossed ones those of the direction that it begins with."""
+    """Rows of a sortie; of a crosshatch those in the first direction."""
     at = np.flatnonzero(sortie.capture >= 0)
     captures = sortie.capture[at]
     if len(plan.passes) > 1 and captures[0] < plan.passes[1].first:
@@ -225,13 +215,13 @@ def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
     azimuth = plan.mission.flight.row_azimuth_deg
     if np.hypot(*way[longest]) > 0.0:
         azimuth = float(np.degrees(np.arctan2(*way[longest])))
-    # QGroundControl takes angles beyond a right one for those of the opposite direction.
+    # QGroundControl reverses angles beyond 90 degrees.
     azimuth = 90.0 - (90.0 - azimuth) % 180.0
     sine, cosine = np.sin(np.radians(azimuth)), np.cos(np.radians(azimuth))
     along, right = east * sine + north * cosine, east * cosine - north * sine
     offset = (right[starts] + right[ends]) / 2.0
     counts = sortie.capture[ends] - sortie.capture[starts]
-    # A row of one image has no direction; rows are flown to and fro.
+    # A row of one image has no direction, so the first longer row decides.
     shown = int(np.argmax(counts > 0))
     forward = bool((along[ends] >= along[starts])[shown])
     if plan.mission.flight.order != ONE_WAY and shown % 2:
@@ -251,31 +241,35 @@ def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
     )
 
 
-def _off_square_deg(plan: Plan, rows: _SurveyRows) -> float:
+def _misalignment_deg(plan: Plan, rows: _SurveyRows) -> float:
     off = np.mod(plan.meant.yaw_deg - rows.azimuth_deg + 45.0, 90.0) - 45.0
     return float(np.abs(off).max())
 
 
 def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, int]:
-    """Polygon around the rows, spacing and entry with which QGroundControl lays its rows onto them.
+    """Polygon, spacing and entry with which the rows of QGroundControl coincide with these.
 
-    The polygon's corners begin on the side where the first row is entered and run there from the lowest to the
-    highest offset: QGroundControl flies its rows away from the side that comes first.
+    The corners begin on the side where the first row is entered, from the lowest offset to the highest, as
+    QGroundControl flies rows away from the first side.
     """
     order = np.argsort(rows.offset_m, kind="stable")
     offset, low, high = rows.offset_m[order], rows.low_m[order], rows.high_m[order]
-    entry = _TOP_LEFT if order[0] <= order[-1] else _TOP_RIGHT
-    margin = _END_SHARE * rows.interval_m
-    # Beyond the ends the last image by distance is still made; where the aircraft hovers at the end itself, one more
-    # would be.
+    # Entry at the top left (0) or the top right (1).
+    entry = 0 if order[0] <= order[-1] else 1
+    # The polygon reaches 2 % of an interval beyond the ends of rows.
+    margin = 0.02 * rows.interval_m
+    # By distance, the last image is taken just inside the polygon; with hovering, one more would be taken there.
     sign = -1.0 if plan.mission.trigger == HOVER else 1.0
     beyond = np.where(high - low < 4.0 * margin, margin, sign * margin)
-    straight = _STRAIGHT_SHARE * rows.interval_m
+    # Ends of rows over a slanting side step by up to half an interval.
+    straight = 0.6 * rows.interval_m
     left = _straightened(offset, low - beyond, straight, -1.0)
     right = _straightened(offset, high + beyond, straight, 1.0)
     near, far = (left, right) if rows.forward else (right, left)
     best: tuple[float, Floats, Floats, float] = np.inf, low, offset, rows.spacing_m
-    for below, above in sorted(product(_MARGINS, _MARGINS), key=sum):
+    # Shares of the spacing by which the polygon reaches beyond its outermost rows.
+    shares = np.linspace(0.05, 0.95, 37)
+    for below, above in sorted(product(shares, shares), key=sum):
         ends = below * rows.spacing_m, above * rows.spacing_m
         sides = _capped(*near, *ends, margin), _capped(*far, *ends, margin)
         along = np.concatenate([sides[0][0], sides[1][0][::-1]])
@@ -283,7 +277,7 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
         spacing, off = _fitted(rows, along, across, offset)
         if off < best[0]:
             best = off, along, across, spacing
-        # Rows within 2 % of a spacing lie where they were planned.
+        # Rows within 2 % of a spacing coincide.
         if off < 0.02:
             break
     _, along, across, spacing = best
@@ -291,9 +285,9 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
 
 
 def _straightened(offset_m: Floats, along_m: Floats, tolerance_m: float, outward: float) -> tuple[Floats, Floats]:
-    """One side of the polygon around ends of rows, with few corners: it leaves no end outside.
+    """Side of the polygon that leaves no end of a row outside, with few corners.
 
-    Ends of rows over a slanting side step from image to image; corners at each of them would be none to edit.
+    Over a slanting side the ends of rows step from image to image; nobody could edit a corner at each of them.
     """
     kept = [0]
     while kept[-1] < len(offset_m) - 1:
@@ -312,7 +306,7 @@ def _straightened(offset_m: Floats, along_m: Floats, tolerance_m: float, outward
 def _capped(
     along_m: Floats, offset_m: Floats, below_m: float, above_m: float, tolerance_m: float
 ) -> tuple[Floats, Floats]:
-    """A side that goes on beyond the outermost rows; its last corners move there where it runs across them anyway."""
+    """Side extended beyond the outermost rows; corners are moved where the side crosses the rows, else added."""
     along, offset = along_m.tolist(), offset_m.tolist()
     low, high = offset[0] - below_m, offset[-1] + above_m
     for at, beside, end in ((0, 1, low), (-1, -2, high)):
@@ -326,15 +320,15 @@ def _capped(
 
 
 def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floats) -> tuple[float, float]:
-    """Spacing with which a row of QGroundControl's is in the middle of the planned ones, and how far others are off."""
+    """Spacing that centres QGroundControl's rows on the planned ones, and the greatest deviation in spacings."""
     east, north = rows.east_north(along_m, across_m)
     middle = (east.min() + east.max()) / 2.0, (north.min() + north.max()) / 2.0
-    # QGroundControl's rows reach beyond the polygon's extent by 2 km, both sides together.
+    # The reach is the longer side of the extent plus 2,000 m.
     reach_m = max(np.ptp(east), np.ptp(north)) + 2000.0
     azimuth = np.radians(rows.azimuth_deg)
     from_first = offset_m - (middle[0] * np.cos(azimuth) - middle[1] * np.sin(azimuth)) + reach_m / 2.0
     centre = float(from_first[0] + from_first[-1]) / 2.0
-    # With an even number of rows there is none in the middle.
+    # An even number of rows has none in the middle.
     half = 0.5 * (round(float(np.ptp(offset_m)) / rows.spacing_m) % 2)
     steps = max(round(centre / rows.spacing_m - half), 1) + half
     spacing = centre / steps
@@ -343,14 +337,15 @@ def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floa
 
 
 def _camera(plan: Plan, rows: _SurveyRows, spacing_m: float) -> dict[str, Any]:
-    """QGroundControl's CameraCalc: sensor and focal length of 35 mm film that give the camera's angle of view."""
+    """CameraCalc of QGroundControl: sensor and focal length of a 35 mm film with the camera's field of view."""
     camera, flight_ = plan.mission.camera, plan.mission.flight
     height_m = float(np.median(plan.meant.agl_m))
     if _follows_terrain(plan):
         height_m = flight_.agl_m
     wide_m, high_m = camera.ground_size_m(1.0)
     aspect = wide_m / high_m
-    sensor_mm = _DIAGONAL_MM * aspect / np.hypot(aspect, 1.0), _DIAGONAL_MM / np.hypot(aspect, 1.0)
+    diagonal_mm = float(np.hypot(36.0, 24.0))
+    sensor_mm = diagonal_mm * aspect / np.hypot(aspect, 1.0), diagonal_mm / np.hypot(aspect, 1.0)
     longer = plan.mission.pixels.image_px
     size_px = (longer, max(round(longer / aspect), 1)) if aspect >= 1.0 else (max(round(longer * aspect), 1), longer)
     turned = np.mod(plan.meant.yaw_deg[0] - rows.azimuth_deg + 45.0, 180.0) >= 90.0

@@ -1,4 +1,4 @@
-"""The path as waypoints for an autopilot: where to fly, how to point aircraft and gimbal, and when."""
+"""The path as waypoints for an autopilot: positions, headings, gimbal pitches and times."""
 
 from __future__ import annotations
 
@@ -16,11 +16,9 @@ from ..outlines import cut_line
 from ..plan import Plan
 from .rows import clock, parts
 
-#: Points of a flight line, about; a longer one is drawn through the ends of its rows and some places between.
+#: Approximate limit of the points of a flight line; a longer one is thinned out between the ends of its rows.
 LINE_POINTS = 50_000
-
-
-#: What waypoints that are no captures are called.
+#: Names of waypoints that are not captures.
 NAMES = {
     TAKEOFF: "take-off",
     TRANSIT: "transit",
@@ -31,27 +29,27 @@ NAMES = {
 
 
 class Waypoint(NamedTuple):
-    """One point of a path as it is asked of an aircraft.
+    """One point of the planned path.
 
     Parameters
     ----------
     name : str
-        Of the capture, or one of `NAMES`.
+        Name of the capture, or one of `NAMES`.
     column, row : int
-        Of the capture; -1 at points between.
+        Grid indices of the capture; -1 at other points.
     lat_deg, lon_deg : float
         Longitude in [-180, 180).
     heading_deg : float
-        Of the aircraft, which is where the top of the image points, in [0, 360); that of the capture ahead at points
-        between, and that of the last one on the way back.
+        Heading of the aircraft, to which the top of the image points, in [0, 360); at other points that of the next
+        capture, and after the last capture that of the last.
     agl_m : float
         Height above ground; 0 at take-off and landing.
     gimbal_pitch_deg : float
-        -90 straight down, 0 to the horizon.
+        -90 is straight down, 0 horizontal.
     time : str
         UTC, ISO 8601 to the millisecond.
     kind : int
-        One of `path`'s kinds: `CAPTURE`, or what lies between.
+        One of the kinds in `path`: `CAPTURE`, `TRANSIT` and so on.
     """
 
     name: str
@@ -72,23 +70,22 @@ class Waypoint(NamedTuple):
 
     @property
     def details(self) -> dict[str, float]:
-        """What files say of a waypoint beside its name, place and time."""
+        """Figures written to files beside name, position and time."""
         names = ("column", "row", "agl_m", "heading_deg", "gimbal_pitch_deg")
         return {name: getattr(self, name) for name in names}
 
 
 def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
-    """Points of a path in flight order, of one sortie or of all; of a mission without a route the captures alone.
+    """Points of the path in flight order, of one sortie or of all; of a mission without a route only the captures.
 
-    They are where they were meant to be: what wind does to a flight is not asked of an aircraft. A gimbal does not look
-    backwards: a view that is lifted to the rear becomes one to the front of an aircraft that is turned around. It sees
-    the same ground, upside down.
+    Positions are the planned ones, without the effect of wind. As a gimbal cannot look backwards, a view tilted to the
+    rear becomes a view to the front of an aircraft that is turned around: it shows the same ground, upside down.
     """
-    path, meant = plan.path if sortie is None else plan.path.of(sortie), plan.meant
+    path, meant = plan.path if sortie is None else plan.path.sortie_path(sortie), plan.meant
     lon = wrap_lon_deg(path.lon_deg)
     taken, ahead = path.capture >= 0, _captures_ahead(path.capture)
     agl = path.agl_m
-    # To the last digit, as the plan has them.
+    # Exactly as planned, without rounding.
     agl[taken] = meant.agl_m[path.capture[taken]]
     for part in parts(len(path)):
         at = ahead[part]
@@ -116,7 +113,7 @@ def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
 
 
 def _captures_ahead(capture: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Capture that each point of a path leads to, (m,): itself, the next one, and behind the last one that."""
+    """Capture that each point of a path leads to, (m,): itself, the next one, or after the last one the last."""
     known = np.flatnonzero(capture >= 0)
     ahead: NDArray[np.int64] = capture[
         known[np.minimum(np.searchsorted(known, np.arange(len(capture))), len(known) - 1)]
@@ -124,21 +121,21 @@ def _captures_ahead(capture: NDArray[np.int64]) -> NDArray[np.int64]:
     return ahead
 
 
-def takeoff_of(plan: Plan) -> tuple[float, float] | None:
-    """Latitude and longitude, in [-180, 180), of the place of take-off; None where there is none."""
+def takeoff_deg(plan: Plan) -> tuple[float, float] | None:
+    """Latitude and longitude, in [-180, 180), of the take-off; None if none is set."""
     place = plan.mission.route.takeoff
     return None if place is None else (place[0], float(wrap_lon_deg(np.array(place[1]))))
 
 
 def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Floats, Floats]]:
-    """Way from waypoint to waypoint as longitudes, latitudes and heights above ground, cut at the antimeridian.
+    """Longitudes, latitudes and heights above ground of the flight line, cut at the antimeridian.
 
-    Of a path with more than its captures, or over relief, it has all points, of one sortie or of all. Else of more than
-    `LINE_POINTS` waypoints it goes through every k-th and through the ends of the rows, and where even those are too
-    many, through every k-th.
+    Over relief, or of a path with more than captures, the line has all points, of one sortie or of all. Otherwise, of
+    more than `LINE_POINTS` waypoints it has every k-th one and the ends of rows or, if these are too many, only every
+    k-th one.
     """
     if not plan.path.is_captures or not plan.relief.is_level:
-        path = plan.path if sortie is None else plan.path.of(sortie)
+        path = plan.path if sortie is None else plan.path.sortie_path(sortie)
         return [(lon, lat, agl) for lon, lat, agl in cut_line(path.lon_deg, path.lat_deg, path.agl_m)]
     meant, count = plan.meant, len(plan)
     stride = -(-count // LINE_POINTS)
@@ -152,8 +149,8 @@ def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Flo
     return [(lon, lat, agl) for lon, lat, agl in lines]
 
 
-def not_flown(plan: Plan) -> tuple[str, ...]:
-    """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
+def waypoint_notes(plan: Plan) -> tuple[str, ...]:
+    """Notes on what waypoints cannot express, one line each."""
     notes, meant = [], plan.meant
     roll, tilt = float(meant.roll_deg[np.abs(meant.roll_deg).argmax()]), float(meant.tilt_deg.min())
     if roll:

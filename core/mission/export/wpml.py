@@ -1,8 +1,8 @@
-"""A plan for DJI's drones: the KMZ of WPML that DJI Pilot 2, FlightHub 2 and DJI Fly hold waypoint flights in.
+"""A plan for DJI's drones: the KMZ of WPML in which DJI Pilot 2, FlightHub 2 and DJI Fly store waypoint flights.
 
 Elements, values and ranges are those of DJI's reference (https://developer.dji.com/doc/cloud-api-tutorial/en, DJI
-WPML); what DJI Fly reads, which DJI does not document, is what public writers of its files write. ``template.kml`` is
-what the programs show and edit, ``waylines.wpml`` what the drone flies; both say the same here.
+WPML). DJI does not document the files of DJI Fly; these follow public programs that write them. Programs show and edit
+``template.kml``, and drones fly ``waylines.wpml``; here both describe the same flight.
 """
 
 from __future__ import annotations
@@ -22,33 +22,25 @@ from ...geodesy.projections import LocalPlane, geodesics
 from ..parts import BY_DISTANCE, DJI_FLY, HOVER, Route, utc_time
 from ..plan import Plan
 from .sorties import Sortie, continuous, sorties
-from .waypoints import not_flown
+from .waypoints import waypoint_notes
 
-KML_NAMESPACE = "http://www.opengis.net/kml/2.2"
-TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
-FEWEST_WAYPOINTS = 2
-#: Files of one plan, at most, where a flight is longer than a drone takes at once.
-MOST_FILES = 100
-SLOWEST_M_PER_S, FASTEST_M_PER_S = 1.0, 15.0
-#: Lowest and highest pitch that all of these drones take.
-_PITCHES_DEG = (-90.0, 30.0)
-#: How long an aircraft that stops for an image is left to come to rest.
-_STEADY_S = 1.0
-#: Where legs are shorter an aircraft stops at both ends: it has no room to round a corner.
-_SHORTEST_PASSED_M = 1.0
-#: How far before a waypoint that is passed the aircraft may leave the line to it, and by how much it may cut the corner
-#: over relief, metres.
-_ROUNDING_M, _CUT_M = 0.2, 0.005
+#: Limit of the files of one plan, for flights with more waypoints than a drone accepts.
+MAX_FILES = 100
+#: Speeds that all drones accept.
+MIN_SPEED_M_PER_S, MAX_SPEED_M_PER_S = 1.0, 15.0
+#: Legs below this length leave no room for rounded corners, so the aircraft stops at both ends.
+_SHORT_LEG_M = 1.0
+#: Turn modes.
 _STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithContinuityCurvature"
 
 
 class _Drone(NamedTuple):
-    """Codes of a drone and its camera; None for the camera where the program asks for none.
+    """Codes of a drone and its camera; None for the camera of DJI Fly, which asks for none.
 
     Parameters
     ----------
     lens : str
-        Whose images are kept, in DJI's spelling.
+        Lens whose images are kept, in DJI's spelling.
     """
 
     kind: int
@@ -56,11 +48,11 @@ class _Drone(NamedTuple):
     camera: int | None
     lens: str = "visable"
     namespace: str = "http://www.dji.com/wpmz/1.0.6"
-    most_waypoints: int = 65_535
-    highest_m: float = 1500.0
+    max_waypoints: int = 65_535
+    max_height_m: float = 1500.0
 
     @property
-    def of_dji_fly(self) -> bool:
+    def is_dji_fly(self) -> bool:
         return self.camera is None
 
 
@@ -79,53 +71,55 @@ _DRONES = {
 
 
 def check_wpml(plan: Plan) -> None:
-    """Raise InvalidInput for a mission that DJI's programs or drones do not take."""
+    """Raise InvalidInput for a mission that DJI's programs or drones do not accept."""
     drone = _drone(plan)
     stops = [len(one) for one in _stops(plan)]
-    if min(stops) < FEWEST_WAYPOINTS:
+    if min(stops) < 2:
         raise InvalidInput("DJI mission of one waypoint: takes two or more", remedy="plan a list or an area")
-    files = sum(-(-count // drone.most_waypoints) for count in stops)
-    if files > MOST_FILES:
+    files = sum(-(-count // drone.max_waypoints) for count in stops)
+    if files > MAX_FILES:
         raise InvalidInput(
             "DJI mission of {0:,} waypoints: takes {1:,} or fewer, in {2} files",
             sum(stops),
-            MOST_FILES * drone.most_waypoints,
-            MOST_FILES,
+            MAX_FILES * drone.max_waypoints,
+            MAX_FILES,
             remedy="plan a smaller area, a greater height or less overlap",
         )
     found = _parts(plan)
     highest = max(max(float(one.height_m.max()), one.way_home_m(plan, 0), one.way_home_m(plan, -1)) for one in found)
-    if highest > drone.highest_m:
+    if highest > drone.max_height_m:
         raise InvalidInput(
-            "DJI mission at {0:g} m: must be {1:g} m above the take-off or less", highest, drone.highest_m
+            "DJI mission at {0:g} m: must be {1:g} m above the take-off or less", highest, drone.max_height_m
         )
     pitch = max(float(one.gimbal_pitch_deg.max()) for one in found)
-    if pitch > _PITCHES_DEG[1]:
+    low_deg, high_deg = -90.0, 30.0
+    if pitch > high_deg:
         raise InvalidInput(
             "DJI mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less",
             pitch,
-            *_PITCHES_DEG,
-            90.0 + _PITCHES_DEG[1],
+            low_deg,
+            high_deg,
+            90.0 + high_deg,
         )
     speed = plan.mission.flight.airspeed_m_per_s
-    if speed < SLOWEST_M_PER_S:
+    if speed < MIN_SPEED_M_PER_S:
         raise InvalidInput(
             "DJI mission at {0:g} m/s: must be {1:g} to {2:g} m/s",
             speed,
-            SLOWEST_M_PER_S,
-            FASTEST_M_PER_S,
+            MIN_SPEED_M_PER_S,
+            MAX_SPEED_M_PER_S,
             field="airspeed_m_per_s",
         )
 
 
 def wpml_files(plan: Plan) -> list[bytes]:
-    """What each file holds: the sorties one after the other, each cut into parts that the drone takes at once."""
+    """Contents of each file: sorties in order, divided into parts that the drone accepts."""
     return [_kmz(plan, part) for part in _parts(plan)]
 
 
 def _parts(plan: Plan) -> list[Sortie]:
-    """Flights of the files, in order: sorties, and parts of those with too many waypoints."""
-    most, found = _drone(plan).most_waypoints, []
+    """Flights of the files in order: sorties, or parts of those with too many waypoints."""
+    most, found = _drone(plan).max_waypoints, []
     for sortie in _stops(plan):
         count = -(-len(sortie) // most)
         edges = [len(sortie) * number // count for number in range(count + 1)]
@@ -134,23 +128,23 @@ def _parts(plan: Plan) -> list[Sortie]:
 
 
 def wpml_notes(plan: Plan) -> tuple[str, ...]:
-    """What the files cannot say, and what the pilot has to know, one line each."""
+    """Notes on what the files cannot express and what the pilot has to know, one line each."""
     drone, flight = _drone(plan), plan.mission.flight
     titles = field_named(Route, "drone").choices
     notes = [
         Message("the file is for the drone {0}", Message(titles[plan.mission.route.drone])),
         Message("not flown yet: files for DJI's programs were checked by their structure and by reading them back"),
-        _note_of_heights(_parts(plan)),
+        _height_note(_parts(plan)),
     ]
-    if flight.airspeed_m_per_s > FASTEST_M_PER_S:
+    if flight.airspeed_m_per_s > MAX_SPEED_M_PER_S:
         notes.append(
             Message(
                 "the speed of {0:g} m/s is reduced to DJI's {1:g} m/s",
                 flight.airspeed_m_per_s,
-                FASTEST_M_PER_S,
+                MAX_SPEED_M_PER_S,
             )
         )
-    if drone.of_dji_fly:
+    if drone.is_dji_fly:
         notes.append(Message("DJI Fly opens no files: put this one in the place of a mission that you made there"))
         if plan.mission.trigger == BY_DISTANCE:
             notes.append(Message("DJI Fly releases no camera by distance: each image has a waypoint of its own"))
@@ -160,21 +154,21 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
                     "the drone stops at each waypoint; times and sorties count these stops with the trigger hover alone"
                 )
             )
-    return (*not_flown(plan), *notes)
+    return (*waypoint_notes(plan), *notes)
 
 
 def _drone(plan: Plan) -> _Drone:
     return _DRONES[plan.mission.route.drone]
 
 
-def _by_distance(plan: Plan) -> bool:
-    return plan.mission.trigger == BY_DISTANCE and not _drone(plan).of_dji_fly
+def _is_distance_triggered(plan: Plan) -> bool:
+    return plan.mission.trigger == BY_DISTANCE and not _drone(plan).is_dji_fly
 
 
-def _note_of_heights(parts: list[Sortie]) -> Message:
-    """From where the heights of the files count."""
+def _height_note(parts: list[Sortie]) -> Message:
+    """Note on the reference of the heights."""
     bases_m = [part.base_m for part in parts]
-    # Take-offs within 5 cm get one note.
+    # Heights are stated to 0.1 m, so within 5 cm one figure is enough.
     if max(bases_m) - min(bases_m) < 0.05:
         return Message(
             "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
@@ -189,18 +183,21 @@ def _note_of_heights(parts: list[Sortie]) -> Message:
 
 
 def _stops(plan: Plan) -> list[Sortie]:
-    """Sorties with the points that become waypoints: of rows flown by distance, those at their ends."""
+    """Sorties with only those points that become waypoints."""
     found = sorties(plan)
-    if not _by_distance(plan):
+    if not _is_distance_triggered(plan):
         return found
     return [sortie.take(sortie.waypoints(plan)) for sortie in found]
 
 
 def _kmz(plan: Plan, sortie: Sortie) -> bytes:
-    """Zip of the two files, with the same times in every one."""
+    """Zip of the two files, with constant times so that bytes are reproducible."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in ((TEMPLATE, _template(plan, sortie)), (WAYLINES, _waylines(plan, sortie))):
+        for name, text in (
+            ("wpmz/template.kml", _template(plan, sortie)),
+            ("wpmz/waylines.wpml", _waylines(plan, sortie)),
+        ):
             about = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             about.compress_type, about.create_system, about.external_attr = (
                 zipfile.ZIP_DEFLATED,
@@ -223,7 +220,7 @@ def _template(plan: Plan, sortie: Sortie) -> Iterator[str]:
         )
         + _config(plan, sortie, reference=True)
     )
-    if not drone.of_dji_fly:
+    if not drone.is_dji_fly:
         yield (
             "<Folder>\n<wpml:templateType>waypoint</wpml:templateType>\n<wpml:templateId>0</wpml:templateId>\n"
             "<wpml:waylineCoordinateSysParam><wpml:coordinateMode>WGS84</wpml:coordinateMode>"
@@ -266,15 +263,15 @@ def _waylines(plan: Plan, sortie: Sortie) -> Iterator[str]:
 def _head(drone: _Drone) -> str:
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<kml xmlns="{KML_NAMESPACE}" xmlns:wpml="{drone.namespace}">\n<Document>\n'
+        f'<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:wpml="{drone.namespace}">\n<Document>\n'
     )
 
 
 def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
-    """What holds for the whole flight, with the place of take-off that it is worked out for."""
+    """Settings of the whole flight, with the take-off for which it was computed."""
     drone = _drone(plan)
     lat, lon = sortie.home
-    # The aircraft leaves the take-off at 20 m and comes back no lower; higher where relief requires it.
+    # The aircraft departs and returns at 20 m, or higher where relief requires it.
     there, back = (math.ceil(max(sortie.way_home_m(plan, at), 20.0)) for at in (0, -1))
     back = max(back, math.ceil(sortie.height_m.max()))
     place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
@@ -288,20 +285,20 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
         "<wpml:finishAction>goHome</wpml:finishAction>\n<wpml:exitOnRCLost>executeLostAction</wpml:exitOnRCLost>\n"
         "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
         f"<wpml:takeOffSecurityHeight>{there}</wpml:takeOffSecurityHeight>\n"
-        f"{place if reference and not drone.of_dji_fly else ''}"
+        f"{place if reference and not drone.is_dji_fly else ''}"
         f"<wpml:globalTransitionalSpeed>{_speed(plan)}</wpml:globalTransitionalSpeed>\n"
         f"<wpml:globalRTHHeight>{back}</wpml:globalRTHHeight>\n"
         f"<wpml:droneInfo><wpml:droneEnumValue>{drone.kind}</wpml:droneEnumValue>"
         f"<wpml:droneSubEnumValue>{drone.variant}</wpml:droneSubEnumValue></wpml:droneInfo>\n"
-        f"{'' if drone.of_dji_fly else camera}</wpml:missionConfig>\n"
+        f"{'' if drone.is_dji_fly else camera}</wpml:missionConfig>\n"
     )
 
 
 def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
-    """Waypoints: of the file that is flown, or of that which is edited."""
+    """Waypoints of the file that is flown (``executed``) or edited."""
     rounding_m = _rounding_m(plan, sortie)
-    # DJI Fly knows no risky waypoints.
-    risk = "" if _drone(plan).of_dji_fly else "<wpml:isRisky>0</wpml:isRisky>\n"
+    # DJI Fly does not know this element.
+    risk = "" if _drone(plan).is_dji_fly else "<wpml:isRisky>0</wpml:isRisky>\n"
     for at, actions in enumerate(_actions(plan, sortie)):
         lat, lon, height = float(sortie.lat_deg[at]), float(sortie.lon_deg[at]), float(sortie.height_m[at])
         turn = (
@@ -313,12 +310,12 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
         heading = _heading(float(sortie.heading_deg[at]), executed)
         heading = f"<wpml:waypointHeadingParam>{heading}</wpml:waypointHeadingParam>\n"
         if executed:
-            own = (
+            settings = (
                 f"<wpml:executeHeight>{height:.3f}</wpml:executeHeight>\n"
                 f"<wpml:waypointSpeed>{_speed(plan)}</wpml:waypointSpeed>\n{heading}{turn}"
             )
         else:
-            own = (
+            settings = (
                 f"<wpml:ellipsoidHeight>{height + sortie.base_m:.3f}</wpml:ellipsoidHeight>\n"
                 f"<wpml:height>{height:.3f}</wpml:height>\n<wpml:useGlobalHeight>0</wpml:useGlobalHeight>\n"
                 "<wpml:useGlobalSpeed>1</wpml:useGlobalSpeed>\n"
@@ -328,40 +325,40 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
             )
         yield (
             f"<Placemark>\n<Point><coordinates>{lon:.9f},{lat:.9f}</coordinates></Point>\n"
-            f"<wpml:index>{at}</wpml:index>\n{own}{actions}{risk}</Placemark>\n"
+            f"<wpml:index>{at}</wpml:index>\n{settings}{actions}{risk}</Placemark>\n"
         )
 
 
 def _rounding_m(plan: Plan, sortie: Sortie) -> list[float]:
-    """How far before each waypoint the aircraft may leave the line to it; 0 where it stops.
-
-    Over relief a corner is cut by `_CUT_M` at most.
-    """
+    """Distance before each waypoint at which the aircraft may leave the line to it; 0 where it stops."""
     found = np.zeros(len(sortie))
-    if plan.mission.trigger == HOVER or _drone(plan).of_dji_fly:
+    if plan.mission.trigger == HOVER or _drone(plan).is_dji_fly:
         return [float(one) for one in found]
     plane = LocalPlane(float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
     lon = continuous(sortie.lon_deg, plane.lon_deg)
     leg = np.diff(np.stack([*plane.forward(sortie.lat_deg, lon), sortie.height_m], axis=1), axis=0)
     length = np.linalg.norm(leg, axis=1)
     level = geodesics(sortie.lat_deg[:-1], sortie.lon_deg[:-1], sortie.lat_deg[1:], sortie.lon_deg[1:])[2]
-    # The first and the last one have one leg each, and are stopped at.
-    passed = np.append(False, level >= _SHORTEST_PASSED_M) & np.append(level >= _SHORTEST_PASSED_M, False)
-    if _by_distance(plan):
-        passed &= _rows_by_distance(plan, sortie).between
-    found[passed] = _ROUNDING_M
+    # The first and the last waypoint have only one leg.
+    passed = np.append(False, level >= _SHORT_LEG_M) & np.append(level >= _SHORT_LEG_M, False)
+    if _is_distance_triggered(plan):
+        passed &= _triggered_rows(plan, sortie).between
+    # Enough for a smooth turn, and little for images.
+    found[passed] = 0.2
     if not plan.relief.is_level:
-        way = leg / np.maximum(length, _SHORTEST_PASSED_M)[:, np.newaxis]
+        way = leg / np.maximum(length, _SHORT_LEG_M)[:, np.newaxis]
         turn = np.linalg.norm(np.diff(way, axis=0), axis=1)
-        most = np.floor(2000.0 * _CUT_M / np.maximum(turn, _CUT_M)) / 1000.0
+        # Over relief, cut corners must hardly lower the flight.
+        cut_m = 0.005
+        most = np.floor(2000.0 * cut_m / np.maximum(turn, cut_m)) / 1000.0
         found[1:-1] = np.minimum(found[1:-1], most)
     return [float(one) for one in found]
 
 
 def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
-    """Groups of actions of each waypoint: the gimbal is turned where its pitch changes, and images are taken."""
+    """Action groups of each waypoint: gimbal turns where the pitch changes, and images."""
     drone, hovers = _drone(plan), plan.mission.trigger == HOVER
-    rows = _rows_by_distance(plan, sortie)
+    rows = _triggered_rows(plan, sortie)
     number, pitch_was = 0, math.nan
     for at, (pitch, capture) in enumerate(zip(sortie.gimbal_pitch_deg.tolist(), sortie.capture.tolist())):
         actions = []
@@ -370,7 +367,8 @@ def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
             pitch_was = pitch
         shot = capture >= 0 and at not in rows.inside
         if shot and hovers:
-            actions.append(("hover", f"<wpml:hoverTime>{_STEADY_S:g}</wpml:hoverTime>"))
+            # The aircraft comes to rest within 1 s.
+            actions.append(("hover", "<wpml:hoverTime>1</wpml:hoverTime>"))
         if shot:
             actions.append(_photo(drone, f"{plan.column[capture]}-{plan.row[capture]}"))
         text = ""
@@ -386,16 +384,16 @@ def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
 
 
 class _TriggeredRows(NamedTuple):
-    """Rows whose images are taken by distance.
+    """Rows with a camera triggered by distance.
 
     Parameters
     ----------
     spacing_m : dict
-        By each row's first waypoint: its last one, and the distance between its images.
+        Last waypoint of each row and distance between its images, by the first waypoint.
     inside : set
-        Waypoints at which no image is taken for themselves.
+        Waypoints of rows, which have no action of taking an image.
     between : array of bool
-        Waypoints of rows that are not their ends.
+        Waypoints of rows other than the ends.
     """
 
     spacing_m: dict[int, tuple[int, float]]
@@ -403,9 +401,9 @@ class _TriggeredRows(NamedTuple):
     between: NDArray[np.bool_]
 
 
-def _rows_by_distance(plan: Plan, sortie: Sortie) -> _TriggeredRows:
+def _triggered_rows(plan: Plan, sortie: Sortie) -> _TriggeredRows:
     found = _TriggeredRows({}, set(), np.zeros(len(sortie), bool))
-    if not _by_distance(plan):
+    if not _is_distance_triggered(plan):
         return found
     ends = {
         int(one.capture[first]): int(one.capture[last])
@@ -421,7 +419,7 @@ def _rows_by_distance(plan: Plan, sortie: Sortie) -> _TriggeredRows:
         begin, end = waypoint[first], waypoint[last]
         places = (lat[begin:end], lon[begin:end], lat[begin + 1 : end + 1], lon[begin + 1 : end + 1])
         length_m = float(geodesics(*places)[2].sum())
-        # Rounded down, so that the last image is not a millimetre beyond the row.
+        # Rounded down, so that the last image is not beyond the row.
         spacing = math.floor(length_m / (last - first) * 1000.0) / 1000.0
         if spacing > 0.0:
             found.spacing_m[begin] = end, spacing
@@ -443,7 +441,7 @@ def _group(
         f"<wpml:actionGroup><wpml:actionGroupId>{number}</wpml:actionGroupId>"
         f"<wpml:actionGroupStartIndex>{ends[0]}</wpml:actionGroupStartIndex>"
         f"<wpml:actionGroupEndIndex>{ends[1]}</wpml:actionGroupEndIndex>"
-        f"<wpml:actionGroupMode>{'parallel' if drone.of_dji_fly else 'sequence'}</wpml:actionGroupMode>"
+        f"<wpml:actionGroupMode>{'parallel' if drone.is_dji_fly else 'sequence'}</wpml:actionGroupMode>"
         f"<wpml:actionTrigger><wpml:actionTriggerType>{trigger}</wpml:actionTriggerType>{parameter}"
         "</wpml:actionTrigger>"
         + "".join(
@@ -458,7 +456,7 @@ def _group(
 
 def _photo(drone: _Drone, name: str) -> tuple[str, str]:
     values = "<wpml:payloadPositionIndex>0</wpml:payloadPositionIndex>"
-    if not drone.of_dji_fly:
+    if not drone.is_dji_fly:
         values += (
             f"<wpml:fileSuffix>{name}</wpml:fileSuffix><wpml:payloadLensIndex>{drone.lens}</wpml:payloadLensIndex>"
             "<wpml:useGlobalPayloadLensIndex>0</wpml:useGlobalPayloadLensIndex>"
@@ -467,7 +465,7 @@ def _photo(drone: _Drone, name: str) -> tuple[str, str]:
 
 
 def _gimbal(drone: _Drone, pitch_deg: float) -> tuple[str, str]:
-    base = "aircraft" if drone.of_dji_fly else "north"
+    base = "aircraft" if drone.is_dji_fly else "north"
     return "gimbalRotate", (
         f"<wpml:gimbalHeadingYawBase>{base}</wpml:gimbalHeadingYawBase>"
         "<wpml:gimbalRotateMode>absoluteAngle</wpml:gimbalRotateMode>"
@@ -484,7 +482,7 @@ def _gimbal(drone: _Drone, pitch_deg: float) -> tuple[str, str]:
 
 
 def _heading(heading_deg: float, executed: bool) -> str:
-    """The aircraft turns to it by the shorter way on its leg to the waypoint."""
+    """Heading to which the aircraft turns, the shorter way, on the leg to the waypoint."""
     wrapped = round((heading_deg + 180.0) % 360.0 - 180.0, 2)
     return (
         "<wpml:waypointHeadingMode>smoothTransition</wpml:waypointHeadingMode>"
@@ -496,4 +494,4 @@ def _heading(heading_deg: float, executed: bool) -> str:
 
 
 def _speed(plan: Plan) -> str:
-    return f"{min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S):.2f}"
+    return f"{min(plan.mission.flight.airspeed_m_per_s, MAX_SPEED_M_PER_S):.2f}"

@@ -1,4 +1,4 @@
-"""Plans written to files, in the format that their ending names."""
+"""Writing plans to files, in the format of the file ending."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...errors import InvalidInput, Message, OutputError
 from ...storage.files import write_whole
 from ...storage.stores import is_address, store_path
 from ..plan import Plan
-from .flown import FlownPath, Reader, places_of_gpx, places_of_kml
+from .clearance import FlownPath, Reader, gpx_points, kml_points
 from .geojson import geojson_text
 from .geopackage import geopackage_notes, write_geopackage
 from .gpx import gpx_notes, gpx_text
@@ -25,18 +25,16 @@ from .rows import csv_text
 from .survey import check_survey, survey_notes, survey_texts
 from .wpml import check_wpml, wpml_files, wpml_notes
 
-LITCHI_ENDING, GEOPACKAGE_ENDING = ".litchi.csv", ".gpkg"
-
 
 class PlanFiles(NamedTuple):
-    """What was written.
+    """Files of a plan that were written.
 
     Parameters
     ----------
     notes : tuple of str
-        What the format cannot say of the plan, one line each.
+        Notes on what the format cannot express, one line each.
     replaced : tuple of Path
-        Parts of a flight, whose names nobody has chosen, that took the place of files that were there.
+        Existing files that parts of the flight have replaced, without a choice of their names by the user.
     """
 
     files: tuple[Path, ...]
@@ -45,7 +43,7 @@ class PlanFiles(NamedTuple):
 
 
 class PartsAlreadyThere(OutputError):
-    """Files that parts of a plan would replace.
+    """Parts of a plan would replace existing files.
 
     Attributes
     ----------
@@ -58,24 +56,24 @@ class PartsAlreadyThere(OutputError):
 
 
 class _Format(NamedTuple):
-    """Format of one text; and what reads the places of its ways, where it has any, of a block."""
+    """Format of one text, with a function that reads points of its flight lines from a block, if it has any."""
 
     text: Callable[[Plan], Iterator[str]]
     notes: Callable[[Plan], tuple[str, ...]] | None = None
-    places: Callable[[str], Floats] | None = None
+    points: Callable[[str], Floats] | None = None
 
 
-#: Formats of one text each. Tables and footprints have captures alone, and no way between them.
+#: Formats of one text. Tables and footprints have no flight lines.
 _TEXTS = {
     ".csv": _Format(csv_text),
     ".geojson": _Format(geojson_text),
-    ".kml": _Format(kml_text, kml_notes, places_of_kml),
-    ".gpx": _Format(gpx_text, gpx_notes, places_of_gpx),
+    ".kml": _Format(kml_text, kml_notes, kml_points),
+    ".gpx": _Format(gpx_text, gpx_notes, gpx_points),
 }
 
 
 class _Parted(NamedTuple):
-    """Format of a file for each part of a flight."""
+    """Format with a file for each part of a flight."""
 
     contents: Callable[[Plan], list[Iterable[bytes]]]
     check: Callable[[Plan], None]
@@ -91,21 +89,21 @@ def _decoded(read: Callable[[Reader, str], list[FlownPath]]) -> Callable[[Reader
     return lambda reader, data: read(reader, data.decode())
 
 
-#: Formats of one file, or of several where the flight is in parts.
+#: Formats of one file, or several for a flight in parts.
 _PARTED = {
-    LITCHI_ENDING: _Parted(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
+    ".litchi.csv": _Parted(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
     ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes, Reader.kmz),
     ".plan": _Parted(_encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)),
     ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes, _decoded(Reader.plan)),
 }
-#: What a plan's file may end in.
-ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
+#: Endings of plan files.
+ENDINGS = (".csv", ".geojson", ".kml", ".gpkg", ".gpx", *_PARTED)
 
 
 def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
-    """Return the ending of a plan's file; refuse one that is neither of a plan's format nor one of ``more``."""
+    """Return the ending of a plan file; refuse any but those of plan formats and of ``more``."""
     name, known = store_path(path).name.lower(), (*ENDINGS, *more)
-    # The longest one that it ends in: Litchi's table is a .csv as well.
+    # The longest match, as .litchi.csv also ends in .csv.
     ending = max((one for one in known if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
@@ -113,57 +111,57 @@ def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> PlanFiles:
-    """Write a plan in the format that the file's ending names, whole or not at all.
+    """Write a plan in the format of the file ending, whole or not at all.
 
-    They are the table (.csv), footprints (.geojson), layers of a GIS (.gpkg), Google Earth (.kml), and for those who
-    fly: DJI's programs (.kmz), Litchi (.litchi.csv), QGroundControl (.plan; .survey.plan, which it edits as a survey)
-    and a route (.gpx). A flight of several sorties, or of more waypoints than a drone takes at once, is cut into
-    ``NAME-1.kmz``, ``NAME-2.kmz`` and so on.
+    Formats are the table (.csv), footprints (.geojson), layers of a GIS (.gpkg), Google Earth (.kml), DJI's programs
+    (.kmz), Litchi (.litchi.csv), QGroundControl (.plan; .survey.plan, which it edits as a survey) and a route (.gpx). A
+    flight of several sorties, or of more waypoints than a drone accepts, is written to ``NAME-1.kmz``, ``NAME-2.kmz``
+    and so on.
 
     Parameters
     ----------
     replace_parts : bool
-        Whether such parts replace files that are there, whose names nobody has chosen.
+        Whether such parts may replace existing files, as the user has not chosen their names.
 
     Raises
     ------
     InvalidInput
-        Any other ending, a plan that the format cannot hold, and a file whose flight comes too near to the relief.
+        The ending is unknown, the format cannot hold the plan, or the flight is too close to the relief.
     PartsAlreadyThere
-        Some parts would replace files, and must not.
+        Parts would replace files, but must not.
     OutputError
-        Where the file cannot be written.
+        The file cannot be written.
     """
     target, ending = store_path(path), check_plan_ending(path)
     if is_address(target) and ending not in _TEXTS:
         raise InvalidInput("plan file {0!r}: must be on this machine, as all {1} files", str(path), ending)
-    if ending == GEOPACKAGE_ENDING:
+    if ending == ".gpkg":
         write_geopackage(plan, target)
         return PlanFiles((target,), geopackage_notes(plan))
     if ending in _PARTED:
         return _write_parts(plan, target, ending, replace_parts)
     form = _TEXTS[ending]
     texts = form.text(plan)
-    if not plan.relief.is_level and form.places is not None:
-        texts = _read_back(plan, target.name, texts, form.places)
+    if not plan.relief.is_level and form.points is not None:
+        texts = _checked_text(plan, target.name, texts, form.points)
     write_whole(target, (text.encode() for text in texts))
     return PlanFiles((target,), () if form.notes is None else form.notes(plan))
 
 
-def _read_back(plan: Plan, name: str, texts: Iterable[str], places_of: Callable[[str], Floats]) -> Iterator[str]:
-    """Hand blocks of a text on, and check the flight that they say before they end."""
-    places = []
+def _checked_text(plan: Plan, name: str, texts: Iterable[str], points: Callable[[str], Floats]) -> Iterator[str]:
+    """Yield blocks of a text, and check the flight in them before the end."""
+    found = []
     for text in texts:
-        places.append(places_of(text))
+        found.append(points(text))
         yield text
     reader = Reader(plan)
-    reader.check(reader.above_ground(places), name)
+    reader.check(reader.above_ground(found), name)
 
 
 def _checked(
     plan: Plan, name: str, contents: list[Iterable[bytes]], read: Callable[[Reader, bytes], list[FlownPath]]
 ) -> list[Iterable[bytes]]:
-    """Contents of files, each of which was read back and checked."""
+    """Contents of files, read back and checked."""
     reader, wholes = Reader(plan), [b"".join(blocks) for blocks in contents]
     for number, whole in enumerate(wholes, 1):
         part = name if len(wholes) == 1 else Message("{0}, part {1}", name, number)
@@ -185,7 +183,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
         there = tuple(file for file in files if file.exists())
         if there and not replace_parts:
             raise PartsAlreadyThere(there)
-    # Of an earlier flight in fewer parts, or in more.
+    # Files of an earlier flight with fewer parts, or more.
     left = [file for file in [target] if file not in files and file.exists()]
     left += takewhile(Path.exists, parts)
     written: list[Path] = []
@@ -194,7 +192,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
             write_whole(file, blocks)
             written.append(file)
     except BaseException:
-        # Part of a flight would pass for the whole of it.
+        # An incomplete flight could be mistaken for the whole one.
         for file in written:
             with contextlib.suppress(OSError):
                 file.unlink()

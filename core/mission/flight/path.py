@@ -145,7 +145,7 @@ class FlightPath:
         """Whether it has nothing but the captures, in one sortie."""
         return self.sorties == 1 and bool((self.kind == CAPTURE).all())
 
-    def of(self, sortie: int) -> FlightPath:
+    def sortie_path(self, sortie: int) -> FlightPath:
         """One sortie alone; its number and its times stay."""
         first, last = np.searchsorted(self.sortie, [sortie, sortie + 1])
         arrays = {name: values[first:last] for name, values in vars(self).items() if name != "base_m"}

@@ -61,7 +61,7 @@ class Below(Protocol):
         ...
 
     @property
-    def within_m(self) -> float:
+    def merge_distance_m(self) -> float:
         """Distance within which places count as one."""
         ...
 
@@ -74,7 +74,7 @@ class Below(Protocol):
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Of captures within `within_m` of places (n,), at least; NaN where there is no ground."""
+        """Of captures within `merge_distance_m` of places (n,), at least; NaN where there is no ground."""
         ...
 
     @property
@@ -515,7 +515,7 @@ class _Along(NamedTuple):
         """
         limit = self.mission.output.max_images
         parallel_m = 2.0 * math.pi * WGS84.normal_radius_m(lat_deg) * np.cos(np.radians(lat_deg))
-        size, (room, _) = self.relief.within_m / parallel_m, least.size
+        size, (room, _) = self.relief.merge_distance_m / parallel_m, least.size
         stretches = np.ceil((east_u - west_u + 2.0 * room) / size)
         blocks = np.flatnonzero(np.diff(np.floor(np.cumsum(stretches) / _STRETCHES))) + 1
         found, images = [], 0

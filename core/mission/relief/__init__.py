@@ -2,7 +2,7 @@
 
 In reading order:
 
-- `ground`: the ground as a plan asks for it, and level ground
-- `overflown`: relief below a path, and profiles below its legs
-- `modelled`: heights of captures over relief, and what they surely see
+- `ground`: the interface that plans use, and level ground
+- `path_ground`: relief below a path, and profiles below its legs
+- `modelled`: heights of captures over relief, and the ground they are certain to see
 """

@@ -1,4 +1,4 @@
-"""The ground below a mission, as a plan asks for it; and level ground, which answers without any heights."""
+"""The ground below a mission: the interface that plans use, and level ground, which needs no elevation data."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Heights:
-    """Relief that a mission is flown over: the ground that it follows, and the surface that its cameras see."""
+    """Elevation models of a mission: the ground that the flight follows, and the surface that the cameras see."""
 
     ground: ElevationModel
     surface: ElevationModel
@@ -36,11 +36,12 @@ class Flown(NamedTuple):
     Attributes
     ----------
     height_m : array
-        Of the cameras over the WGS 84 ellipsoid.
+        Heights of the cameras above the WGS 84 ellipsoid.
     ground_m : array
-        Of the ground below them.
+        Heights of the ground below them.
     seen_agl_m : array
-        Over the highest of what they may see: their images show at least as much as they would from there.
+        Heights above the highest ground that they may see. Images show at least as much as from this height above level
+        ground.
     """
 
     height_m: Floats
@@ -49,20 +50,20 @@ class Flown(NamedTuple):
 
 
 class ReliefFigures(NamedTuple):
-    """A flight over relief in figures, metres.
+    """Figures of a flight over relief.
 
     Attributes
     ----------
     lowest_m, highest_m : float
-        Of the ground below captures, over the ellipsoid.
+        Heights of the ground below captures, above the ellipsoid.
     nearest_m, farthest_m : float
-        From a capture down to the highest and to the lowest that its image may show.
+        Least and greatest height of a capture above what its image may show.
     clearance_m : float
-        Least height of a capture over everything within the clearance's distance.
+        Least height of a capture above everything within the clearance's distance.
     hidden_share : float
-        Of the area's ground: images hold it, but relief in front of it hides it from all of them.
+        Share of the area's ground that lies inside images, but is hidden by relief in all of them.
     filled : tuple of int
-        Heights about the area that further sources have filled, those that are interpolated, and all there are.
+        Numbers of heights around the area: filled by further sources, interpolated, and all.
     """
 
     lowest_m: float
@@ -75,21 +76,21 @@ class ReliefFigures(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """What lies below straight legs, at nodes (m,) in their order.
+    """Heights below straight legs, at nodes (m,) in flight order.
 
-    A leg that is as high as this at each node is so between them, too.
+    A straight leg that is no lower than `highest_m` at each node is no lower between nodes, either.
 
     Attributes
     ----------
     leg : array of int64
         Number of the leg.
     share : array
-        Where on the leg, 0 to 1.
+        Position along the leg, 0 to 1.
     lat_deg, lon_deg : array
     highest_m : array
-        Of the surface there, or within the clearance's distance; minus infinity where there is none.
+        Greatest height of the surface within the clearance's distance; minus infinity where unknown.
     ground_m : array
-        Of the ground; NaN where there is none.
+        Height of the ground; NaN where unknown.
     """
 
     leg: Numbers
@@ -101,33 +102,33 @@ class Profile(NamedTuple):
 
 
 class PathGround(Protocol):
-    """The ground below a path, which leads beyond the captures."""
+    """The ground below a path, which may lead beyond the captures."""
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Heights of the ground at positions (n,); NaN where there is none."""
+        """Heights of the ground at positions (n,); NaN where unknown."""
         ...
 
     def highest_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Greatest height within the clearance's distance of positions (n,), minus infinity where there is none.
+        """Greatest height within the clearance's distance of positions (n,); minus infinity where unknown.
 
-        It looks a cell farther than that, as places between the nodes of a profile have to keep it, too.
+        The search reaches a cell farther, so that the clearance also holds between the nodes of a profile.
         """
         ...
 
     def highest_within_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Greatest height of the surface at positions (n,) and of its pixels within the clearance's distance, a square.
+        """Greatest height of the surface at positions (n,) and of its pixels in a square of the clearance's distance.
 
-        Minus infinity where there is none.
+        Minus infinity where unknown.
         """
         ...
 
     def profiles(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, /) -> Iterator[Profile]:
-        """Profiles below straight legs from position to position (n,); none below level ground's."""
+        """Profiles below straight legs from position to position (n,); none over level ground."""
         ...
 
 
 class Relief(Protocol):
-    """The ground below a mission. Heights are over the WGS 84 ellipsoid, metres."""
+    """The ground below a mission. Heights are in metres above the WGS 84 ellipsoid."""
 
     @property
     def is_level(self) -> bool:
@@ -146,7 +147,7 @@ class Relief(Protocol):
 
     @property
     def has_holes(self) -> bool:
-        """Whether images may show places without a height."""
+        """Whether images may show ground of unknown height."""
         ...
 
     @property
@@ -156,7 +157,7 @@ class Relief(Protocol):
 
     @property
     def heights(self) -> Heights:
-        """Sources of the heights. Level ground has none, and raises InvalidInput."""
+        """Elevation models. Raises InvalidInput for level ground, which has none."""
         ...
 
     @property
@@ -166,11 +167,11 @@ class Relief(Protocol):
 
     @property
     def is_loaded(self) -> bool:
-        """Whether the heights are here; if not, as after unpickling, `load` them."""
+        """Whether the heights are in memory; after unpickling they are not, see `load`."""
         ...
 
     def load(self, heights: Heights, heights_m: NDArray[Any], /) -> None:
-        """Restore heights that were left out when this was pickled."""
+        """Restore the heights, which pickling leaves out."""
         ...
 
     def text(self) -> str:
@@ -178,17 +179,17 @@ class Relief(Protocol):
         ...
 
     def covers(self, lat_deg: Floats, lon_deg: Floats, /) -> bool:
-        """Whether the heights about captures (n,) were known; where not, read them now."""
+        """Whether the heights around captures (n,) had been read; if not, read them now."""
         ...
 
     def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float, /) -> PathGround:
-        """Ground about positions (n,), and ``room_m`` around them, at its finest."""
+        """Ground within ``room_m`` around positions (n,), at the finest resolution."""
         ...
 
     # --- what captures see
 
     def seen(self, poses: Poses, height_m: Floats, points: ImagePoints, /) -> tuple[Corners, Floats]:
-        """Ground that captures see at image points (k,), and its heights, (n, k)."""
+        """Ground that captures see at image points (k,), and its heights, (n, k) each."""
         ...
 
     def corners(self, poses: Poses, height_m: Floats, /) -> Corners:
@@ -196,63 +197,63 @@ class Relief(Protocol):
         ...
 
     def image_centres(self, poses: Poses, height_m: Floats, /) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes of the ground in the middle of images, (n,) each, see `footprint.image_centres`."""
+        """Latitudes and longitudes of the ground in the middle of images, (n,) each; see `footprint.image_centres`."""
         ...
 
     def outlines(self, poses: Poses, height_m: Floats, /) -> list[Outline | None]:
-        """Outlines of the ground that captures see; None for those of level ground."""
+        """Outlines of the ground that captures see; None over level ground."""
         ...
 
     # --- where rows lie
 
     @property
-    def within_m(self) -> float:
-        """Distance within which rows treat positions as one."""
+    def merge_distance_m(self) -> float:
+        """Distance below which rows treat positions as one."""
         ...
 
     @property
     def deepest_m(self) -> float:
-        """Greatest height of a capture over the lowest ground that it sees."""
+        """Greatest height of a capture above the lowest ground that it sees."""
         ...
 
     def least_seen_agl_m(self, lat_deg: Floats, /) -> Floats:
-        """Least height of captures at latitudes (n,) over the highest ground that they see."""
+        """Least height of captures at latitudes (n,) above the highest ground that they see."""
         ...
 
     def most_seen_agl_m(self, lat_deg: Floats, /) -> Floats:
-        """Greatest height of captures at latitudes (n,) over the highest ground that they see."""
+        """Greatest height of captures at latitudes (n,) above the highest ground that they see."""
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Least height over the highest ground that captures within `within_m` of positions (n,) see; may be NaN."""
+        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
         ...
 
     # --- captures
 
     def flown(self, layout: Layout, /) -> Flown | None:
-        """Heights of captures; None over level ground, where they are those of the layout.
+        """Heights of captures; None over level ground, where the layout has them.
 
         Raises
         ------
         InvalidInput
-            The captures come too near to the relief.
+            A capture is too close to the relief.
         """
         ...
 
     def lone(self, layout: Layout, flown: Flown | None, /) -> Layout:
-        """Captures with the heights that give their images' sizes: points as if each were flown alone."""
+        """Captures with the heights that determine image sizes; each point as if it were flown alone."""
         ...
 
     def zoomed(self, layout: Layout, /) -> Layout:
-        """Captures with the heights that choose their images' zoom."""
+        """Captures with the heights that determine the zoom."""
         ...
 
     def missed_share(self, poses: Poses, height_m: Floats, corners: Corners, /) -> float:
-        """Share of the area's ground that no image holds, apart from what frames over level ground leave out."""
+        """Share of the area's ground outside all images; 0 over level ground, where `coverage` measures it."""
         ...
 
     def figures(self, poses: Poses, flown: Flown | None, corners: Corners, /) -> ReliefFigures | None:
-        """Figures of a flight by its captures (n,) and the corners of their images (n, 4); None over level ground."""
+        """Figures of a flight with captures (n,) and image corners (n, 4); None over level ground."""
         ...
 
 
@@ -277,7 +278,7 @@ class LevelGround:
     is_loaded = True
     has_holes = False
     attribution = ""
-    within_m = 0.0
+    merge_distance_m = 0.0
 
     @property
     def highest_m(self) -> float:
@@ -286,17 +287,17 @@ class LevelGround:
 
     @property
     def ellipsoid(self) -> Ellipsoid:
-        """The ground."""
+        """Ellipsoid through the ground."""
         return WGS84.raised(self.lowest_m) if self.lowest_m else WGS84
 
     @property
     def heights(self) -> Heights:
-        """Raise InvalidInput: there are none."""
+        """Raise InvalidInput: level ground has no elevation models."""
         raise InvalidInput("rays over relief: the ground is level")
 
     @property
     def heights_m(self) -> NDArray[Any]:
-        """No heights."""
+        """Empty array."""
         return np.empty((0, 0), np.float32)
 
     @property
@@ -333,7 +334,7 @@ class LevelGround:
         return image_centres(self.camera, poses, self.ellipsoid)
 
     def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:  # noqa: ARG002  as over relief
-        """Nothing for each: those of level ground follow from the attitude."""
+        """None for each: outlines over level ground follow from the attitude."""
         return [None] * len(poses.lat_deg)
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
@@ -349,15 +350,15 @@ class LevelGround:
         return self.least_seen_agl_m(lat_deg)
 
     def flown(self, layout: Layout) -> Flown | None:  # noqa: ARG002  as over relief
-        """Return None: heights are those of the layout."""
+        """Return None: the layout has the heights."""
         return None
 
     def lone(self, layout: Layout, flown: Flown | None) -> Layout:  # noqa: ARG002  as over relief
-        """Return the captures as they are."""
+        """Return the captures unchanged."""
         return layout
 
     def zoomed(self, layout: Layout) -> Layout:
-        """Return the captures as they are."""
+        """Return the captures unchanged."""
         return layout
 
     def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:  # noqa: ARG002
@@ -376,29 +377,29 @@ class LevelPathGround:
     level_m: float
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:  # noqa: ARG002  as over relief
-        """Height of the ground at positions, (n,)."""
+        """Height of the ground at positions (n,)."""
         return np.full(len(lat_deg), self.level_m)
 
     def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:  # noqa: ARG002  as over relief
-        """Minus infinity at positions, (n,): nothing stands on level ground."""
+        """Minus infinity at positions (n,): nothing stands on level ground."""
         return np.full(len(lat_deg), -np.inf)
 
     def highest_within_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Minus infinity at positions, (n,)."""
+        """Minus infinity at positions (n,)."""
         return self.highest_m(lat_deg, lon_deg)
 
     def profiles(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane) -> Iterator[Profile]:  # noqa: ARG002
-        """Nothing: no leg comes too low over level ground."""
+        """No profiles: legs over level ground are never too low."""
         return iter(())
 
 
 def level_ground(mission: Mission) -> LevelGround:
-    """Level ground of a mission."""
+    """Level ground at the mission's ground height."""
     return LevelGround(mission.camera, mission.flight.ground_height_m, mission.flight.agl_m)
 
 
 def refuse_hole(lat_deg: float, lon_deg: float) -> NoReturn:
-    """Raise InvalidInput for a position without a height."""
+    """Raise InvalidInput for a position of unknown height."""
     raise InvalidInput(
         "no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole",
         lat_deg,

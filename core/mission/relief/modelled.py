@@ -1,4 +1,4 @@
-"""A flight over relief: how high each capture is, what it may come near to, and how much ground it surely sees."""
+"""A flight over relief: heights of captures, their clearance, and the ground that they are certain to see."""
 
 from __future__ import annotations
 
@@ -25,29 +25,20 @@ from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
 from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
-from .overflown import Overflown, OverflownInParts, cell_size_m, highest_around, lowest_around
+from .path_ground import ReliefPathGround, TiledPathGround, cell_size_m, highest_around, lowest_around
 
-#: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
-_LOOKED_AT = 4.0
-#: Latitudes at which it is told how much ground rows surely see, and metres by which that may change a metre.
-_LATITUDES, _STEEPEST = 2048, 0.05
-#: What is worked out of the relief that is known.
-_WORKED_OUT = (
-    *("within_m", "_lowest_near", "_lowest_within", "_tops", "_tops_within", "_seen_by_latitude"),
-    "_overflown",
-)
-#: Share of its height above ground that a capture must keep over what it sees.
-_LEAST_SHARE = 0.02
-#: Points of the area that are looked for in images, and cells by which one that is met may be another.
-_LOOKED_FOR, _SAME_PLACE = 2048, 0.01
-#: Pieces of each edge of an image in its outline, and the least height of a camera over level ground, metres.
-_ALONG_EDGE, _LEAST_ABOVE_M = 16, 1e-3
-#: Metres of relief that are none: level ground, to the last digit of its heights.
+#: Tangent of the angle off the vertical to which the relief is searched for what an image may see.
+_MAX_TANGENT = 4.0
+#: Least height of a capture above what it sees, as a share of its height above ground.
+_MIN_SEEN_SHARE = 0.02
+#: Points of the area that are searched for in images.
+_SAMPLES = 2048
+#: Relief up to this height counts as level: the last digit of heights.
 _LEVEL_M = 1e-4
 
 
 class ModelledRelief:
-    """What a mission's captures fly over and see, in cells as fine as the area allows.
+    """Relief that captures fly over and see, a `Relief`, as finely resolved as the size of the area allows.
 
     Parameters
     ----------
@@ -57,7 +48,7 @@ class ModelledRelief:
     Raises
     ------
     InvalidInput
-        No ground at the takeoff, or none at all here; or holes in the area that are to be refused.
+        No height at the take-off, none in the whole area, or a hole where holes are refused.
     """
 
     is_level = False
@@ -65,16 +56,16 @@ class ModelledRelief:
     def __init__(self, mission: Mission, heights: Heights) -> None:
         self.mission, self.heights = mission, heights
         self._reach = _reach(mission)
-        lat, lon = _ends(mission)
-        #: Corners of the area, or its points; and what captures stand within, as far as it is known.
-        self._ends = self._stand = lat, lon
+        lat, lon = _area_positions(mission)
+        #: Positions of the area, and positions that enclose the captures.
+        self._positions = self._enclosing = lat, lon
         if mission.flight.margin_m and mission.area.covers_ground:
-            lat, lon = self._stand = _widened(lat, lon, mission.flight.margin_m)
+            lat, lon = self._enclosing = _widened(lat, lon, mission.flight.margin_m)
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
             refuse_hole(float(lat[0]), float(lon[0]))
         self._ground = first
-        # Cameras that all fly at one height are farther above the valleys, and see more of them.
+        # Cameras at a constant height are higher above the valleys, and see more of them.
         wanted, below = self.wanted_m(lat, lon)
         if np.isnan(below).all():
             refuse_hole(float(lat[0]), float(lon[0]))
@@ -87,102 +78,103 @@ class ModelledRelief:
                 self._check_whole(surface)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What images depend on, but the heights, which are large: see `opened`."""
+        """Return what images depend on, without the heights, which are large: see `load`."""
         kept = ("mission", "radius_m", "lowest_m", "highest_m", "has_holes")
         without = replace(self._surface, heights_m=np.empty((0, 0), np.float32), holes=None, interpolated=None)
         return {**{name: getattr(self, name) for name in kept}, "_surface": without}
 
     @property
     def is_loaded(self) -> bool:
-        """Whether the heights are here, which pickling leaves out."""
+        """Whether the heights are in memory; pickling leaves them out."""
         return bool(self._surface.heights_m.size)
 
     @property
     def heights_m(self) -> NDArray[Any]:
-        """Heights of the surface that captures see, as they are known here, (rows, columns)."""
+        """Heights of the surface that captures see, (rows, columns)."""
         return self._surface.heights_m
 
     def load(self, heights: Heights, heights_m: NDArray[Any]) -> None:
-        """Have the heights again where it was unpickled: those that are read for each image, and `heights_m`."""
+        """Restore the elevation models, and the heights in memory, after unpickling."""
         self.heights = heights
         self._surface = replace(self._surface, heights_m=heights_m)
 
     def _read(self, lat_deg: Floats, lon_deg: Floats) -> None:
-        """Read the relief about positions (n,) as far as images there see it."""
+        """Read the relief around positions (n,), as far as images from there may see."""
         around = _widened(lat_deg, lon_deg, self.radius_m + self.mission.terrain.clearance_distance_m)
         self._ground = self._surface = self.heights.ground.surface(*around)
         if self.heights.surface is not self.heights.ground:
             self._surface = self.heights.surface.surface(*around)
         self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
-        for worked_out in _WORKED_OUT:
-            self.__dict__.pop(worked_out, None)
+        # Cached properties of the relief that was read before.
+        for name in ("merge_distance_m", "_low", "_merged_low", "_tops", "_merged_tops", "_seen_by_latitude", "_whole"):
+            self.__dict__.pop(name, None)
 
     def covers(self, lat_deg: Floats, lon_deg: Floats) -> bool:
-        """Whether the relief about captures (n,) was known; if not, as for images that look far ahead, read it."""
+        """Whether the relief around captures (n,) had been read; if not, as for oblique images, read it now."""
         if _holds(self._ground, lat_deg, lon_deg):
             return True
-        lat, lon = (np.concatenate(at) for at in zip(self._ends, (lat_deg, lon_deg)))
-        self._stand = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
-        self._read(*self._stand)
+        lat, lon = (np.concatenate(at) for at in zip(self._positions, (lat_deg, lon_deg)))
+        self._enclosing = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
+        self._read(*self._enclosing)
         return False
 
-    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
-        """Relief about positions (n,), and so many metres around them, at its finest."""
+    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> ReliefPathGround:
+        """Relief within ``room_m`` around positions (n,), at the finest resolution."""
         around = _widened(lat_deg, lon_deg, room_m + self.mission.terrain.clearance_distance_m)
-        # Unpickled, it has no ground of its own.
+        # Unpickled relief has no ground.
         known = hasattr(self, "_ground")
-        if known and all(_is_finest_of(surface, *around) for surface in (self._ground, self._surface)):
-            return self._overflown
+        if known and all(_is_finest(surface, *around) for surface in (self._ground, self._surface)):
+            return self._whole
         lat, lon = around
         high_m = math.radians(float(np.ptp(lat))) * WGS84.b_m
         wide_m = math.radians(float(np.ptp(lon))) * WGS84.a_m * math.cos(math.radians(float(np.abs(lat).min())))
-        if high_m * wide_m > 4.0 * self._in_parts.side_m**2:
-            return self._in_parts
+        if high_m * wide_m > 4.0 * self._tiled.side_m**2:
+            return self._tiled
         return self._read_around(lat_deg, lon_deg, room_m)
 
-    def _read_around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
+    def _read_around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> ReliefPathGround:
         distance_m = self.mission.terrain.clearance_distance_m
         around = _widened(lat_deg, lon_deg, room_m + distance_m)
         ground = surface = self.heights.ground.surface(*around)
         if self.heights.surface is not self.heights.ground:
             surface = self.heights.surface.surface(*around)
-        return Overflown(ground, surface, distance_m)
+        return ReliefPathGround(ground, surface, distance_m)
 
     @cached_property
-    def _in_parts(self) -> OverflownInParts:
-        """The same of any area, however large."""
-        lat, lon = _ends(self.mission)
-        around = _widened(lat[:1], lon[:1], _LOOKED_AT)
+    def _tiled(self) -> TiledPathGround:
+        """Relief at the finest resolution for areas of any size."""
+        lat, lon = _area_positions(self.mission)
+        around = _widened(lat[:1], lon[:1], 4.0)
         finest = (one.surface(*around) for one in (self.heights.ground, self.heights.surface))
-        return OverflownInParts(self._read_around, min(map(cell_size_m, finest)))
+        return TiledPathGround(self._read_around, min(map(cell_size_m, finest)))
 
     @cached_property
-    def _overflown(self) -> Overflown:
-        """The relief that is known."""
-        return Overflown(self._ground, self._surface, self.mission.terrain.clearance_distance_m)
+    def _whole(self) -> ReliefPathGround:
+        """All relief in memory."""
+        return ReliefPathGround(self._ground, self._surface, self.mission.terrain.clearance_distance_m)
 
     @property
     def is_flat(self) -> bool:
-        """Whether there is no relief at all, neither in images nor below the ways to and around them."""
+        """Whether the ground is level in all images and below all transits and detours."""
         if self._ground.heights_m.size == 0 or self.highest_m - self.lowest_m > _LEVEL_M:
             return False
-        ways = self._ways()
-        if ways is None:
+        around = self._path_extent()
+        if around is None:
             return True
         for heights in {id(one): one for one in (self.heights.ground, self.heights.surface)}.values():
-            surface = heights.surface(*ways)
+            surface = heights.surface(*around)
             highest, lowest = (float(f(surface.heights_m)) for f in (np.nanmax, np.nanmin))
             if max(highest, self.highest_m) - min(lowest, self.lowest_m) > _LEVEL_M:
                 return False
-            if not _is_finest_of(surface, *ways):
-                # Something narrow may stand between its cells.
+            if not _is_finest(surface, *around):
+                # Something narrow may stand between the coarse cells.
                 return False
         return True
 
-    def _ways(self) -> tuple[Floats, Floats] | None:
-        """Positions around all that a path may lead over beside its captures; None where it leads to no other place."""
+    def _path_extent(self) -> tuple[Floats, Floats] | None:
+        """Positions around all that a path may cross; None where it only leads from capture to capture."""
         route = self.mission.route
-        (lat, lon), middle = self._stand, float(self._stand[1].min() + self._stand[1].max()) / 2.0
+        (lat, lon), middle = self._enclosing, float(self._enclosing[1].min() + self._enclosing[1].max()) / 2.0
         further = route.turnaround_m + route.lead_in_m
         if route.takeoff is not None:
             lat, lon = (
@@ -197,7 +189,7 @@ class ModelledRelief:
             box_west = middle + float(wrap_lon_deg(np.asarray(box.west_deg - middle)))
             box_east = box_west + box.span_deg
             if box.south_deg < north and box.north_deg > south and box_west < east and box_east > west:
-                # The way around it leads along its edges.
+                # The detour leads along its edges.
                 lat = np.append(lat, (box.south_deg, box.north_deg))
                 lon = np.append(lon, (box_west, box_east))
         room_m = self.radius_m + further + self.mission.terrain.clearance_distance_m
@@ -205,41 +197,41 @@ class ModelledRelief:
 
     @cached_property
     def filled(self) -> tuple[int, int, int]:
-        """Heights about the area that further sources have filled, those that are interpolated, and all there are."""
+        """Numbers of heights around the area: filled by further sources, interpolated, and all."""
         filled = interpolated = count = 0
         for surface in {id(one): one for one in (self._ground, self._surface)}.values():
-            about = self._about_area(surface)
-            heights = surface.heights_m[about]
+            pixels = self._area_pixels(surface)
+            heights = surface.heights_m[pixels]
             count += heights.size
-            made = 0 if surface.interpolated is None else int(np.count_nonzero(surface.interpolated[about]))
+            made = 0 if surface.interpolated is None else int(np.count_nonzero(surface.interpolated[pixels]))
             interpolated += made
             if surface.holes is not None:
-                filled += int(np.count_nonzero(surface.holes[about] & ~np.isnan(heights))) - made
+                filled += int(np.count_nonzero(surface.holes[pixels] & ~np.isnan(heights))) - made
         return filled, interpolated, count
 
-    def _about_area(self, surface: Surface) -> tuple[slice, slice]:
-        """Rows and columns of a surface's pixels about the area."""
+    def _area_pixels(self, surface: Surface) -> tuple[slice, slice]:
+        """Rows and columns of the pixels of a surface around the area."""
         rows, columns = surface.heights_m.shape
-        column, row = surface.position(*self._ends)
-        return _from_to(row, rows), _from_to(column, columns)
+        column, row = surface.position(*self._positions)
+        return _pixel_range(row, rows), _pixel_range(column, columns)
 
     def _check_whole(self, surface: Surface) -> None:
-        """Refuse heights in the area that the first source does not have."""
+        """Refuse an area with heights that the first source does not have."""
         if surface.holes is None:
             return
-        high, wide = self._about_area(surface)
+        high, wide = self._area_pixels(surface)
         row, column = np.nonzero(surface.holes[high, wide])
         row, column = (row + high.start).astype(np.float64), (column + wide.start).astype(np.float64)
         area, (lat, lon) = self.mission.area, surface.places(column, row)
-        west, east = float(self._ends[1].min()), float(self._ends[1].max())
+        west, east = float(self._positions[1].min()), float(self._positions[1].max())
         lon = lon - 360.0 * np.rint((lon - (west + east) / 2.0) / 360.0)
         if area.covers_ground:
             inside = inside_area(area, lat, lon)
         else:
-            own_column, own_row = surface.position(*self._ends)
-            # The height below a point is interpolated from the four pixels about it.
+            point_column, point_row = surface.position(*self._positions)
+            # The height below a point is interpolated between the four pixels around it.
             inside = np.zeros(len(row), bool)
-            for x, y in zip(own_column.tolist(), own_row.tolist()):
+            for x, y in zip(point_column.tolist(), point_row.tolist()):
                 inside |= (np.abs(column - x) < 1.0) & (np.abs(row - y) < 1.0)
         found = np.flatnonzero(inside)
         if len(found):
@@ -259,15 +251,16 @@ class ModelledRelief:
 
     @cached_property
     def has_holes(self) -> bool:
-        """Whether there are heights missing anywhere near the mission, or images may see beyond what is near."""
-        return self._reach >= _LOOKED_AT or bool(np.isnan(self._surface.heights_m).any())
+        """Whether heights are missing near the mission, or images may see beyond it."""
+        return self._reach >= _MAX_TANGENT or bool(np.isnan(self._surface.heights_m).any())
 
     def seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
-        """Ground that captures see at image points (k,), and its heights, (n, k).
+        """Ground that captures see at image points (k,), and its heights, (n, k) each.
 
-        Where a ray meets none of the relief that is known here it is the level ground below that, at its lowest.
+        Rays that miss the relief in memory meet level ground at its lowest height.
         """
-        level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, _LEAST_ABOVE_M))
+        # A camera must be above the ground, if only by a millimetre.
+        level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, 1e-3))
         found = exact(self.mission.camera, level, points, WGS84.raised(self.lowest_m))
         rays = self.mission.camera.rays_enu(points, *poses.attitude)
         lat, lon, height = (np.repeat(values, len(points)) for values in (poses.lat_deg, poses.lon_deg, height_m))
@@ -283,11 +276,11 @@ class ModelledRelief:
         return corners, np.where(hit, heights, self.lowest_m)
 
     def corners(self, poses: Poses, height_m: Floats) -> Corners:
-        """Ground corners that captures see."""
+        """Ground corners that captures see, (n, 4)."""
         return self.seen(poses, height_m, CORNERS)[0]
 
     def image_centres(self, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:
-        """Ground in the middle of images, (n,) each, as `footprint.image_centres` has it over level ground."""
+        """Latitudes and longitudes of the ground in the middle of images, (n,) each, as `footprint.image_centres`."""
         seen, _ = self.seen(poses, height_m, ((0.0, 0.0),))
         lat, lon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
         beyond = np.flatnonzero(~seen.hit[:, 0])
@@ -297,19 +290,19 @@ class ModelledRelief:
         return lat, lon
 
     def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:
-        """Outlines of the ground that captures see; None of one where a part of its edge sees none."""
-        along = np.linspace(-1.0, 1.0, _ALONG_EDGE, endpoint=False)
+        """Outlines of the ground that captures see; None for a capture whose edges partly miss the ground."""
+        along = np.linspace(-1.0, 1.0, 16, endpoint=False)
         ones = np.ones_like(along)
         x, y = np.concatenate([along, ones, -along, -ones]), np.concatenate([-ones, along, ones, -along])
         seen, _ = self.seen(poses, height_m, tuple(zip(x.tolist(), y.tolist())))
         level, image_xy = np.zeros(len(x), bool), np.stack([x, y], axis=1)
         return [
-            Outline(lat, lon - own, level, image_xy, 0) if hit.all() else None
-            for lat, lon, hit, own in zip(*seen, poses.lon_deg.tolist())
+            Outline(lat, lon - pose_lon, level, image_xy, 0) if hit.all() else None
+            for lat, lon, hit, pose_lon in zip(*seen, poses.lon_deg.tolist())
         ]
 
     def text(self) -> Message:
-        """What is flown over, in words."""
+        """Description for people."""
         return Message(
             "relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid",
             self.heights.surface.title,
@@ -318,7 +311,7 @@ class ModelledRelief:
         )
 
     def _takeoff_m(self) -> float:
-        lat, lon = self._ends
+        lat, lon = self._positions
         at = lat[:1], lon[:1]
         if self.mission.area.covers_ground:
             at = np.array([lat.max()]), np.array([lon.min()])
@@ -329,11 +322,11 @@ class ModelledRelief:
 
     @cached_property
     def takeoff_m(self) -> float:
-        """Height of the ground at the takeoff."""
+        """Height of the ground at the take-off."""
         return self._takeoff_m()
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Heights of the ground at positions (n,); raises InvalidInput where there is none."""
+        """Heights of the ground at positions (n,); raises InvalidInput where unknown."""
         found = self._ground.heights(*self._ground.position(lat_deg, lon_deg))
         missing = np.flatnonzero(np.isnan(found))
         if len(missing):
@@ -341,7 +334,7 @@ class ModelledRelief:
         return found
 
     def wanted_m(self, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | None = None) -> tuple[Floats, Floats]:
-        """Heights of captures over the ellipsoid as they are asked for, and of the ground below, (n,) each."""
+        """Requested heights of captures above the ellipsoid, and heights of the ground below, (n,) each."""
         agl = np.full(len(lat_deg), self.mission.flight.agl_m) if agl_m is None else agl_m
         above = self.mission.terrain.height_above
         if above == GROUND:
@@ -351,58 +344,58 @@ class ModelledRelief:
         return base + agl, self._ground.heights(*self._ground.position(lat_deg, lon_deg))
 
     @cached_property
-    def within_m(self) -> float:
-        """Metres within which places count as one where rows are laid out: a cell, or a small share of an image."""
+    def merge_distance_m(self) -> float:
+        """Distance below which rows treat positions as one: a cell, or a small share of an image."""
         # Captures closer than a sixteenth of the reach are merged.
-        return max(cell_size_m(self._surface), cell_size_m(self._ground), self.radius_m * (1.0 / 16.0))
+        return max(cell_size_m(self._surface), cell_size_m(self._ground), self.radius_m / 16.0)
 
     @cached_property
-    def _lowest_near(self) -> Callable[[Floats, Floats], Floats]:
+    def _low(self) -> Callable[[Floats, Floats], Floats]:
         """Least height of the ground within a cell of positions (n,)."""
         return lowest_around(self._ground, 0.0)
 
     @cached_property
-    def _lowest_within(self) -> Callable[[Floats, Floats], Floats]:
-        """Least height of the ground near positions (n,), as far as `within_m`."""
-        return lowest_around(self._ground, self.within_m)
+    def _merged_low(self) -> Callable[[Floats, Floats], Floats]:
+        """Least height of the ground within `merge_distance_m` of positions (n,)."""
+        return lowest_around(self._ground, self.merge_distance_m)
 
     @cached_property
     def _tops(self) -> Callable[[Floats, Floats], Floats]:
-        """Greatest height that may be seen from positions (n,)."""
+        """Greatest height that may be visible from positions (n,)."""
         return highest_around(self._surface, self.radius_m)
 
     @cached_property
-    def _tops_within(self) -> Callable[[Floats, Floats], Floats]:
-        """Greatest height that may be seen from near positions (n,), as far as `within_m`."""
-        return highest_around(self._surface, self.radius_m + self.within_m)
+    def _merged_tops(self) -> Callable[[Floats, Floats], Floats]:
+        """Greatest height that may be visible from within `merge_distance_m` of positions (n,)."""
+        return highest_around(self._surface, self.radius_m + self.merge_distance_m)
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Least height over the highest of what captures within `within_m` of places (n,) see; NaN without ground."""
+        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
         if self.mission.terrain.height_above == GROUND:
-            wanted = self._lowest_within(lat_deg, lon_deg) + self.mission.flight.agl_m
+            wanted = self._merged_low(lat_deg, lon_deg) + self.mission.flight.agl_m
         else:
             wanted, _ = self.wanted_m(lat_deg, lon_deg)
-        return wanted - self._tops_within(lat_deg, lon_deg)
+        return wanted - self._merged_tops(lat_deg, lon_deg)
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """Height over the highest of what captures of rows at latitudes (n,) see, wherever in the area they are."""
+        """Least height of captures at latitudes (n,) above the highest ground that they see."""
         at_lat, least, *_ = self._seen_by_latitude
         return np.interp(lat_deg, at_lat, least)
 
     def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """The same of the greatest; of images that look very far the least, as little is in those from both."""
+        """Greatest such height; for far-looking images, the least."""
         at_lat, least, most, _ = self._seen_by_latitude
-        return np.interp(lat_deg, at_lat, most if self._reach < _LOOKED_AT else least)
+        return np.interp(lat_deg, at_lat, most if self._reach < _MAX_TANGENT else least)
 
     @cached_property
     def _seen_by_latitude(self) -> tuple[Floats, Floats, Floats, float]:
-        """Latitudes, the least and the greatest height over the highest of what captures there see, and `deepest_m`."""
+        """Latitudes, `least_seen_agl_m` and `most_seen_agl_m` there, and `deepest_m`."""
         mission, surface = self.mission, self._surface
-        lat, lon = self._stand
+        lat, lon = self._enclosing
         south, north = float(lat.min()), float(lat.max())
         west, east = float(lon.min()), float(lon.max())
         rows, columns = surface.cells
-        # Every so manieth cell: their tops are those of all around them.
+        # Every n-th cell is enough, as tops include the cells around.
         step = max(int(math.sqrt(rows * columns / 4e6)), 1)
         column, row = (
             at.ravel() for at in np.meshgrid(np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step))
@@ -410,7 +403,7 @@ class ModelledRelief:
         at_lat, at_lon = surface.places(column, row)
         middle = (west + east) / 2.0
         at_lon = at_lon - 360.0 * np.rint((at_lon - middle) / 360.0)
-        # A row's captures stand up to half an image beyond the area.
+        # Captures of a row are up to half an image outside the area.
         room = np.degrees(self.radius_m / WGS84.b_m)
         near = (at_lat >= south - room) & (at_lat <= north + room)
         wide = room / max(math.cos(math.radians(min(max(abs(south), abs(north)), 89.0))), 1e-3)
@@ -419,21 +412,20 @@ class ModelledRelief:
         low, ground = self.wanted_m(at_lat, at_lon)
         high = low
         if mission.terrain.height_above == GROUND:
-            # Captures stand between cells, where the ground may be lower or higher than in their middles.
+            # Between the centres of cells the ground may be lower or higher than at these.
             low, high = (
-                near(at_lat, at_lon) + mission.flight.agl_m
-                for near in (self._lowest_near, highest_around(self._ground, 0.0))
+                near(at_lat, at_lon) + mission.flight.agl_m for near in (self._low, highest_around(self._ground, 0.0))
             )
         tops = np.where(np.isnan(ground), np.nan, self._tops(at_lat, at_lon))
-        edges = np.linspace(south - room, north + room, _LATITUDES + 1)
-        bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, _LATITUDES - 1)
+        edges = np.linspace(south - room, north + room, 2048 + 1)
+        bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, len(edges) - 2)
         centres = (edges[1:] + edges[:-1]) / 2.0
         metres = np.radians(centres - centres[0]) * WGS84.b_m
-        least, most = _least_along(low - tops, bins, metres), -_least_along(tops - high, bins, metres)
+        least, most = _lower_bound(low - tops, bins, metres), -_lower_bound(tops - high, bins, metres)
         if not np.isfinite(least).all():
             refuse_hole(south, west)
-        # Never less than so much, below which flights are refused.
-        least, most = (np.maximum(over, _LEAST_SHARE * mission.flight.agl_m) for over in (least, most))
+        # Flights below this are refused.
+        least, most = (np.maximum(over, _MIN_SEEN_SHARE * mission.flight.agl_m) for over in (least, most))
         if sees_below(mission):
             return centres, least, most, float(most.max())
         bottoms = lowest_around(surface, self.radius_m)(at_lat, at_lon)
@@ -441,11 +433,11 @@ class ModelledRelief:
 
     @property
     def deepest_m(self) -> float:
-        """Greatest height of a capture over the lowest of what it sees, where images do not show what is below them."""
+        """Greatest height of a capture above the lowest ground it sees, or the highest if it sees straight down."""
         return self._seen_by_latitude[3]
 
     def flown(self, layout: Layout) -> Flown:
-        """Heights of captures; refused where they cannot be kept."""
+        """Heights of captures; refuses those that are too low."""
         mission, terrain = self.mission, self.mission.terrain
         lat, lon = layout.lat_deg, layout.lon_deg
         self.covers(lat, lon)
@@ -462,7 +454,7 @@ class ModelledRelief:
         else:
             self._check_kept(lat, lon, height, least, what)
         seen = height - self._tops(lat, lon)
-        low = np.flatnonzero(seen < _LEAST_SHARE * agl)
+        low = np.flatnonzero(seen < _MIN_SEEN_SHARE * agl)
         if len(low):
             at = int(low[0])
             raise InvalidInput(
@@ -478,27 +470,27 @@ class ModelledRelief:
         return Flown(height, ground, seen)
 
     def zoomed(self, layout: Layout) -> Layout:
-        """Captures with the heights that choose their images' zoom: those over the highest ground that they see."""
+        """Captures with the heights that determine the zoom: those above the highest ground that they see."""
         if self.mission.terrain.height_above == GROUND:
             return layout
         return layout._replace(agl_m=self.flown(layout).seen_agl_m)
 
     def lone(self, layout: Layout, flown: Flown | None) -> Layout:
-        """Captures with heights over the highest of what each may see; those of points as if flown without the others.
+        """Captures with heights above the highest ground that each may see; each point as if it were flown alone.
 
-        How far others of a table see would lower them, too.
+        The reach of other points would otherwise lower a point's height, and so change its image.
         """
         if flown is None or self.mission.area.covers_ground:
             return layout
         lat, lon, height = layout.lat_deg, layout.lon_deg, flown.height_m
         reach = _reaches(self.mission)[layout.column]
-        lowest = _around(lowest_around, self._ground, lat, lon, (height - flown.ground_m) * reach)
+        lowest = _extremes(lowest_around, self._ground, lat, lon, (height - flown.ground_m) * reach)
         above = np.maximum(height - np.fmin(lowest, flown.ground_m), 1.0)
-        tops = _around(highest_around, self._surface, lat, lon, above * reach)
+        tops = _extremes(highest_around, self._surface, lat, lon, above * reach)
         return layout._replace(agl_m=height - np.fmax(tops, flown.ground_m))
 
     def figures(self, poses: Poses, flown: Flown | None, corners: Corners) -> ReliefFigures:
-        """Figures of a flight by its captures (n,) and the corners of their images (n, 4)."""
+        """Figures of a flight with captures (n,) and image corners (n, 4)."""
         if flown is None:
             raise ValueError("a flight over relief without its heights")
         lowest = lowest_around(self._surface, self.radius_m)(poses.lat_deg, poses.lon_deg)
@@ -514,15 +506,15 @@ class ModelledRelief:
         )
 
     def _hidden_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
-        """Share of the area's ground that relief hides from all images that hold it; 0 for points.
+        """Share of the area's ground that relief hides from all images that contain it; 0 for points.
 
-        Told from `_LOOKED_FOR` points spread over the area.
+        Estimated from `_SAMPLES` points spread over the area.
         """
         lat, lon, height = self._spread()
-        point, camera, vectors = self._holding(poses, height_m, corners, (lat, lon, height))
+        point, camera, vectors = self._containing(poses, height_m, corners, (lat, lon, height))
         dlon = lon[point] - poses.lon_deg[camera]
         held = np.arange(len(point))
-        # The one that looks down on a point most steeply sees it, as a rule.
+        # The camera with the steepest view of a point usually sees it, so it is tried first.
         steep = np.hypot(vectors[held, 0], vectors[held, 1]) / -vectors[held, 2]
         held = held[np.lexsort((steep, point[held]))]
         first = np.append(True, np.diff(point[held]) > 0) if len(held) else np.zeros(0, bool)
@@ -534,34 +526,35 @@ class ModelledRelief:
                 poses.lat_deg[by], poses.lon_deg[by], height_m[by], vectors[some], self.lowest_m
             )
             off_m = np.linalg.norm(sight_lines(lat[at], np.zeros(len(at)), found[0], found[1] - dlon[some]), axis=-1)
-            seen[at[~(off_m > _SAME_PLACE * cell_size_m(self._surface))]] = True
+            # A ray that meets the surface within a hundredth of a cell of the point has met the point.
+            seen[at[~(off_m > 0.01 * cell_size_m(self._surface))]] = True
         held_at_all = np.zeros(len(lat), bool)
         held_at_all[point[held]] = True
         return float((held_at_all & ~seen).sum() / max(len(lat), 1))
 
     def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
-        """Share of the area's ground, but for no-fly areas, that no image holds, be it hidden in them or not.
+        """Share of the area's ground, without no-fly areas, that lies outside all images, whether hidden or not.
 
-        Told from `_LOOKED_FOR` points spread over the area, and as many along its edge.
+        Estimated from `_SAMPLES` points spread over the area, and as many along its edge.
         """
         area = self.mission.area
         if not area.covers_ground:
             return 0.0
-        spread, edge = self._spread(), self._with_heights(*_along_edge(area))
+        spread, edge = self._spread(), self._surface_points(*_edge_points(area))
         lat, lon, height = (np.concatenate(parts) for parts in zip(spread, edge))
         missed = np.ones(len(lat), bool)
-        missed[self._holding(poses, height_m, corners, (lat, lon, height))[0]] = False
+        missed[self._containing(poses, height_m, corners, (lat, lon, height))[0]] = False
         for polygon in self.mission.no_fly:
             missed &= ~inside_area(polygon, lat, lon)
         return float(missed.sum()) / max(len(lat), 1)
 
-    def _holding(
+    def _containing(
         self, poses: Poses, height_m: Floats, corners: Corners, points: tuple[Floats, Floats, Floats]
     ) -> tuple[Numbers, Numbers, Floats]:
-        """Points of the surface and the captures whose images hold them, by index, and the ways there (n, 3)."""
+        """Pairs of a surface point and a capture whose image contains it, by index, and vectors to the point (m, 3)."""
         lat, lon, height = points
-        point, camera = _near(lat, lon, poses, corners)
-        # From a camera to points that lie higher than the ellipsoid by so much along their own normals.
+        point, camera = _candidate_pairs(lat, lon, poses, corners)
+        # Sight lines lead to the ellipsoid; the points are higher, along its normals there.
         dlon = lon[point] - poses.lon_deg[camera]
         vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
         vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
@@ -571,29 +564,29 @@ class ModelledRelief:
         return point[held], camera[held], vectors[held]
 
     def _spread(self) -> tuple[Floats, Floats, Floats]:
-        """Latitudes, longitudes and heights of points spread over the area, where there is a surface."""
+        """Latitudes, longitudes and heights of points spread over the area, where the surface is known."""
         area = self.mission.area
         if not area.covers_ground:
             return np.empty(0), np.empty(0), np.empty(0)
         west, south, east, north = area.bounds.edges_deg
-        # Kronecker's sequence of the plastic number's powers: as even as can be, whatever their number.
-        count = np.arange(1.0, _LOOKED_FOR + 1.0)
+        # Kronecker sequence of powers of the plastic number, which is evenly distributed for any count.
+        count = np.arange(1.0, _SAMPLES + 1.0)
         lon, lat = (
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
         inside = inside_area(area, lat, lon)
         lon, lat = lon[inside], lat[inside]
-        return self._with_heights(lat, lon)
+        return self._surface_points(lat, lon)
 
-    def _with_heights(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats, Floats]:
-        """Those of some places where there is a surface, and its heights."""
+    def _surface_points(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats, Floats]:
+        """Positions at which the surface is known, and its heights there."""
         height = self._surface.heights(*self._surface.position(lat, lon))
         known = np.isfinite(height)
         return lat[known], lon[known], height[known]
 
     def _least_m(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats]:
-        """Least heights that captures may have, and of what is below them or near."""
+        """Least heights that captures may have, and greatest heights within the clearance's distance."""
         terrain = self.mission.terrain
         below = self._surface.heights(*self._surface.position(lat, lon))
         near = below
@@ -621,12 +614,12 @@ class ModelledRelief:
 
 
 def relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Relief]:
-    """Relief that a mission flies over, and the mission over the level ground that lies lowest in it.
+    """Relief that a mission flies over, and the mission with its ground height set to the lowest of the relief.
 
     Raises
     ------
     InvalidInput
-        A mission with an elevation and without its heights; and as `ModelledRelief` does.
+        The mission names an elevation, but heights are missing; and as for `ModelledRelief`.
     """
     if heights is None:
         raise InvalidInput(
@@ -641,7 +634,7 @@ def relief_below(mission: Mission, heights: Heights | None) -> tuple[Mission, Re
 
 
 def check_clearance(mission: Mission) -> None:
-    """Refuse a clearance that is greater than the height that is to be flown at."""
+    """Refuse a clearance that is greater than the height above ground."""
     terrain, agl = mission.terrain, mission.flight.agl_m
     if terrain.height_above != ELLIPSOID and terrain.clearance_m > agl:
         raise InvalidInput(
@@ -652,36 +645,39 @@ def check_clearance(mission: Mission) -> None:
         )
 
 
-def _from_to(at: Floats, count: int) -> slice:
-    """Pixels about positions along a side that has so many."""
+def _pixel_range(at: Floats, count: int) -> slice:
+    """Pixels around positions along an axis of ``count`` pixels."""
     low, high = float(np.nanmin(at)), float(np.nanmax(at))
     first = min(max(math.floor(low), 0), count - 1)
     return slice(first, max(min(math.ceil(high) + 1, count), first + 1))
 
 
 def _reach(mission: Mission) -> float:
-    """How far from below the camera an image sees level ground, for a metre of height, as far as that counts."""
+    """Greatest of `_reaches`."""
     return float(_reaches(mission).max())
 
 
 def _reaches(mission: Mission) -> Floats:
-    """The same of each point, (n,), or of the images of an area, (1,)."""
+    """Distance, per metre of height, to which images see level ground: of each point (n,), or for an area (1,).
+
+    It counts from the point below the camera, and is at most `_MAX_TANGENT`.
+    """
     area = mission.area
     if isinstance(area, Points):
         angles = [point_angles_deg(mission, area, name) for name in ANGLES]
     else:
         angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
-    # Which way it looks does not tell how far; only different attitudes are worked out.
+    # The yaw does not change the distance, and equal attitudes are computed once.
     (tilts, rolls), which = np.unique(np.stack(angles[1:]), axis=1, return_inverse=True)
     rays = mission.camera.rays_enu(CORNERS, np.zeros_like(tilts), tilts, rolls)
     with np.errstate(divide="ignore"):
         tangents = np.hypot(rays[..., 0], rays[..., 1]) / np.maximum(-rays[..., 2], 1e-9)
-    farthest: Floats = np.minimum(tangents.max(axis=-1), _LOOKED_AT)
+    farthest: Floats = np.minimum(tangents.max(axis=-1), _MAX_TANGENT)
     return farthest[np.ravel(which)]
 
 
-def _ends(mission: Mission) -> tuple[Floats, Floats]:
-    """Latitudes and longitudes of the corners of the area, or of the points."""
+def _area_positions(mission: Mission) -> tuple[Floats, Floats]:
+    """Latitudes and longitudes of the points, or of 5 by 5 positions in the bounds of an area."""
     area = mission.area
     if isinstance(area, Points):
         lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
@@ -693,7 +689,7 @@ def _ends(mission: Mission) -> tuple[Floats, Floats]:
 
 
 def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
-    """Positions, and those so many metres around them."""
+    """Positions (n,) moved by ``room_m`` to the four corners around each, (4 n,)."""
     room = math.degrees(room_m / WGS84.b_m)
     wide = room / np.maximum(np.cos(np.radians(lat)), 1e-3)
     north, south = np.minimum(lat + room, 90.0), np.maximum(lat - room, -90.0)
@@ -703,10 +699,10 @@ def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
     )
 
 
-def _along_edge(area: Area) -> tuple[Floats, Floats]:
-    """Latitudes and longitudes of `_LOOKED_FOR` places along the rings of an area, their corners among them."""
+def _edge_points(area: Area) -> tuple[Floats, Floats]:
+    """Latitudes and longitudes of about `_SAMPLES` points along the rings of an area, including their corners."""
     rings = [ring for part in area.parts for ring in part.arrays()]
-    share = np.linspace(0.0, 1.0, max(_LOOKED_FOR // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
+    share = np.linspace(0.0, 1.0, max(_SAMPLES // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
     lon, lat = (
         np.concatenate([(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in ways])
         for ways in zip(*rings)
@@ -714,27 +710,27 @@ def _along_edge(area: Area) -> tuple[Floats, Floats]:
     return lat, lon
 
 
-def _near(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Numbers, Numbers]:
-    """Pairs of points (n,) and captures whose image may hold them, by index: those about its corners' middle."""
+def _candidate_pairs(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Numbers, Numbers]:
+    """Pairs, by index, of a point (n,) and a capture whose image may contain it: neighbours in a grid of images."""
     north_m = math.radians(1.0) * WGS84.b_m
     east_m = north_m * math.cos(math.radians(float(np.clip(np.mean(lat), -89.0, 89.0)))) if len(lat) else 1.0
     corner_lon = poses.lon_deg[:, np.newaxis] + wrap_lon_deg(corners.lon_deg - poses.lon_deg[:, np.newaxis])
     x, y = corner_lon * east_m, corners.lat_deg * north_m
     middle = np.stack([np.nanmean(x, axis=1), np.nanmean(y, axis=1)], axis=1)
     reach = float(np.nanmax(np.hypot(x - middle[:, :1], y - middle[:, 1:]), initial=1.0))
-    own = np.stack([lon * east_m, lat * north_m], axis=1)
-    start = np.minimum(np.nanmin(middle, axis=0), own.min(axis=0, initial=np.inf))
-    # An image may reach 5 % beyond its corners.
-    (own_x, own_y), (x_at, y_at) = (
-        np.floor((at - start) / (1.05 * reach)).astype(np.int64).T + 1 for at in (own, middle)
+    points = np.stack([lon * east_m, lat * north_m], axis=1)
+    start = np.minimum(np.nanmin(middle, axis=0), points.min(axis=0, initial=np.inf))
+    # An image may extend 5 % beyond its corners.
+    (point_x, point_y), (x_at, y_at) = (
+        np.floor((at - start) / (1.05 * reach)).astype(np.int64).T + 1 for at in (points, middle)
     )
-    wide = int(max(own_x.max(initial=0), x_at.max(initial=0))) + 2
+    wide = int(max(point_x.max(initial=0), x_at.max(initial=0))) + 2
     order = np.argsort(y_at * wide + x_at, kind="stable")
     keys = (y_at * wide + x_at)[order]
     pairs = []
     for row in (-1, 0, 1):
-        # Three cells of a row lie behind each other.
-        key = (own_y + row) * wide + own_x
+        # The three cells of a row have consecutive keys.
+        key = (point_y + row) * wide + point_x
         first, last = np.searchsorted(keys, key - 1), np.searchsorted(keys, key + 1, side="right")
         counts = last - first
         at = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
@@ -744,7 +740,7 @@ def _near(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Num
 
 
 def _normals_enu(lat_deg: Floats, at_lat_deg: Floats, dlon_deg: Floats) -> Floats:
-    """Normals of the ellipsoid at points, (n, 3), in the east, north and up of other places."""
+    """Normals of the ellipsoid at latitudes ``at_lat_deg``, (n, 3), as east, north and up at latitudes ``lat_deg``."""
     (sine, cosine), (at_sine, at_cosine) = sin_cos(lat_deg), sin_cos(at_lat_deg)
     sin_dlon, cos_dlon = sin_cos(dlon_deg)
     return np.stack(
@@ -758,27 +754,27 @@ def _normals_enu(lat_deg: Floats, at_lat_deg: Floats, dlon_deg: Floats) -> Float
 
 
 def _holds(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
-    """Whether positions (n,) lie on a surface."""
+    """Whether a surface contains all positions (n,)."""
     column, row = surface.position(lat_deg, lon_deg)
     rows, columns = surface.cells
     return bool(((column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)).all())
 
 
-def _is_finest_of(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
-    """Whether a surface has the finest heights of positions (n,)."""
+def _is_finest(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
+    """Whether a surface contains positions (n,) at the finest resolution."""
     return surface.zoom == surface.grid.native_zoom and _holds(surface, lat_deg, lon_deg)
 
 
-def _around(
+def _extremes(
     find: Callable[[Surface, float], Callable[[Floats, Floats], Floats]],
     surface: Surface,
     lat_deg: Floats,
     lon_deg: Floats,
     radius_m: Floats,
 ) -> Floats:
-    """What `highest_around` or `lowest_around` find of positions, within distances of their own, (n,) each.
+    """Extreme heights within a radius of each position, (n,), by `highest_around` or `lowest_around`.
 
-    These are rounded down, by 16 % at most, so that few different ones are looked within.
+    Radii are rounded down, by 16 % at most, so that few different ones are searched.
     """
     cell_m = cell_size_m(surface)
     steps = np.floor(4.0 * np.log2(np.maximum(radius_m / cell_m, 1.0)))
@@ -789,17 +785,18 @@ def _around(
     return found
 
 
-def _least_along(values: Floats, bins: Numbers, metres: Floats) -> Floats:
-    """Least of values (m,) by their bins: the greatest function below them that changes so slowly along metres (b,).
+def _lower_bound(values: Floats, bins: Numbers, metres: Floats) -> Floats:
+    """Greatest function of ``metres`` (b,) that is below all values (m,) in their bins and changes slowly.
 
-    Rows find their places by it. NaN counts as none; infinite where there are none at all.
+    NaN values are ignored; infinite where there are no others.
     """
     least = np.full(len(metres), np.inf)
     known = np.flatnonzero(np.isfinite(values))
     np.minimum.at(least, bins[known], values[known])
-    # Between the middles of bins it is told from both of them.
+    # A value counts for both adjacent bins, as functions are interpolated between bin centres.
     least[1:-1] = np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:])
-    slopes = _STEEPEST * metres
+    # Slopes of 5 % at most let the search for rows converge.
+    slopes = 0.05 * metres
     found: Floats = np.minimum(
         np.minimum.accumulate(least - slopes) + slopes,
         np.minimum.accumulate((least + slopes)[::-1])[::-1] - slopes,
@@ -808,7 +805,7 @@ def _least_along(values: Floats, bins: Numbers, metres: Floats) -> Floats:
 
 
 def _no_steeper(height: Floats, way: Floats, slope: float) -> Floats:
-    """Lowest profile above heights along a way that climbs and sinks no more than so many metres a metre."""
+    """Lowest profile above heights along a way, with slopes up to ``slope``."""
     up = np.maximum.accumulate(height + slope * way) - slope * way
     down = np.maximum.accumulate((height - slope * way)[::-1])[::-1] + slope * way
     found: Floats = np.maximum(up, down)

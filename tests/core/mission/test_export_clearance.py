@@ -21,7 +21,7 @@ from terrainav.core.mission.export import write_plan  # noqa: E402
 from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
-from terrainav.core.mission.relief import overflown  # noqa: E402
+from terrainav.core.mission.relief import path_ground  # noqa: E402
 from terrainav.core.picture.heights import heights_of  # noqa: E402
 
 from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402
@@ -156,7 +156,7 @@ def test_a_detour_keeps_clear_of_the_tower_that_it_passes(dem, tmp_path, ending)
 def test_places_far_apart_are_flown_between_over_the_finest_heights(dem, tmp_path, monkeypatch):
     """More relief than is read at once: towers narrower than cells of what holds all of it."""
     monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 17)
-    monkeypatch.setattr(overflown, "_SIDE_CELLS", 64)
+    monkeypatch.setattr(path_ground, "_TILE_CELLS", 64)
     mission = Mission(
         box(60.0, 180.0, 180.0, 60.0),
         45.0,
@@ -169,7 +169,7 @@ def test_places_far_apart_are_flown_between_over_the_finest_heights(dem, tmp_pat
     made = worked_out(mission)
     lat, lon = made.path.lat_deg, made.path.lon_deg
     whole = made.relief.around(lat, lon, 0.0)
-    assert isinstance(whole, overflown.OverflownInParts)
+    assert isinstance(whole, path_ground.TiledPathGround)
     # The squares together are what one surface is.
     monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 23)
     at_once, plane = made.relief._read_around(lat, lon, 0.0), LocalPlane(float(lat[0]), float(lon[0]))

@@ -55,7 +55,7 @@ def test_one_capture_has_no_line(tmp_path):
 
 
 def test_large_plans_are_drawn_by_their_line_alone(tmp_path, monkeypatch):
-    monkeypatch.setattr("terrainav.core.mission.export.kml.MOST_MARKED", 10)
+    monkeypatch.setattr("terrainav.core.mission.export.kml.MAX_PLACEMARKS", 10)
     flown = worked_out(HERE)
     (note,) = write_plan(flown, tmp_path / "field.kml").notes
     assert f"{len(flown)} captures are more than Google Earth opens" in note

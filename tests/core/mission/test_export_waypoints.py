@@ -10,7 +10,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export.rows import clock
-from terrainav.core.mission.export.waypoints import flight_line, not_flown, waypoints
+from terrainav.core.mission.export.waypoints import flight_line, waypoint_notes, waypoints
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.outlines import cut_line
 
@@ -38,7 +38,7 @@ def test_wind_moves_pictures_but_not_waypoints():
     places = [(one.lat_deg, one.lon_deg, one.heading_deg) for one in waypoints(flown)]
     assert places == [(one.lat_deg, one.lon_deg, one.heading_deg) for one in waypoints(worked_out(HERE))]
     assert not np.isin(flown.lat_deg, [place[0] for place in places]).any()
-    assert not_flown(flown) == ("wind is left out: waypoints are at the planned positions",)
+    assert waypoint_notes(flown) == ("wind is left out: waypoints are at the planned positions",)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 37.0, 200.0, -180.0])
@@ -53,7 +53,7 @@ def test_a_view_to_the_rear_is_one_to_the_front_of_an_aircraft_turned_around(yaw
     meant = camera.rays_enu(CORNERS, yaw, -25.0, roll)
     flown = camera.rays_enu(CORNERS, point.heading_deg, point.gimbal_pitch_deg + 90.0, -roll)
     np.testing.assert_allclose(flown, np.roll(meant, 2, axis=0), atol=1e-14)
-    assert "upside down" in not_flown(worked_out(mission))[0]
+    assert "upside down" in waypoint_notes(worked_out(mission))[0]
 
 
 def test_a_heading_a_hair_west_of_north_is_below_360():
@@ -62,8 +62,10 @@ def test_a_heading_a_hair_west_of_north_is_below_360():
 
 
 def test_a_roll_is_said_to_be_left_out():
-    assert not_flown(worked_out(ALONE.replace(roll_deg=5.0))) == ("the roll of 5 deg is left out: waypoints have none",)
-    assert not_flown(worked_out(ALONE)) == ()
+    assert waypoint_notes(worked_out(ALONE.replace(roll_deg=5.0))) == (
+        "the roll of 5 deg is left out: waypoints have none",
+    )
+    assert waypoint_notes(worked_out(ALONE)) == ()
 
 
 def test_times_before_1970_and_over_a_leap_day():

@@ -330,7 +330,7 @@ def _one_waypoint(case: Case) -> None:
     "Litchi mission of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less overlap",
 )
 def _litchi(case: Case) -> None:
-    case.monkeypatch.setattr(litchi, "MOST_PARTS", 1)
+    case.monkeypatch.setattr(litchi, "MAX_PARTS", 1)
     _fewest(case, "flight.litchi.csv")
 
 
@@ -339,7 +339,7 @@ def _litchi(case: Case) -> None:
     "QGroundControl plan of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less overlap",
 )
 def _qgroundcontrol(case: Case) -> None:
-    case.monkeypatch.setattr(qgroundcontrol, "MOST_ITEMS", 204)
+    case.monkeypatch.setattr(qgroundcontrol, "MAX_ITEMS", 204)
     _fewest(case, "flight.plan")
 
 
@@ -359,7 +359,7 @@ def _one_waypoint_of_dji(case: Case) -> None:
     "overlap",
 )
 def _wpml(case: Case) -> None:
-    case.monkeypatch.setattr(wpml, "MOST_FILES", 1)
+    case.monkeypatch.setattr(wpml, "MAX_FILES", 1)
     _fewest(case, "flight.kmz", drone="dji-fly")
 
 

@@ -1,7 +1,7 @@
-"""Files that lead an aircraft over relief, read back: the ways that they describe, held against the surface.
+"""Exported flights over relief, read back from their files and checked against the surface.
 
-Each format has a reader of its text. It knows what the format says (from where heights count, which corners are cut),
-and of the plan no more than its relief and its take-off.
+Each format has a reader, which follows the rules of the format (reference of heights, cut corners) and uses nothing of
+the plan but its relief and take-off.
 """
 
 from __future__ import annotations
@@ -27,24 +27,22 @@ from ..plan import Plan
 from ..relief.ground import PathGround, refuse_hole
 from .sorties import continuous
 
-#: Between two lines of places.
-_END = np.full((1, 3), np.nan)
-#: A waypoint's number in its file, its latitude and longitude, and its height.
+#: Row that separates two lines of points.
+_BREAK = np.full((1, 3), np.nan)
+#: Number of a waypoint in its file, latitude, longitude and height.
 Place = tuple[str, float, float, float]
 
-#: Legs are looked at so often, metres, and so many places at once.
-_STEP_M, _AT_ONCE = 0.5, 1 << 20
-#: Places that are the same, metres.
+#: Points closer than this are one, metres.
 _SAME_M = 1e-3
-#: A number in a file's text.
+#: A number in the text of a file.
 _NUMBER = r"([-+.\deE]+)"
-_POINT = re.compile(
+_GPX_POINT = re.compile(
     rf'<rtept lat="{_NUMBER}" lon="{_NUMBER}">.*?<terrainav:agl_m>{_NUMBER}</terrainav:agl_m>', re.DOTALL
 )
-_LINE = re.compile(
+_KML_LINE = re.compile(
     "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>([^<]*)</coordinates></LineString>"
 )
-_MARK = re.compile(
+_WPML_MARK = re.compile(
     rf"<coordinates>{_NUMBER},{_NUMBER}</coordinates>.*?<wpml:index>(\d+)</wpml:index>.*?"
     rf"<wpml:executeHeight>{_NUMBER}</wpml:executeHeight>.*?"
     rf"<wpml:waypointTurnDampingDist>{_NUMBER}</wpml:waypointTurnDampingDist>",
@@ -53,16 +51,16 @@ _MARK = re.compile(
 
 
 class FlownPath(NamedTuple):
-    """Straight legs from place to place, (n,) each.
+    """Straight legs from point to point, (n,) each.
 
     Attributes
     ----------
     waypoint : tuple of str
-        Number of each place in the file.
+        Number of each point in the file.
     lat_deg, lon_deg : array
-        Longitudes in one turn of the world.
+        Longitudes are continuous.
     height_m : array
-        Over the ellipsoid.
+        Heights above the ellipsoid.
     """
 
     waypoint: tuple[str, ...]
@@ -72,7 +70,7 @@ class FlownPath(NamedTuple):
 
 
 class Reader:
-    """Reads the files of a plan back.
+    """Reader of the files of a plan.
 
     Parameters
     ----------
@@ -85,8 +83,8 @@ class Reader:
         self._takeoff, self._takeoff_m = plan.mission.route.takeoff, plan.path.base_m
         self._relief, self._clearance_m = plan.relief, plan.mission.terrain.clearance_m
 
-    def _way(self, places: Iterable[Place], base_m: float | None) -> list[FlownPath]:
-        """Way through places whose heights count from a height, or from the ground below each."""
+    def _path(self, places: Iterable[Place], base_m: float | None) -> list[FlownPath]:
+        """Path through points with heights above ``base_m``, or above the ground below each if None."""
         found = list(places)
         if len(found) < 2:
             return []
@@ -95,17 +93,17 @@ class Reader:
         lon = continuous(lon, self._lon_deg)
         if base_m is not None:
             return [FlownPath(names, lat, lon, height + base_m)]
-        base = self._over(lat, lon).ground_m(lat, lon)
+        base = self._ground(lat, lon).ground_m(lat, lon)
         if np.isnan(base).any():
             lost = int(np.argmax(np.isnan(base)))
             refuse_hole(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
         return [FlownPath(names, lat, lon, height + base)]
 
-    def _over(self, lat: Floats, lon: Floats) -> PathGround:
+    def _ground(self, lat: Floats, lon: Floats) -> PathGround:
         return self._relief.around(lat, lon, 0.0)
 
     def plan(self, text: str) -> list[FlownPath]:
-        """QGroundControl's ``.plan``: heights count from the planned home; the return is the autopilot's own."""
+        """Paths of QGroundControl's ``.plan``, with heights above the planned home; autopilots choose the return."""
         mission = json.loads(text)["mission"]
         # MAV_FRAME_GLOBAL_RELATIVE_ALT: heights above home.
         places: list[Place] = [
@@ -113,25 +111,26 @@ class Reader:
             for item in chain.from_iterable(map(_simple_items, mission["items"]))
             if item["frame"] == 3
         ]
-        return self._way(places, mission["plannedHomePosition"][2])
+        return self._path(places, mission["plannedHomePosition"][2])
 
     def litchi(self, text: str) -> list[FlownPath]:
-        """Litchi's table: heights count from the ground below each waypoint."""
+        """Paths of Litchi's table, with heights above the ground below each waypoint."""
         places = (
             (str(number), float(row["latitude"]), float(row["longitude"]), float(row["altitude(m)"]))
             for number, row in enumerate(csv.DictReader(io.StringIO(text)), 1)
         )
-        return self._way(places, None)
+        return self._path(places, None)
 
     def kmz(self, data: bytes) -> list[FlownPath]:
-        """KMZ of WPML: from the take-off up, across to the first waypoint, and at the end back at the height of return.
+        """Paths of a KMZ of WPML, with heights above the take-off.
 
-        Heights count from the take-off. Where a waypoint is passed without a stop, its corner is cut.
+        They climb, cross to the first waypoint, and return at the return height. Where a waypoint is passed without a
+        stop, its corner is cut.
         """
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             template, flown = (archive.read(f"wpmz/{name}").decode() for name in ("template.kml", "waylines.wpml"))
         places, cuts_m = [], []
-        for lon, lat, index, height, cut_m in _MARK.findall(flown):
+        for lon, lat, index, height, cut_m in _WPML_MARK.findall(flown):
             places.append((index, float(lat), float(lon), float(height)))
             cuts_m.append(float(cut_m))
         first, last = places[0], places[-1]
@@ -145,54 +144,54 @@ class Reader:
         )
         whole = [
             *(("take-off", lat, lon, up_m) for lat, lon in (home[:2], first[1:3])),
-            *_cut(places, cuts_m),
+            *_cut_corners(places, cuts_m),
             *(("return", lat, lon, back_m) for lat, lon in (last[1:3], home[:2])),
         ]
-        return self._way(whole, home[2])
+        return self._path(whole, home[2])
 
     def _home(self, first: Place) -> tuple[float, float, float]:
-        """Take-off of a file that names none, as DJI Fly's: the mission's, or below the first waypoint."""
+        """Take-off for files without one, as of DJI Fly: the mission's, or the ground below the first waypoint."""
         if self._takeoff is not None:
             return (*self._takeoff, self._takeoff_m)
         lat, lon = np.array([first[1]]), continuous(np.array([first[2]]), self._lon_deg)
-        return first[1], first[2], float(self._over(lat, lon).ground_m(lat, lon)[0])
+        return first[1], first[2], float(self._ground(lat, lon).ground_m(lat, lon)[0])
 
     def above_ground(self, places: Iterable[Floats]) -> list[FlownPath]:
-        """Ways through places (k, 3) of `places_of_gpx` and its like, some at a time, above the ground below each."""
-        whole = np.concatenate([*places, _END])
+        """Paths through blocks of points (k, 3), such as `gpx_points` returns, with heights above ground."""
+        whole = np.concatenate([*places, _BREAK])
         ends = np.flatnonzero(np.isnan(whole[:, 0]))
         found = []
         for first, end in zip(np.append(0, ends + 1), ends):
             rows = whole[first:end].tolist()
-            found += self._way(((str(at), lat, lon, agl) for at, (lat, lon, agl) in enumerate(rows, 1)), None)
+            found += self._path(((str(at), lat, lon, agl) for at, (lat, lon, agl) in enumerate(rows, 1)), None)
         return found
 
     def check(self, ways: Iterable[FlownPath], name: str) -> None:
-        """Refuse ways that come nearer to the surface than the clearance, or into it.
+        """Refuse paths that are closer to the surface than the clearance, or below it.
 
-        They are looked at each half metre, but for climbs that a way begins with, and descents that it ends with.
+        Paths are sampled every half metre, without the climb at the beginning and the descent at the end.
 
         Parameters
         ----------
         name : str
-            Of the file, for the message.
+            File name for the message.
 
         Raises
         ------
         InvalidInput
-            Says where, on which leg, and how far short.
+            The message names the position, the leg and the missing height.
         """
-        for way in map(_in_the_air, ways):
+        for way in map(_without_climbs, ways):
             if len(way.waypoint) < 2:
                 continue
-            over = self._over(way.lat_deg, way.lon_deg)
+            ground = self._ground(way.lat_deg, way.lon_deg)
             worst, at = -np.inf, (0, 0.0, 0.0)
-            for leg, lat, lon, height in _places(way):
-                short = over.highest_within_m(lat, lon) + self._clearance_m - height
+            for leg, lat, lon, height in _samples(way):
+                short = ground.highest_within_m(lat, lon) + self._clearance_m - height
                 most = int(np.argmax(short))
                 if short[most] > worst:
                     worst, at = float(short[most]), (int(leg[most]), float(lat[most]), float(lon[most]))
-            # Rounding in files, and centimetres beside a wall, reduce a clearance by up to 5 cm.
+            # Rounded coordinates beside a wall may reduce the clearance by up to 5 cm.
             if worst > 0.05:
                 raise self._refusal(name, way, at, worst)
 
@@ -222,23 +221,23 @@ class Reader:
         )
 
 
-def places_of_gpx(text: str) -> Floats:
+def gpx_points(text: str) -> Floats:
     """Latitudes, longitudes and heights above ground of route points, (k, 3), with a row of NaN before each route.
 
-    ``text`` is a part of GPX of whole points; the heights are in their extensions.
+    ``text`` is a part of a GPX file that divides no point; heights are read from the extensions.
     """
-    first, *routes = (np.array(_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>"))
-    return np.concatenate([first, *chain.from_iterable((_END, route) for route in routes)])
+    first, *routes = (np.array(_GPX_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>"))
+    return np.concatenate([first, *chain.from_iterable((_BREAK, route) for route in routes)])
 
 
-def places_of_kml(text: str) -> Floats:
-    """The same of flight lines in a part of KML of whole lines."""
-    lines = (np.array(line.replace(",", " ").split(), np.float64) for line in _LINE.findall(text))
-    return np.concatenate([_END, *chain.from_iterable((_END, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)])
+def kml_points(text: str) -> Floats:
+    """Like `gpx_points`, for the flight lines in a part of a KML file that divides no line."""
+    lines = (np.array(line.replace(",", " ").split(), np.float64) for line in _KML_LINE.findall(text))
+    return np.concatenate([_BREAK, *chain.from_iterable((_BREAK, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)])
 
 
-def places_of_geopackage(path: Path) -> Floats:
-    """The same of the flight lines of a GeoPackage."""
+def geopackage_points(path: Path) -> Floats:
+    """Like `gpx_points`, for the flight lines of a GeoPackage."""
     from osgeo import ogr
 
     data = ogr.Open(str(path))
@@ -246,7 +245,7 @@ def places_of_geopackage(path: Path) -> Floats:
     parts = chain.from_iterable(
         (line.GetGeometryRef(part).GetPoints() for part in range(line.GetGeometryCount())) for line in lines
     )
-    return np.concatenate([_END, *chain.from_iterable((_END, np.array(part)[:, [1, 0, 2]]) for part in parts)])
+    return np.concatenate([_BREAK, *chain.from_iterable((_BREAK, np.array(part)[:, [1, 0, 2]]) for part in parts)])
 
 
 def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:
@@ -254,8 +253,8 @@ def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def _cut(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
-    """Places with corners cut by so much before and behind each."""
+def _cut_corners(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
+    """Points with each corner replaced by two points, at the cut distance before and after it."""
     plane = LocalPlane(places[0][1], places[0][2])
     lat, lon, height = np.array([place[1:] for place in places]).T
     at = np.stack([*plane.forward(lat, continuous(lon, plane.lon_deg)), height], axis=1)
@@ -273,8 +272,8 @@ def _cut(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
         yield (place[0], *next(ends))
 
 
-def _in_the_air(way: FlownPath) -> FlownPath:
-    """Way without its first place where it goes straight up from there, and its last one likewise."""
+def _without_climbs(way: FlownPath) -> FlownPath:
+    """Path without a vertical climb at the beginning and a vertical descent at the end."""
     plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
     x, y = plane.forward(way.lat_deg, way.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
@@ -282,20 +281,20 @@ def _in_the_air(way: FlownPath) -> FlownPath:
     return FlownPath._make(column[some] for column in way)
 
 
-def _places(way: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
-    """Places along a way, some at a time: number of the leg, latitude, longitude and height."""
+def _samples(way: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
+    """Samples along a path, in blocks: number of the leg, latitude, longitude and height."""
     plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
     x, y = plane.forward(way.lat_deg, way.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
-    # Pieces of 100 m are straight in longitude and latitude to half a millimetre at 60 degrees.
+    # Pieces of 100 m are straight in longitude and latitude to half a millimetre at 60 degrees of latitude.
     pieces = np.maximum(np.ceil(length / 100.0), 1.0).astype(np.int64)
     leg = np.repeat(np.arange(len(length)), pieces)
     share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
     x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, way.height_m))
     lat, lon = plane.inverse(x, y)
     ends = [np.append(a, b[-1]) for a, b in zip((lat, lon, height), way[1:])]
-    steps = np.maximum(np.ceil(length / pieces / _STEP_M), 1.0).astype(np.int64)[leg]
-    for some in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(np.cumsum(steps) // _AT_ONCE)) + 1):
+    steps = np.maximum(np.ceil(length / pieces / 0.5), 1.0).astype(np.int64)[leg]
+    for some in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(np.cumsum(steps) // (1 << 20))) + 1):
         count = steps[some] + 1
         piece = np.repeat(some, count)
         along = (np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)) / steps[piece]

@@ -1,4 +1,4 @@
-"""Relief below a path: heights at places, and profiles below legs, whole or in squares that are read as needed."""
+"""Relief below a path: heights at positions and profiles below legs, read at once or in tiles as needed."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from ...geodesy.raytracing.surface import Surface
 from ..flight.legs import legs
 from .ground import Profile
 
-#: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
+#: Legs are divided into pieces of this length, which are straight on any map to 3 mm at 60 degrees of latitude.
 _PIECE_M = 250.0
-#: Cells along a side of the squares that larger areas are read in, and squares that are kept: 200 MB.
-_SIDE_CELLS, _SQUARES = 1024, 16
+#: Cells along a side of the tiles in which large areas are read.
+_TILE_CELLS = 1024
 
 
-class Overflown:
-    """Relief below a path that goes beyond the captures.
+class ReliefPathGround:
+    """Relief below a path, a `PathGround`.
 
     Parameters
     ----------
@@ -39,29 +39,29 @@ class Overflown:
         self._near = highest_around(surface, clearance_distance_m) if clearance_distance_m else None
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Heights of the ground at positions (n,); NaN where there is none."""
+        """Heights of the ground at positions (n,); NaN where unknown."""
         return self._ground.heights(*self._ground.position(lat_deg, lon_deg))
 
     def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Greatest height within the clearance's distance of positions (n,); minus infinity where there is none.
+        """Greatest height within the clearance's distance of positions (n,); minus infinity where unknown.
 
-        It looks a cell farther than that, as places between the nodes of a profile have to keep it, too.
+        The search reaches a cell farther, so that the clearance also holds between the nodes of a profile.
         """
         return self._highest(self._near, lat_deg, lon_deg)
 
     def highest_within_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Greatest height of the surface at positions (n,) and of its pixels within the clearance's distance, a square.
+        """Greatest height of the surface at positions (n,) and of its pixels in a square of the clearance's distance.
 
-        Minus infinity where there is none.
+        Minus infinity where unknown.
         """
-        return self._highest(self._within, lat_deg, lon_deg)
+        return self._highest(self._nearby_pixels, lat_deg, lon_deg)
 
     @cached_property
-    def _within(self) -> Callable[[Floats, Floats], Floats] | None:
+    def _nearby_pixels(self) -> Callable[[Floats, Floats], Floats] | None:
         if not self._distance_m:
             return None
-        # Half a cell lies between a place and its nearest pixel.
-        return _highest_of(self._surface, math.floor(self._distance_m / self.cell_m + 0.5))
+        # A position is up to half a cell from its nearest pixel.
+        return _highest_pixels(self._surface, math.floor(self._distance_m / self.cell_m + 0.5))
 
     def _highest(self, near: Callable[[Floats, Floats], Floats] | None, lat_deg: Floats, lon_deg: Floats) -> Floats:
         found = self._surface.heights(*self._surface.position(lat_deg, lon_deg))
@@ -70,9 +70,9 @@ class Overflown:
         return np.where(np.isnan(found), -np.inf, found)
 
     def profiles(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane) -> Iterator[Profile]:
-        """Profiles below straight legs from position to position (n,), of as many at a time as memory is for."""
+        """Profiles below straight legs from position to position (n,), in blocks that bound the memory."""
         way_m = np.append(0.0, np.cumsum(legs(lat_deg, lon_deg).distance_m))
-        # 250,000 cells at a time bound the memory.
+        # Blocks cross about 250,000 cells each.
         blocks = np.unique(way_m // (250_000 * self.cell_m), return_index=True)[1]
         for first, last in zip(blocks, np.append(blocks[1:], len(lat_deg) - 1)):
             if last > first:
@@ -80,10 +80,11 @@ class Overflown:
                 yield self.profile(lat_deg[some], lon_deg[some], plane, int(first))
 
     def profile(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, first: int = 0) -> Profile:
-        """Profile below straight legs of a plane from position to position (n,); the first leg has a number.
+        """Profile below straight legs of a plane from position to position (n,); ``first`` numbers the first leg.
 
-        Nodes are where legs cross the lines between pixels' centres, and half-way between those: there is one
-        parabola from crossing to crossing, and what a leg has to be higher than half-way is where its tangents meet.
+        Nodes are the crossings of legs with the lines through pixel centres, and the midpoints between crossings. From
+        crossing to crossing the surface below a leg is a parabola, whose tangents at both ends meet at the midpoint: a
+        leg that is no lower than this intersection is nowhere below the parabola.
         """
         x, y = plane.forward(lat_deg, lon_deg)
         leg, begin, pieces = _pieces(x, y)
@@ -113,88 +114,90 @@ class Overflown:
         )
 
 
-class OverflownInParts(Overflown):
-    """The same of a path over more than one surface holds at its finest: of squares, read as they are needed.
+class TiledPathGround(ReliefPathGround):
+    """Relief below a path too long for one surface at the finest resolution, in square tiles that are read as needed.
 
     Parameters
     ----------
     read : callable
-        Relief about positions (n,), and so many metres around them.
+        Returns the relief within some metres of positions (n,).
     cell_m : float
         Size of the finest cells.
 
     Attributes
     ----------
     side_m : float
-        Of a square.
+        Side of a tile.
     """
 
-    def __init__(self, read: Callable[[Floats, Floats, float], Overflown], cell_m: float) -> None:
+    def __init__(self, read: Callable[[Floats, Floats, float], ReliefPathGround], cell_m: float) -> None:
         self.cell_m = cell_m
-        self.side_m = _SIDE_CELLS * cell_m
+        self.side_m = _TILE_CELLS * cell_m
         self._side_deg = math.degrees(self.side_m / WGS84.b_m)
-        self._square = lru_cache(maxsize=_SQUARES)(self._read)
-        self._about = read
+        # 16 tiles take 200 MB.
+        self._tile = lru_cache(maxsize=16)(self._read)
+        self._relief = read
 
-    def _read(self, row: int, column: int) -> Overflown:
+    def _read(self, row: int, column: int) -> ReliefPathGround:
         lat = self._side_deg * np.array([row, row + 1.0])
-        lon = float(self._wide_deg(np.array(row))) * np.array([column, column + 1.0])
-        # Pieces of legs whose middle is in the square lie within.
-        return self._about(np.clip(lat, -90.0, 90.0), lon, _PIECE_M)
+        lon = float(self._width_deg(np.array(row))) * np.array([column, column + 1.0])
+        # Pieces of legs whose midpoint is in the tile lie inside.
+        return self._relief(np.clip(lat, -90.0, 90.0), lon, _PIECE_M)
 
-    def _wide_deg(self, row: Numbers) -> Floats:
+    def _width_deg(self, row: Numbers) -> Floats:
         middle = np.radians(self._side_deg * (row + 0.5))
-        wide: Floats = self._side_deg / np.maximum(np.cos(middle), 1e-3)
-        return wide
+        # The bound keeps tiles at the poles below a full turn.
+        width: Floats = self._side_deg / np.maximum(np.cos(middle), 1e-3)
+        return width
 
-    def _squares(self, lat_deg: Floats, lon_deg: Floats) -> Numbers:
-        """Row and column of the square that each position (n,) lies in, (n, 2)."""
+    def _tile_numbers(self, lat_deg: Floats, lon_deg: Floats) -> Numbers:
+        """Row and column of the tile that holds each position (n,), (n, 2)."""
         row = np.floor(lat_deg / self._side_deg).astype(np.int64)
-        return np.stack([row, np.floor(lon_deg / self._wide_deg(row)).astype(np.int64)], axis=1)
+        return np.stack([row, np.floor(lon_deg / self._width_deg(row)).astype(np.int64)], axis=1)
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Heights of the ground at positions (n,); NaN where there is none."""
-        return self._gathered(Overflown.ground_m, lat_deg, lon_deg)
+        """Heights of the ground at positions (n,); NaN where unknown."""
+        return self._gather(ReliefPathGround.ground_m, lat_deg, lon_deg)
 
     def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Greatest height within the clearance's distance and a cell; minus infinity where there is none."""
-        return self._gathered(Overflown.highest_m, lat_deg, lon_deg)
+        """Greatest height within the clearance's distance and a cell; minus infinity where unknown."""
+        return self._gather(ReliefPathGround.highest_m, lat_deg, lon_deg)
 
     def highest_within_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Greatest height within the clearance's distance; minus infinity where there is none."""
-        return self._gathered(Overflown.highest_within_m, lat_deg, lon_deg)
+        """Greatest height within the clearance's distance; minus infinity where unknown."""
+        return self._gather(ReliefPathGround.highest_within_m, lat_deg, lon_deg)
 
-    def _gathered(
-        self, find: Callable[[Overflown, Floats, Floats], Floats], lat_deg: Floats, lon_deg: Floats
+    def _gather(
+        self, find: Callable[[ReliefPathGround, Floats, Floats], Floats], lat_deg: Floats, lon_deg: Floats
     ) -> Floats:
         found = np.empty(len(lat_deg))
-        squares, which = np.unique(self._squares(lat_deg, lon_deg), axis=0, return_inverse=True)
-        for number, square in enumerate(squares.tolist()):
+        tiles, which = np.unique(self._tile_numbers(lat_deg, lon_deg), axis=0, return_inverse=True)
+        for number, tile in enumerate(tiles.tolist()):
             at = np.flatnonzero(which.ravel() == number)
-            found[at] = find(self._square(*square), lat_deg[at], lon_deg[at])
+            found[at] = find(self._tile(*tile), lat_deg[at], lon_deg[at])
         return found
 
     def profile(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, first: int = 0) -> Profile:
-        """Profile below straight legs of a plane from position to position (n,); the first leg has a number."""
+        """Profile below straight legs of a plane from position to position (n,); ``first`` numbers the first leg."""
         x, y = plane.forward(lat_deg, lon_deg)
         leg, begin, pieces = _pieces(x, y)
         start = [at[leg] + begin * (at[leg + 1] - at[leg]) for at in (x, y)]
         half = 0.5 / pieces[leg]
         middle = [at + half * (whole[leg + 1] - whole[leg]) for at, whole in zip(start, (x, y))]
-        square = self._squares(*plane.inverse(*middle))
+        tile = self._tile_numbers(*plane.inverse(*middle))
         lat, lon = (np.append(at, end[-1]) for at, end in zip(plane.inverse(*start), (lat_deg, lon_deg)))
         found = []
-        for run in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(square, axis=0).any(axis=1)) + 1):
+        for run in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(tile, axis=0).any(axis=1)) + 1):
             ends = slice(run[0], run[-1] + 2)
-            part = self._square(*square[run[0]].tolist()).profile(lat[ends], lon[ends], plane)
-            piece = run[part.leg]
-            share = begin[piece] + part.share / pieces[leg[piece]]
-            found.append(part._replace(leg=leg[piece] + first, share=share))
+            below = self._tile(*tile[run[0]].tolist()).profile(lat[ends], lon[ends], plane)
+            piece = run[below.leg]
+            share = begin[piece] + below.share / pieces[leg[piece]]
+            found.append(below._replace(leg=leg[piece] + first, share=share))
         return Profile(*(np.concatenate(column) for column in zip(*found)))
 
 
 def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
-    """Pieces of legs between places (n,) of a plane: the leg of each, its begin on that, and how many each leg has."""
+    """Pieces of legs between points (n,) of a plane: leg of each, share of the leg before it, and count per leg."""
     pieces = np.maximum(np.ceil(np.hypot(np.diff(x), np.diff(y)) / _PIECE_M), 1.0).astype(np.int64)
     leg = np.repeat(np.arange(len(pieces)), pieces)
     begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
@@ -202,9 +205,9 @@ def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
 
 
 def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
-    """Where straight pieces from place to place (n,) cross whole columns and rows: number of the piece, and share.
+    """Crossings of straight pieces, from point to point (n,), with whole columns and rows: piece, and share of it.
 
-    Beginning and end of each piece are among them.
+    The ends of each piece are included.
     """
     count = len(column) - 1
     pieces, shares = [np.arange(count), np.arange(count)], [np.zeros(count), np.ones(count)]
@@ -222,18 +225,18 @@ def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
 
 
 def cell_size_m(surface: Surface) -> float:
-    """Size of a surface's cells in its middle."""
+    """Size of the cells in the middle of a surface."""
     lat, lon = surface.places(*(np.array([side / 2.0]) for side in surface.cells[::-1]))
     return float(surface.grid.ground_m_per_px(lat, lon, surface.zoom)[0])
 
 
 def highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
-    """For positions (n,), the greatest height of a surface within a distance; NaN where it has none there."""
-    return _highest_of(surface, math.ceil(radius_m / cell_size_m(surface)) + 1)
+    """Function that returns the greatest height within a distance of positions (n,); NaN where unknown."""
+    return _highest_pixels(surface, math.ceil(radius_m / cell_size_m(surface)) + 1)
 
 
-def _highest_of(surface: Surface, reach: int) -> Callable[[Floats, Floats], Floats]:
-    """For positions (n,), the greatest height of a surface's pixels up to so many from the nearest one."""
+def _highest_pixels(surface: Surface, reach: int) -> Callable[[Floats, Floats], Floats]:
+    """Function that returns the greatest height of pixels up to ``reach`` from the nearest one to positions (n,)."""
     top = np.where(np.isnan(surface.heights_m), -np.inf, surface.heights_m).astype(np.float32)
     for axis in (0, 1):
         top = _running_max(top, min(reach, top.shape[axis] - 1), axis)
@@ -249,13 +252,13 @@ def _highest_of(surface: Surface, reach: int) -> Callable[[Floats, Floats], Floa
 
 
 def lowest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
-    """The same of least heights."""
+    """Function that returns the least height within a distance of positions (n,); NaN where unknown."""
     highest = highest_around(replace(surface, heights_m=-surface.heights_m), radius_m)
     return lambda lat_deg, lon_deg: -highest(lat_deg, lon_deg)
 
 
 def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[np.float32]:
-    """Greatest of values up to ``reach`` to either side along an axis."""
+    """Running maximum over ``reach`` values to either side along an axis."""
     if reach <= 0:
         return values
     width = 2 * reach + 1
@@ -263,7 +266,7 @@ def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[
     pad[axis] = (reach, reach)
     found = np.pad(values, pad, constant_values=-np.inf)
 
-    def part(begin: int, end: int) -> tuple[slice, ...]:
+    def window(begin: int, end: int) -> tuple[slice, ...]:
         along = slice(begin, end)
         return (along, slice(None)) if axis == 0 else (slice(None), along)
 
@@ -271,6 +274,6 @@ def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[
     while covered < width:
         step = min(covered, width - covered)
         size = found.shape[axis]
-        found = np.maximum(found[part(0, size - step)], found[part(step, size)])
+        found = np.maximum(found[window(0, size - step)], found[window(step, size)])
         covered += step
     return found
