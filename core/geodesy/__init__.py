@@ -2,22 +2,22 @@
 
 In reading order:
 
-- `ellipsoid`: radii, areas, and where rays meet the ground
-- `lens`: cameras by their field of view, in plain numbers
-- `camera`: what cameras see of which direction, and their poses
-- `footprint`: the ground that the exact camera sees, its corners and its outline
-- `reference`: coordinate reference systems that others define, without files
-- `planes`: those of projected CRSs, and what they do to the ground
-- `mercator`: Web Mercator, and the grid of a source's pixels
-- `projections`: UTM, and a conformal plane about any place
-- `vertical`: what heights count from, by name and code
-- `local`: metres east, north and up of a place
-- `sun`: where the sun stands
-- `ways`: shortest ways around polygons of a plane
+- `ellipsoid`: radii, areas, and intersections of rays with the ground
+- `lens`: field of view and ground size of cameras, in plain numbers
+- `camera`: rays and image points of cameras, and their poses
+- `footprint`: the ground that the exact camera sees: corners and outline
+- `reference`: reading coordinate reference systems safely, without files
+- `planes`: the planes of projected CRSs, with scale, convergence and bend
+- `mercator`: Web Mercator, and the pixel grid of a source
+- `projections`: UTM, a conformal plane about any place, geodesics, and transformations
+- `vertical`: vertical datums by name and code
+- `local`: metres east, north and up from a place
+- `sun`: height and azimuth of the sun
+- `ways`: shortest ways around polygons in a plane
 - `quaternions`: unit quaternions and rotations
 - `frames`: map frames, rectangles of whole source pixels
-- `rectangles`: the largest rectangles inside what cameras see
-- `accuracy`: what each method may be wrong by, in closed form
-- `view`: camera frames, from which pixels of which zooms each part is made
-- `raytracing`: rays over relief, and camera frames made by them
+- `rectangles`: the largest rectangles inside the ground that cameras see
+- `accuracy`: error bounds of each method, in closed form
+- `view`: camera frames, and the source pixels that each part is made of
+- `raytracing`: rays over relief, and the camera frames made with them
 """

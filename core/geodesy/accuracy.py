@@ -17,12 +17,12 @@ from ..errors import Message
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
 
-#: Limit of the flat model's expansion parameters; its series is no bound beyond it.
+#: Limit of the flat model's expansion parameters, beyond which its series is not a bound.
 FLAT_DOMAIN = 0.1
 #: Rounding of the series of level cameras in float64, px.
 _SERIES_ROUNDING_PX = 1e-6
-#: Rounding of ground positions in degrees, in metres: half the last digit of a latitude is 0.8e-9, of a longitude
-#: 1.6e-9; no other part of `ellipsoid.trace` grows with the Earth's size.
+#: Rounding of ground positions in degrees, in metres: half the last digit is 0.8e-9 for a latitude and 1.6e-9 for a
+#: longitude; no other error of `ellipsoid.trace` grows with the Earth's size.
 _GROUND_ROUNDING_M = 2e-9
 #: Rounding of positions on the map, in metres: with functions within 4 units in the last place (8·2⁻⁵³) asinh tan φ is
 #: off by 8·2⁻⁵³(ψ + sin φ), at most 6.5e-9 m of ground; φ, 2π and the fraction of the world add 3e-9, its pixels 9e-9.
@@ -33,7 +33,7 @@ RESOLVED_M = 4e-8
 
 @dataclass(frozen=True, eq=False)
 class ImageGeometry:
-    """Camera, image size, poses and ground that the bounds depend on.
+    """Camera, image size, poses and ground: the inputs of the bounds.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class ImageGeometry:
 
     @property
     def one_size_px(self) -> tuple[int, int]:
-        """Width and height of the images, which all have one size."""
+        """Width and height of the images, which must have one size."""
         return int(np.ravel(self.width_px)[0]), int(np.ravel(self.height_px)[0])
 
     @property
@@ -66,7 +66,7 @@ class ImageGeometry:
 
     @property
     def half_diagonal_px(self) -> Floats:
-        """ρ, (n,); one number where all images have one size."""
+        """ρ, (n,); one number if all images have one size."""
         return np.asarray(np.hypot(self.width_px, self.height_px) / 2.0, np.float64)
 
     @property
@@ -101,7 +101,7 @@ class ImageGeometry:
 
 
 def bound_px(scene: ImageGeometry, series: Floats) -> Floats:
-    """Bound of a truncated series: its remainder and float64 rounding included, (n,).
+    """Bound of a truncated series, with its remainder and float64 rounding, (n,).
 
     The remainder is at most 15 % of the series, as validated by Monte Carlo over the whole domain.
     """
@@ -114,7 +114,7 @@ def flat_bending_px(scene: ImageGeometry) -> Floats:
 
 
 def map_frame_px(scene: ImageGeometry) -> Floats:
-    """Bound of the map frame through the edge midpoints, and of ignoring a small attitude, (n,).
+    """Bound of a map frame through the edge midpoints, with a small attitude ignored, (n,).
 
     ρεt²/2 + 1.05(T/R)[W·h/4 + (W·w + H·h)/8] + ρ(max(w, h)/R)²(1 + T²) for footprints of w by h metres and images of
     W by H px; yaw moves a corner by ρ times itself, tilt and roll by f(1 + t²) times themselves.
@@ -132,13 +132,13 @@ def map_frame_px(scene: ImageGeometry) -> Floats:
 
 
 def map_noise_px(scene: ImageGeometry) -> Floats:
-    """Rounding of positions on a map, in level images, (n,)."""
+    """Error of level images from rounding of map positions, (n,)."""
     noise: Floats = _MAP_ROUNDING_M / scene.nadir_px_m
     return noise
 
 
 def _attitude_px(scene: ImageGeometry) -> Floats:
-    """Largest difference between a level image at a quarter turn and the image of a small attitude, (n,)."""
+    """Largest difference between the image of a small attitude and the nearest level quarter turn, (n,)."""
     off_yaw, *off_level = (np.mod(angle + 180.0, 360.0) - 180.0 for angle in scene.poses.attitude)
     off_yaw = off_yaw - 90.0 * np.rint(off_yaw / 90.0)
     yaw, tilt, roll = (np.abs(np.radians(angle)) for angle in (off_yaw, *off_level))
@@ -150,8 +150,8 @@ def _attitude_px(scene: ImageGeometry) -> Floats:
 def finest_px_m(scene: ImageGeometry) -> Floats:
     """Least metres of ground spanned by a pixel of the image, (n,).
 
-    A ray of length L that falls by D, both per unit along the axis, magnifies the ground in the image by up to L·D
-    compared with the nadir; that is largest at a corner, and 1 in a level image.
+    For a ray of length L and drop D, both per unit along the axis, the image magnifies the ground by up to L·D relative
+    to the nadir; this is largest at a corner, and 1 in a level image.
     """
     sin_below, squared = corner_angles(scene)
     spread = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
@@ -160,7 +160,7 @@ def finest_px_m(scene: ImageGeometry) -> Floats:
 
 
 def exact_px(scene: ImageGeometry) -> Floats:
-    """Bound of the exact camera in float64 at any point of the image: rounding of ground positions and of rays, (n,).
+    """Bound of the exact camera in float64 anywhere in the image: rounding of ground positions and of rays, (n,).
 
     A ray of length L per unit along the axis, turned by an angle, moves by up to f·L² times that angle in the image.
     Rays are rounded at most 128 times (2⁻⁵³ each): 8 for the sine of each of three angles, 6 for their products, 16 for
@@ -172,24 +172,24 @@ def exact_px(scene: ImageGeometry) -> Floats:
 
 
 def camera_frame_px(scene: ImageGeometry) -> Floats:
-    """Bound of a camera frame that traces every pixel: the exact camera's plus rounding on the map, (n,)."""
+    """Bound of a camera frame that traces every pixel: that of the exact camera plus rounding on the map, (n,)."""
     on_map: Floats = _MAP_ROUNDING_M / finest_px_m(scene)
     return exact_px(scene) + on_map
 
 
 def mesh_noise_px(scene: ImageGeometry) -> Floats:
-    """Least bound of a cell of a mesh: rounding of the map positions of its four corners, (n,)."""
+    """Least bound of a mesh cell: rounding of the map positions of its four corners, (n,)."""
     return _SERIES_ROUNDING_PX + 4.0 * _MAP_ROUNDING_M / scene.nadir_px_m
 
 
 def outside_flat_domain(scene: ImageGeometry, bend: float | None = None) -> str:
-    """Reason why the methods of flat ground have no bound, with value and limit; empty where they have one.
+    """Reason why flat-ground methods have no bound, with value and limit; empty if they have one.
 
     Parameters
     ----------
     bend : float or None
-        Largest curvature of straight ground lines in the plane of the map, over the Earth's curvature; None for
-        Mercator, where it is the tangent of the latitude.
+        Largest curvature of straight ground lines in the plane of the map, relative to the Earth's; None for Mercator,
+        where it is the tangent of the latitude.
     """
     bends = scene.lat_tangent if bend is None else bend
     stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
@@ -212,7 +212,7 @@ def outside_flat_domain(scene: ImageGeometry, bend: float | None = None) -> str:
 
 def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
     """Sines of the corner rays' angles below the horizontal, and squared lengths per unit along the axis, (n, 4)."""
-    # Independent of yaw: poses that share tilt and roll share their corners.
+    # Independent of yaw: one tilt and roll for all poses gives the same corners.
     leans = scene.poses.tilt_deg, scene.poses.roll_deg
     if not any(any(angle.strides) for angle in leans):
         leans = leans[0][:1], leans[1][:1]
@@ -234,9 +234,9 @@ def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
 def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float:
     """Largest relative change of a ground position per relative change of its inputs.
 
-    The larger of sec φ, the condition of Mercator's latitude where images lie on its map, and that of the ray that
-    meets the ground at the flattest angle: ground distance against angle off nadir, on a sphere. Infinite where the
-    image shows the horizon.
+    The larger of sec φ, the condition of Mercator's latitude if images lie on its map, and the condition of the ray at
+    the flattest angle to the ground: ground distance against angle off nadir, on a sphere. Infinite if the image shows
+    the horizon.
     """
     nearest_pole = float(np.max(np.abs(scene.poses.lat_deg))) if on_mercator else 0.0
     mercator = 1.0 / float(np.cos(np.radians(nearest_pole)))
@@ -247,7 +247,7 @@ def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float
         return math.inf
     grazed = np.sqrt(squared)
     off_nadir = np.arccos(np.clip(sin_below, -1.0, 1.0))
-    # ds/dβ = R((1 + ε) sin β / c - 1), and (1 + ε) sin β - c = ε(2 + ε)/((1 + ε) sin β + c) without cancelling.
+    # ds/dβ = R((1 + ε) sin β / c - 1), where (1 + ε) sin β - c = ε(2 + ε)/((1 + ε) sin β + c) avoids cancellation.
     slope = share * (2.0 + share) / ((lifted + grazed) * grazed)
     arc = np.arctan2(np.sqrt(1.0 - sin_below**2) * share * (2.0 + share) / (lifted + grazed), 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -258,7 +258,7 @@ def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float
 def terrain_px_per_m(scene: ImageGeometry) -> float:
     """Displacement in the image per metre of unmodelled relief, at the worst corner.
 
-    A point higher by dz moves by dz·sin α·cos α / h in angle at an angle α off nadir; infinite at the horizon.
+    At an angle α off nadir, a point higher by dz moves by the angle dz·sin α·cos α / h; infinite at the horizon.
     """
     sin_below, squared = corner_angles(scene)
     if (sin_below <= 0.0).any():
@@ -269,7 +269,7 @@ def terrain_px_per_m(scene: ImageGeometry) -> float:
 
 
 def ground_m_per_px(scene: ImageGeometry) -> float:
-    """Most metres of ground spanned by a pixel, at the farthest corner; infinite at the horizon."""
+    """Most metres of ground spanned by a pixel, which is at the farthest corner; infinite at the horizon."""
     sin_below, squared = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]
     lifted, grazed2 = grazing(sin_below, share)

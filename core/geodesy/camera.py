@@ -1,4 +1,4 @@
-"""Cameras by their field of view, and their poses."""
+"""Rays and image points of cameras, and poses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EDGE_MIDPOINTS = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 
 @dataclass(frozen=True)
 class Camera(Lens):
-    """An ideal pinhole camera with square pixels, by its diagonal field of view and its aspect ratio; see `Lens`."""
+    """An ideal pinhole camera with square pixels; see `Lens`."""
 
     def rays_enu(
         self,
@@ -31,10 +31,9 @@ class Camera(Lens):
     ) -> Floats:
         """Directions of image points, in the camera's east, north, up.
 
-        Yaw turns the top of the image clockwise from north; tilt then lifts the view from straight down
-        towards where the top of the image points; roll last turns the camera about the direction of its
-        image's top, right side down. They are the yaw, pitch and roll of an aircraft (z-y'-x'') that
-        carries the camera looking down.
+        Yaw turns the top of the image clockwise from north; then tilt raises the view from straight down towards the
+        top of the image; then roll turns the camera about the direction of the image's top, right side down. They are
+        the yaw, pitch and roll (z-y'-x'') of an aircraft whose camera looks down.
 
         Parameters
         ----------
@@ -95,9 +94,9 @@ class Camera(Lens):
         tilt_deg: Floats | float = 0.0,
         roll_deg: Floats | float = 0.0,
     ) -> Floats:
-        """Signed offset of directions from the planes through the camera and the sides of its image.
+        """Signed offsets of directions from the planes through the camera and the sides of its image.
 
-        Unlike image points this is smooth at any angle, also behind the camera.
+        Unlike image points, they are smooth at any angle, also behind the camera.
 
         Parameters
         ----------
@@ -106,8 +105,8 @@ class Camera(Lens):
         Returns
         -------
         array (..., k, 4)
-            For right, left, top and bottom the sine of the angle from the plane, over that of half the image: never
-            positive inside the image; outside, for small angles, about the distance from the side in half images.
+            For right, left, top and bottom, the sine of the angle from the plane relative to that of half the image:
+            never positive inside the image; outside, at small angles, about the distance from the side in half images.
         """
         right, image_up, axis = (
             np.einsum("...ki,...i->...k", vectors_enu, direction)
@@ -166,14 +165,14 @@ class Poses(NamedTuple):
         )
 
     def runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Runs of consecutive poses that differ in longitude alone, as the captures of a row do.
+        """Runs of consecutive poses that differ only in longitude, as the captures of a row do.
 
         Returns
         -------
         first : array (k,)
-            Index of the first of each run.
+            Index of the first pose of each run.
         run : array (n,)
-            For every pose the number of its run.
+            Number of the run of each pose.
         """
         change = np.zeros(self.lat_deg.shape, bool)
         change[:1] = True

@@ -1,4 +1,4 @@
-"""The WGS84 ellipsoid: radii, areas, and where a ray from above meets the ground."""
+"""The WGS84 ellipsoid: radii, areas, and intersections of rays from above with the ground."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from ..errors import InvalidInput
 def gauss_legendre(count: int = 16) -> tuple[Floats, Floats]:
     """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each, read-only.
 
-    With 16 nodes the area of a zone from equator to pole is right to 1e-14 relative, so no interval of latitude needs
-    to be divided.
+    16 nodes give the area of a zone from equator to pole to a relative 1e-14, so intervals of latitude need not be
+    divided.
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call, unused-ignore]
     nodes.flags.writeable = weights.flags.writeable = False
@@ -51,8 +51,8 @@ class Ellipsoid:
     def raised(self, height_m: float) -> Ellipsoid:
         """Ellipsoid through the ground at ``height_m`` above this one.
 
-        Both axes grow by the height, and every later formula uses the eccentricity of the grown axes:
-        that stays within 1.4 mm of the true surface of constant height per kilometre of it.
+        Both axes grow by the height, and later formulas use the eccentricity of the grown axes: this is within 1.4 mm
+        per kilometre of height of the true surface of constant height.
         """
         return Ellipsoid(self.a_m + height_m, self.b_m + height_m)
 
@@ -78,7 +78,7 @@ class Ellipsoid:
     def zone_area_m2_per_deg(self, south_deg: Floats, north_deg: Floats) -> Floats:
         """Area of ground between two parallels, in m² per degree of longitude.
 
-        Quadrature instead of a difference of the closed form: a band one pixel high keeps all its digits.
+        Uses quadrature: a difference of the closed form would lose digits for a band one pixel high.
 
         Parameters
         ----------
@@ -119,9 +119,9 @@ class Ellipsoid:
         lon_deg, lat_deg : array (n,), degrees
             Vertices of all rings, one ring after the other.
         ring : array (n,)
-            Number of the ring that each belongs to, ascending.
+            Number of the ring of each vertex, ascending.
         count : int
-            Number of rings; those without vertices have no area.
+            Number of rings; rings without vertices have an area of 0.
 
         Returns
         -------
@@ -155,8 +155,8 @@ WGS84 = Ellipsoid(6378137.0, 6378137.0 * (1.0 - 1.0 / 298.257223563))
 class GroundPoints(NamedTuple):
     """Points where rays meet the ground; the arrays share one shape.
 
-    ``lat_deg`` is geodetic; ``dlon_deg`` is the difference of longitude to the camera, in (-180, 180]; both are NaN
-    where ``hit`` is False, that is where a ray misses the Earth.
+    ``lat_deg`` is geodetic; ``dlon_deg`` is the difference of longitude from the camera, in (-180, 180]; both are NaN
+    where ``hit`` is False, as the ray misses the Earth.
     """
 
     lat_deg: Floats
@@ -167,8 +167,8 @@ class GroundPoints(NamedTuple):
 class _Viewpoint(NamedTuple):
     """A camera over the ellipsoid: its latitude with sine and cosine, the normal's length N there, and its height.
 
-    Points are computed in the camera's east, north and up, from the ground below it or from the camera: the Earth's
-    size, whose last digit is a nanometre, is never subtracted from anything. ``e2`` is e², ``e2_prime`` is
+    Points are computed in the camera's east, north and up, relative to the camera or the ground below it: the Earth's
+    radius, whose last digit is a nanometre, is never subtracted. ``e2`` is e², ``e2_prime`` is
     e'² = e²/(1 - e²).
     """
 
@@ -198,7 +198,7 @@ class _Viewpoint(NamedTuple):
 
     @property
     def excess_m2(self) -> Floats:
-        """Value of the surface's equation at the camera: h(2N + h(1 + e'² sin² φ))."""
+        """Value of the surface equation at the camera: h(2N + h(1 + e'² sin² φ))."""
         h = self.agl_m
         excess: Floats = h * (2.0 * self.normal_m + h * (1.0 + self.e2_prime * self.sin * self.sin))
         return excess
@@ -211,7 +211,7 @@ class _Viewpoint(NamedTuple):
 
     @property
     def reach_m(self) -> Floats:
-        """Height of the camera over the foot of the Earth's centre on its vertical: N(1 - e² sin² φ) + h."""
+        """Height of the camera over the Earth's centre, projected onto the camera's vertical: N(1 - e² sin² φ) + h."""
         reach: Floats = self.normal_m * (1.0 - self.e2 * self.sin * self.sin) + self.agl_m
         return reach
 
@@ -221,16 +221,16 @@ class _Viewpoint(NamedTuple):
         return part
 
     def product(self, one: Floats, other: Floats) -> Floats:
-        """Inner product of vectors (..., 3) in space scaled to a sphere, times a²."""
+        """Inner product, times a², of vectors (..., 3) in space scaled to a sphere."""
         along = self.polar(one[..., 1], one[..., 2]) * self.polar(other[..., 1], other[..., 2])
         inner: Floats = np.sum(one * other, axis=-1) + self.e2_prime * along
         return inner
 
     def geodetic(self, east_m: Floats, north_m: Floats, up_m: Floats) -> tuple[Floats, Floats]:
-        """Latitude, and difference of longitude to the camera, in degrees, of points on the ellipsoid.
+        """Latitude, and difference of longitude from the camera, in degrees, of points on the ellipsoid.
 
-        Offsets count from the ground below the camera. The latitude is the camera's plus the angle between both
-        normals; the point's normal is half the gradient of the surface's equation, turned into the camera's meridian.
+        Offsets count from the ground below the camera. The latitude is the camera's plus the angle between the two
+        normals; the point's normal is half the gradient of the surface equation, rotated into the camera's meridian.
         """
         s, c = self.sin, self.cos
         bend = self.e2_prime * self.polar(north_m, up_m)
@@ -248,8 +248,8 @@ class _Viewpoint(NamedTuple):
 def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
     """Intersect rays from a camera above the ellipsoid with it.
 
-    With sines and arctangents of any library within 4 units in the last place, 8·2⁻⁵³ each, a ground point is off by 64
-    roundings of the ray at most, 2⁻⁴⁷·slant/sin(incidence), and by half the last digit of its latitude, 0.8e-9 m.
+    If sines and arctangents are within 4 units in the last place, 8·2⁻⁵³ each, a ground point is off by at most 64
+    roundings of the ray, 2⁻⁴⁷·slant/sin(incidence), plus half the last digit of its latitude, 0.8e-9 m.
 
     Parameters
     ----------
@@ -272,7 +272,7 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
 
 
 def clearance(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
-    """Discriminant of the quadratic along each ray and half its linear term, (...) each.
+    """Discriminant, and half the linear term, of the quadratic equation along each ray, (...) each.
 
     A ray hits the Earth where the first is >= 0 and the second < 0. Along a straight line in the image the first is
     quadratic and the second linear.
@@ -291,7 +291,7 @@ def _clearance(place: _Viewpoint, rays: Floats, ground: Ellipsoid) -> tuple[Floa
     from_afar = place.excess_m2 > a2
     if not np.any(from_afar):
         return near, half_lin
-    # Seen from high up the two terms cancel; |d|² - |Q × d|², the same by Lagrange's identity, does not.
+    # From high up the two terms cancel; by Lagrange's identity |d|² - |Q × d|² is the same and does not.
     moment = place.reach_m * north + place.lean_m * up
     high = a2 * square - (a2 + place.excess_m2) * east * east - (1.0 + place.e2_prime) * moment * moment
     return np.where(from_afar, high, near), half_lin
@@ -300,8 +300,8 @@ def _clearance(place: _Viewpoint, rays: Floats, ground: Ellipsoid) -> tuple[Floa
 def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
     """Points of the horizon below given directions.
 
-    In space scaled to the unit sphere the limb is the circle about Q/|Q|² with radius sqrt(1 - 1/|Q|²); the point
-    is the one in the plane of the camera, the centre and the direction.
+    In space scaled to the unit sphere the limb is the circle about Q/|Q|² with radius sqrt(1 - 1/|Q|²); the point lies
+    in the plane of the camera, the centre and the direction.
 
     Parameters
     ----------
@@ -328,10 +328,10 @@ def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid 
 
 
 def limb_azimuth(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid = WGS84) -> Floats:
-    """Azimuth, radians from north, of the level directions whose points of the horizon are those of given ones.
+    """Azimuths, radians from north, of the level directions with the same points of the horizon as given directions.
 
-    Directions that differ by a part along the line from the Earth's centre share their point of the `limb`; that line
-    leans from the vertical by N e² sin φ cos φ over N(1 - e² sin² φ) + h.
+    Directions that differ only along the line to the Earth's centre share their point of the `limb`; that line leans
+    from the vertical by N e² sin φ cos φ over N(1 - e² sin² φ) + h.
     """
     place = _Viewpoint.locate(lat_deg, agl_m, ground)
     towards = np.asarray(towards_enu, np.float64)
@@ -350,7 +350,7 @@ def sight_lines(
     lat_deg, agl_m : array
         Cameras, as in `trace`.
     ground_lat_deg, dlon_deg : array
-        Points: geodetic latitude, and difference of longitude to the camera. All broadcast.
+        Points: geodetic latitude, and difference of longitude from the camera. All broadcast.
 
     Returns
     -------
@@ -360,11 +360,11 @@ def sight_lines(
     place, point = _Viewpoint.locate(lat_deg, agl_m, ground), _Viewpoint.locate(ground_lat_deg, agl_m, ground)
     half_rise, half_turn = np.radians(point.lat_deg - place.lat_deg) / 2.0, np.radians(dlon_deg) / 2.0
     sin_half, sin_half_dlon = np.sin(half_rise), np.sin(half_turn)
-    # Differences by the addition theorems: of the normals' directions and, by a²/N² = 1 - e² sin² φ, of their lengths.
+    # The addition theorems give the differences of the normals' directions and, by a²/N² = 1 - e² sin² φ, lengths.
     sin_rise, bulge = 2.0 * sin_half * np.cos(half_rise), 2.0 * point.cos * sin_half_dlon * sin_half_dlon
-    n, own_n = point.normal_m, place.normal_m
+    n, camera_n = point.normal_m, place.normal_m
     rising = sin_rise * (point.sin * place.cos + point.cos * place.sin)
-    longer = ground.e2 * rising * (n / ground.a_m) ** 2 * own_n * own_n / (n + own_n)
+    longer = ground.e2 * rising * (n / ground.a_m) ** 2 * camera_n * camera_n / (n + camera_n)
     sin_gain = place.cos * sin_rise - 2.0 * place.sin * sin_half * sin_half
     flatter = ground.e2 * (n * sin_gain + longer * place.sin)
     east = n * (2.0 * point.cos * sin_half_dlon * np.cos(half_turn))
@@ -396,11 +396,11 @@ def above_tangent_plane_m(lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: 
 def positions(
     lat_deg: Floats, height_m: Floats, offsets_enu: Floats, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats, Floats]:
-    """Latitude, difference of longitude to the camera, and height of points in the camera's east, north and up.
+    """Latitude, difference of longitude from the camera, and height of points in the camera's east, north and up.
 
-    The height follows from the surface's equation at the point, the latitude from the point's foot on the surface,
-    which is found by fixed-point iteration along the normal: each step reduces the error to h·e²/R of what it was, at
-    1,000 km to a thousandth.
+    The height follows from the surface equation at the point, the latitude from the point's foot on the surface, found
+    by fixed-point iteration along the normal: each step multiplies the error by h·e²/R, which is a thousandth at 1,000
+    km.
 
     Parameters
     ----------
@@ -419,7 +419,7 @@ def positions(
     polar = place.polar(north, up)
     excess = east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
     lat, dlon = place.geodetic(east, north, up)
-    for _ in range(5):
+    for _ in range(5):  # leaves only rounding
         (sine, cosine), (sin_dlon, cos_dlon) = sin_cos(lat), sin_cos(dlon)
         normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sine * sine)
         stretch = 1.0 + place.e2_prime * sine * sine
@@ -433,10 +433,10 @@ def positions(
 
 
 def arctan2(across: Floats, along: Floats) -> Floats:
-    """Angles in radians as `numpy.arctan2` computes them, independent of the arrays' layout in memory.
+    """Same as `numpy.arctan2`, but independent of the arrays' layout in memory.
 
     numpy 1.24 with AVX-512 rounds slices of larger arrays in one of two ways, depending on where the result lies in
-    memory: the same mission would get other last digits at another time.
+    memory: the last digits of a mission would change from run to run.
     """
     found: Floats = np.arctan2(np.array(across, np.float64, order="C"), np.array(along, np.float64, order="C"))
     return found
@@ -445,8 +445,8 @@ def arctan2(across: Floats, along: Floats) -> Floats:
 def sin_cos(angle_deg: Floats | float) -> tuple[Floats, Floats]:
     """Sine and cosine of angles (any shape), each with small relative error, also near 0.
 
-    The nearest quarter turn is subtracted in degrees, where that is exact: in radians the cosine of 89.9999 degrees is
-    off by a part in 10¹⁰, the distance of π/2 from the nearest float64.
+    The nearest quarter turn is subtracted in degrees, which is exact: in radians the cosine of 89.9999 degrees would be
+    off by a part in 10¹⁰, as π/2 is not a float64.
     """
     angle = np.asarray(angle_deg, np.float64)
     quarters = np.rint(angle / 90.0)

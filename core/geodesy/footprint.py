@@ -1,4 +1,4 @@
-"""Ground seen by the exact camera: corners, and the outline where the horizon cuts it."""
+"""Ground seen by the exact camera: corners, and the outline, also where the horizon cuts it."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ ImagePoints = tuple[tuple[float, float], ...]
 class Corners(NamedTuple):
     """Ground points at the corners of images, in the order of `CORNERS`; arrays (n, 4), degrees.
 
-    Longitudes are continuous with the camera's. Where ``hit`` is False the ray misses the Earth, and the point is that
-    of the horizon below it.
+    Longitudes are continuous with the camera's. Where ``hit`` is False the ray misses the Earth, and the point lies on
+    the horizon below it.
     """
 
     lat_deg: Floats
@@ -40,14 +40,14 @@ class Corners(NamedTuple):
 
 
 def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Ground points that the exact camera sees at image points, (n, k); on the horizon where a ray misses the Earth."""
+    """Ground points at image points of the exact camera, (n, k); on the horizon where a ray misses the Earth."""
     lat, agl = poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis]
     rays = camera.rays_enu(points, *poses.attitude)
     seen = trace(lat, agl, rays, ground)
     if not seen.hit.all():
         missed = ~seen.hit
         towards = rays[missed]
-        # The azimuth of a vertical ray is rounding.
+        # A vertical ray has no azimuth beyond rounding.
         vertical = np.hypot(towards[:, 0], towards[:, 1]) <= 1e-15 * np.abs(towards[:, 2])
         towards[vertical] = (0.0, 1.0, 0.0)
         at = np.nonzero(missed)[0]
@@ -61,9 +61,9 @@ Footprint = Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]
 
 
 def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact) -> Corners:
-    """Ground corners of each pose's image, computed once for each run of poses that differ in longitude alone.
+    """Ground corners of each pose's image, computed once per run of poses that differ only in longitude.
 
-    ``footprint`` is `exact` except where methods are compared.
+    ``footprint`` is `exact` except when methods are compared.
     """
     first, run = poses.runs()
     at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
@@ -74,7 +74,7 @@ def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, foot
 def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
     """Ground points on the optical axes of exact cameras, (n,) each.
 
-    Where the axis misses the Earth, the point at the middle of the part of the image that shows ground.
+    If the axis misses the Earth, the point at the middle of the part of the image that shows ground.
 
     Returns
     -------
@@ -127,7 +127,7 @@ class Outline:
 def poles_seen(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> NDArray[np.int64]:
     """1 or -1 for each pose whose image shows the north or south pole, else 0; (n,).
 
-    A camera sees a pole only from above the tangent plane of the ellipsoid there.
+    A camera sees a pole only from above the ellipsoid's tangent plane at the pole.
     """
     found = np.zeros(len(poses.lat_deg), np.int64)
     for pole in (1, -1):
@@ -150,8 +150,8 @@ def outline(
 ) -> Outline:
     """Outline of the ground that one camera sees.
 
-    The Earth's part of an image is convex (a rectangle cut by a cone), so vertices are sorted by their angle about a
-    point inside.
+    The part of an image that shows the Earth is convex (a rectangle cut by a cone), so vertices are sorted by their
+    angle about a point inside.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def outline(
     view = _View(camera, lat_deg, agl_m, attitude, ground)
     edge = view.frame_points()
     lat, dlon, hit = view.seen(edge)
-    # Without the horizon in a corner it is nowhere in the image, as the Earth's part is convex.
+    # If the whole edge shows ground there is no horizon in the image, as the part that shows the Earth is convex.
     arc = _NO_ARC if hit.all() else view.limb_points()
     points = np.concatenate([edge[hit], arc.image_xy])
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
@@ -193,7 +193,7 @@ def outline(
 
 
 def _distinct(points: Floats) -> Flags:
-    """Whether each image point differs from the one before."""
+    """Whether each image point differs from the one before by more than rounding."""
     gap = np.abs(points - np.roll(points, 1, axis=0)).max(axis=1)
     return np.asarray(gap > 1e-12)
 
@@ -225,7 +225,7 @@ class _View:
         return np.asarray(self.lat_deg), np.asarray(self.agl_m)
 
     def seen(self, points: Floats) -> tuple[Floats, Floats, Flags]:
-        """Latitude, difference of longitude to the camera, and whether the ray hits, of image points (k, 2)."""
+        """Latitude, difference of longitude from the camera, and whether the ray hits, of image points (k, 2)."""
         return trace(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)
 
     def discriminants(self, points: Floats) -> Floats:
@@ -243,7 +243,7 @@ class _View:
     def limb_points(self) -> _Arc:
         """Points of the horizon inside the image: where it enters and leaves, and along each arc.
 
-        An arc has 72 pieces, so that a full circle is within 0.1 % of its radius.
+        Arcs have 72 pieces, which keep a full circle within 0.1 % of its radius.
         """
         cuts = np.sort(self._crossing_azimuths())
         if len(cuts) == 0:

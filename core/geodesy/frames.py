@@ -1,4 +1,4 @@
-"""Frames of pictures on the map: rectangles of source pixels, with rounded edges."""
+"""Map frames: rectangles of source pixels, with rounded edges."""
 
 from __future__ import annotations
 
@@ -15,20 +15,15 @@ from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import MERCATOR, PixelGrid, Plane, lat_to_v, lon_to_u, wrap_lon_deg
 from .planes import ProjectedPlane
 
-#: Steps of the edges of pictures that are asked for by their centre, px: below a micrometre of ground and far above
-#: the noise of float64, so that they are the same on every processor.
-_CENTRE_STEP_PX = 2.0**-20
-
-
-#: How much larger a quadratic surface may be than at nine points of a square, and poses looked at in one go.
-_BETWEEN_NINE, _BATCH = 1.25**2, 1 << 16
+#: Poses processed at a time, to bound memory.
+_BATCH = 1 << 16
 
 
 class FrameEdges(NamedTuple):
     """Edges of frames as world fractions, (n,) each.
 
-    ``west_u`` and ``east_u`` count from the camera's meridian (on a plane of a source's own: from its west), ``top_v``
-    and ``bottom_v`` from the north.
+    ``west_u`` and ``east_u`` count from the camera's meridian (on the plane of a source's CRS, from its west),
+    ``top_v`` and ``bottom_v`` from the north.
     """
 
     west_u: Floats
@@ -45,9 +40,9 @@ class FrameEdges(NamedTuple):
 class Windows(NamedTuple):
     """Rectangles in a source's global pixel grid at one zoom; arrays of one shape (n,).
 
-    Left and top count from 180° W and 85.0511° N, or from the upper left corner of a plane of the source's own; left is
-    continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or float64
-    where the source places pictures by their centre.
+    Left and top count from 180° W and 85.0511° N, or from the upper left corner of the plane of the source's CRS; left
+    is continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or
+    float64 if the source places pictures by their centre.
     """
 
     left_px: Numbers | Floats
@@ -63,7 +58,7 @@ class Windows(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """Widths and heights of camera frames, px, (n,) each; one size for all takes no memory."""
+    """Widths and heights of camera frames, px, (n,) each; equal sizes take no memory."""
 
     width_px: Numbers
     height_px: Numbers
@@ -86,7 +81,7 @@ class Sizes(NamedTuple):
         return Sizes(*(side[which] if any(side.strides) else np.broadcast_to(side[:1], count) for side in self))
 
     def runs(self, first: NDArray[np.intp], run: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Runs of poses as of `Poses.runs`, in each of which images have one size, too."""
+        """Split runs, as of `Poses.runs`, where the size of images changes."""
         if not any(self.width_px.strides + self.height_px.strides):
             return first, run
         change = np.zeros(len(run), bool)
@@ -97,10 +92,10 @@ class Sizes(NamedTuple):
 
 
 def quarter_turns(poses: Poses, plane: Plane = MERCATOR) -> Numbers:
-    """Clockwise quarter turns from a plane's north nearest to where the tops of images point, 0 to 3, (n,)."""
+    """Number of clockwise quarter turns, 0 to 3, from a plane's north to about the tops of images, (n,)."""
     yaw = plane.grid_azimuth_deg(poses.yaw_deg, poses.lat_deg, poses.lon_deg)
     if not any(yaw.strides):
-        # One yaw for all takes no memory.
+        # One yaw for all poses takes no memory.
         return np.broadcast_to(_turns(yaw[:1]), yaw.shape)
     return _turns(yaw)
 
@@ -111,7 +106,7 @@ def _turns(yaw_deg: Floats) -> Numbers:
 
 
 def swapped(turns: Numbers, width: Floats | float, height: Floats | float) -> tuple[Floats, Floats]:
-    """Sizes along x and y of a map, of images of widths and heights turned by quarter turns, (n,); and the way back."""
+    """Sizes along x and y of the map of images turned by quarter turns, (n,); inverts itself."""
     across = turns % 2 == 1
     return np.where(across, height, width), np.where(across, width, height)
 
@@ -123,14 +118,14 @@ def in_image(turns: Numbers, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     ----------
     turns : array (n,)
     x, y : array (n, ...)
-        Shares of the map's rectangle from its upper left corner.
+        Shares of the rectangle on the map, from its upper left corner.
     """
     which = turns.reshape(turns.shape + (1,) * (np.ndim(x) - 1)) if np.ndim(x) else turns
     return np.choose(which, (x, y, 1.0 - x, 1.0 - y)), np.choose(which, (y, 1.0 - x, 1.0 - y, x))
 
 
 def on_map(turns: Numbers, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-    """Shares of the map's rectangle at which images show something, (n, ...); the inverse of `in_image`."""
+    """Shares of the rectangle on the map at columns and rows of images, (n, ...); the inverse of `in_image`."""
     return in_image((4 - turns) % 4, column, row)
 
 
@@ -140,22 +135,22 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pla
     Parameters
     ----------
     poses : Poses
-        (n,); their attitude is taken as level, and their yaw as the nearest quarter turn from the map's north.
+        (n,), taken as level, with yaws rounded to quarter turns from the map's north.
     plane : WebMercator or ProjectedPlane
         The plane of the frames.
 
     Raises
     ------
     InvalidInput
-        Where an edge midpoint looks past the Earth, beyond a pole of the map or beyond the plane: no rectangle holds
-        the picture.
+        An edge midpoint looks past the Earth, beyond a pole of the map, or beyond the plane: no rectangle holds the
+        picture.
     """
     lat_deg, agl_m = poses.lat_deg, poses.agl_m
     grid_north_deg = -plane.north_deg(lat_deg, poses.lon_deg)
     points: Floats = np.array(EDGE_MIDPOINTS)
     turned = quarter_turns(poses, plane) % 2 == 1
     if turned.any():
-        # The width of the image lies from north to south there.
+        # After a quarter turn, the width of the image runs from north to south.
         tan_x, tan_y = camera.half_tangents
         across = points * np.array([tan_y / tan_x, tan_x / tan_y])
         points = np.where(turned[:, np.newaxis, np.newaxis], across, points)
@@ -177,11 +172,11 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pla
 
 
 def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floats:
-    """Bound of map frames on a plane of a source's own, and of leaving a small attitude out, (n,).
+    """Bound of map frames on the plane of a source's CRS, with a small attitude ignored, (n,).
 
-    What convergence, scale and the Earth's bend put wrong is found at the corners of the image, at the middles of its
-    edges and in its own. A quadratic surface through those nine is nowhere more than (5/4)² times as large, and
-    ρ(max(w, h)/R)²(1 + B²) is for what is none, B the plane's greatest ``bend``.
+    The error of convergence, scale and curvature is measured at the corners of the image, the middles of its edges and
+    its centre. Between these nine points a quadratic surface is at most (5/4)² times as large; ρ(max(w, h)/R)²(1 + B²)
+    bounds higher orders, with B the plane's greatest ``bend``.
     """
     count = len(scene.poses.lat_deg)
     if count > _BATCH:
@@ -212,7 +207,7 @@ def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Fl
     found = np.hypot(off_x * width_px[:, np.newaxis], off_y * height_px[:, np.newaxis]).max(axis=1)
     size_m = 2.0 * poses.agl_m * max(scene.camera.half_tangents)
     third = scene.half_diagonal_px * (size_m / scene.radius_m) ** 2 * (1.0 + bend**2)
-    bound: Floats = bound_px(scene, _BETWEEN_NINE * found + third) + map_noise_px(scene)
+    bound: Floats = bound_px(scene, 1.25**2 * found + third) + map_noise_px(scene)
     return np.where(np.isfinite(bound), bound, np.inf)
 
 
@@ -222,11 +217,11 @@ def frame_windows(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, gri
     Parameters
     ----------
     edges : FrameEdges
-        (k,) of runs of poses.
+        (k,), one per run of poses.
     run : array (n,)
         The run of each pose.
     lon_deg : array (n,)
-        The windows' left edges are continuous with them.
+        Longitudes with which the windows' left edges are continuous.
     """
     world = grid.world_px(zoom)
     u = grid.meridian_u(lon_deg)
@@ -239,7 +234,7 @@ def frame_windows(edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, gri
 
 
 def plane_runs(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """`Poses.runs`, whose geometry differs by longitude alone: on a plane of a source's own each pose is one."""
+    """Runs of poses whose frames differ only in longitude: `Poses.runs` on the map, else every pose."""
     if grid.plane.wraps:
         return poses.runs()
     every = np.arange(len(poses.lat_deg))
@@ -260,7 +255,7 @@ def _rounded(position_px: Floats) -> Numbers:
 
 
 def _centred(windows: Windows, grid: PixelGrid, zoom: int, decimals: int) -> Windows:
-    """Windows about their centre as the source will round it, grown so that none uncovers what it held."""
+    """Windows about their centres as the source rounds them, enlarged so that each still covers its frame."""
     lat_deg, lon_deg = window_centres(windows, grid, zoom)
     world = grid.world_px(zoom)
     shift_px = 0.5 * 10.0**-decimals / 360.0 * world
@@ -268,16 +263,18 @@ def _centred(windows: Windows, grid: PixelGrid, zoom: int, decimals: int) -> Win
     width = _whole_units(windows.width_px + 2.0 * shift_px, grid)
     height = _whole_units(windows.height_px + 2.0 * shift_px / np.cos(np.radians(lat_deg)), grid)
     left, _, right, _ = windows.bounds_px
-    # The centre of a window may lie beyond the world's edge; the whole turns it is away are exact.
+    # The centre of a window may lie beyond the world's edge by whole turns, which are exact.
     turns = np.round((left + right) / 2.0 / world - lon_to_u(lon))
     left = (lon_to_u(lon) + turns) * world - 0.5 * width
     top = lat_to_v(lat) * world - 0.5 * height
-    left, top = (np.rint(edge / _CENTRE_STEP_PX) * _CENTRE_STEP_PX for edge in (left, top))
+    # Far below a micrometre of ground and far above the noise of float64, so that every processor gets the same edges.
+    step_px = 2.0**-20
+    left, top = (np.rint(edge / step_px) * step_px for edge in (left, top))
     return Windows(left, top, width, height)
 
 
 def _whole_units(size_px: Floats, grid: PixelGrid) -> Numbers:
-    """Sizes in px rounded up to whole pixels in 256 px terms, the unit such a source is asked in."""
+    """Sizes in px rounded up to whole pixels in 256 px terms, the unit of requests to such a source."""
     whole: Numbers = (np.ceil(size_px / grid.scale) * grid.scale).astype(np.int64)
     return whole
 

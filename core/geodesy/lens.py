@@ -10,8 +10,8 @@ from ..errors import InvalidInput
 from ..fields import CheckedFields, declared, field_named
 
 _Lens = TypeVar("_Lens", bound="Lens")
-#: Largest relative difference between the aspect ratios of sensor and image, which is what data sheets round away;
-#: beyond, the numbers do not belong together or the pixels are not square.
+#: Largest relative difference between the aspect ratios of sensor and image that rounding in data sheets explains;
+#: beyond it the numbers do not match, or pixels are not square.
 SQUARE_PIXELS = 0.03
 #: Field of view in degrees and aspect ratio of the paper's camera.
 PAPER_FOV_DEG, PAPER_ASPECT_RATIO = 78.8, 4.0 / 3.0
@@ -86,13 +86,13 @@ class Lens(CheckedFields):
         focal_length_mm : float
             True focal length f, > 0; not one "equivalent to 35 mm film".
         aspect_ratio : float or None
-            Of the image in pixels, which data sheets state exactly although they round the sensor's size; None for
-            that of the sensor.
+            Aspect ratio of the image in pixels, which data sheets state exactly while they round the sensor's size;
+            None for that of the sensor.
 
         Raises
         ------
         InvalidInput
-            Outside the domain, or pixels further from square than `SQUARE_PIXELS`.
+            Outside the domain, or pixels farther from square than `SQUARE_PIXELS`.
         """
         width_mm, height_mm = sensor_mm
         if not all(math.isfinite(side) and side > 0.0 for side in sensor_mm):
@@ -128,7 +128,7 @@ class Lens(CheckedFields):
     def half_tangents(self) -> tuple[float, float]:
         """Tangents of half the horizontal and half the vertical field of view.
 
-        Equation 2 of the paper, without its sine and cosine of an arctangent, which lose every digit of the height at
+        Equation 2 of the paper, without its sine and cosine of an arctangent, which lose all digits of the height at
         extreme aspect ratios.
         """
         diagonal = _half_tangent(self.fov_deg)
@@ -148,15 +148,15 @@ class Lens(CheckedFields):
         return _fov_deg(self.half_tangents[1])
 
     def ground_size_m(self, agl_m: float) -> tuple[float, float]:
-        """Width and height in metres of flat ground seen from ``agl_m`` straight above (equations 1, 2)."""
+        """Width and height in metres of flat ground seen straight down from ``agl_m`` (equations 1, 2)."""
         tan_x, tan_y = self.half_tangents
         return 2.0 * agl_m * tan_x, 2.0 * agl_m * tan_y
 
     def gsd_m_per_px(self, agl_m: float, longer_side_px: float) -> float:
-        """Ground sample distance straight down, at the middle of the image, over flat ground.
+        """Ground sample distance of an image of flat ground taken straight down.
 
-        It is 2 H t / n with t the tangent of half the field of view along the longer side: as pixels are square, it is
-        the same along both sides, and everywhere in an image of flat ground taken straight down.
+        It is 2 H t / n, with t the tangent of half the field of view along the longer side. As pixels are square, it is
+        the same along both sides and everywhere in the image.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Lens(CheckedFields):
 
 
 def _half_tangent(fov_deg: float) -> float:
-    """tan(fov/2); above 90° through the complement, as the argument loses digits there."""
+    """tan(fov/2); above 90° through the complement, which keeps the digits of the argument."""
     if fov_deg <= 90.0:
         return math.tan(math.radians(fov_deg) / 2.0)
     return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)

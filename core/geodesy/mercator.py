@@ -1,7 +1,7 @@
 """Web Mercator (EPSG:3857), and the pixel grid of a source over it or over another plane.
 
-World fractions (u, v) run from 0 to 1 eastward from 180° W and southward from 85.0511° N. A position in
-pixels at a zoom is the fraction times the world's width in pixels there.
+World fractions (u, v) run from 0 to 1 eastward from 180° W and southward from 85.0511° N. A position in pixels at a
+zoom is the fraction times the world's width in pixels.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Whole = TypeVar("Whole", int, NDArray[np.int64])
 HALF_WORLD_M = math.pi * WGS84.a_m
 #: Latitude where the square Web-Mercator world ends, degrees.
 MAX_LAT_DEG = math.degrees(math.atan(math.sinh(math.pi)))
-#: Highest zoom a window's integers stay exact at in float64 for any tile size in use.
+#: Highest zoom at which positions of windows are exact in float64, for any tile size in use.
 HIGHEST_ZOOM = 30
 
 
@@ -70,9 +70,9 @@ def wrap_lon_deg(lon_deg: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class WebMercator:
-    """The plane of EPSG:3857 as world fractions; `planes.ProjectedPlane` says what the methods do.
+    """The plane of EPSG:3857 as world fractions, with the methods of `planes.ProjectedPlane`.
 
-    It goes around the Earth: u is continuous across the antimeridian, and frames count from the camera's meridian.
+    It wraps around the Earth: u is continuous across the antimeridian, and frames count from the camera's meridian.
     """
 
     wraps: ClassVar[bool] = True
@@ -95,7 +95,7 @@ class WebMercator:
         return v_to_lat(v), u_to_lon(u)
 
     def meridian_u(self, lon_deg: Floats) -> Floats:
-        """World fractions of the cameras' meridians, which frames and views count from."""
+        """World fractions of the cameras' meridians, from which frames and views count."""
         return lon_to_u(lon_deg)
 
     def seen(self, lat_deg: Floats, _lon_deg: Floats, dlon_deg: Floats, /) -> tuple[Floats, Floats]:
@@ -103,7 +103,7 @@ class WebMercator:
         return dlon_deg / 360.0, lat_to_v(lat_deg)
 
     def shows(self, v: Floats) -> Flags:
-        """Which positions lie within the map's latitudes (any shape)."""
+        """Whether positions lie within the map's latitudes (any shape)."""
         return np.asarray((v >= 0.0) & (v <= 1.0))
 
     def shorter(self, du: Floats) -> Floats:
@@ -111,11 +111,11 @@ class WebMercator:
         return np.minimum(du, 1.0 - du)
 
     def wrapped(self, at: At, count: int) -> At:
-        """Columns, or positions, within a world of so many."""
+        """Columns, or positions, wrapped into a world of ``count``."""
         return at % count
 
     def clipped(self, row: Numbers, count: int) -> Numbers:
-        """Rows within the map, where it ends."""
+        """Rows clipped to the map."""
         return np.clip(row, 0, count - 1)
 
     def grid_azimuth_deg(self, azimuth_deg: Floats, _lat_deg: Floats, _lon_deg: Floats, /) -> Floats:
@@ -133,16 +133,16 @@ class WebMercator:
         return self.width * (across / WGS84.a_m * cosine), self.height * (down / WGS84.a_m * cosine)
 
     def bends(self, v: Floats, _places: Callable[[], tuple[Floats, Floats]], /) -> Floats:
-        """Bend at positions: the steepness of the latitude."""
+        """Bend at positions: the tangent of the latitude."""
         steepness: Floats = np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
         return steepness
 
     def lacks_frames(self, _u: Floats, dlon_deg: Floats, /) -> Flags:
-        """Which frames (n,) no rectangle holds, by the midpoints of their upper, right, lower and left edges (n, 4)."""
+        """Whether no rectangle holds a frame (n,), by the midpoints of its top, right, bottom and left edges (n, 4)."""
         return np.asarray((np.abs(dlon_deg[:, 0]) > 90.0) | (np.abs(dlon_deg[:, 2]) > 90.0))
 
     def refuse_frame(self, lat_deg: float, _lon_deg: float, agl_m: float, /) -> NoReturn:
-        """Raise InvalidInput for such a frame."""
+        """Raise InvalidInput for a frame that no rectangle holds."""
         raise InvalidInput(
             "image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
             lat_deg,
@@ -151,7 +151,7 @@ class WebMercator:
         )
 
 
-#: A plane that pictures may lie in.
+#: Plane of pictures.
 Plane = Union[WebMercator, ProjectedPlane]
 #: The Web-Mercator map.
 MERCATOR = WebMercator()
@@ -159,30 +159,30 @@ MERCATOR = WebMercator()
 
 @dataclass(frozen=True)
 class PixelGrid:
-    """A source's own description of its pixels.
+    """The pixels of a source.
 
-    Zooms are in 256 px terms: at zoom z the world is 2**z tiles wide whatever the tiles' size, so that
-    tiles of 512 px (or @2x) double the pixels of a picture, not its zoom.
+    Zooms are in 256 px terms: at zoom z the world is 2**z tiles wide whatever the size of tiles. Tiles of 512 px (or
+    @2x) double the pixels of a picture, not its zoom.
 
     Parameters
     ----------
     tile_px : int
         Width and height of a tile in px, a multiple of 256.
     min_zoom, max_zoom : int
-        Zooms the source serves.
+        Zooms that the source serves.
     native_zoom : int
-        Highest zoom with detail of its own; above it the source only enlarges.
+        Highest zoom with new detail; above it the source only enlarges.
     max_size_px : int or None
-        Longest side of a picture in 256 px terms, where the source limits it.
+        Longest side of a picture in 256 px terms, if the source limits it.
     centre_decimals : int or None
-        Where pictures are asked for by their centre: the decimals of a degree the source keeps of it.
-        None for tiles.
+        For a source of pictures by their centre, the decimals of a degree to which it rounds the centre; None for
+        tiles.
     extent : tuple of (u, v) pairs, or None
-        Corners, one after the other around, of the convex ground that the source has imagery of, as world fractions;
-        u may lie beyond 0 or 1 across the antimeridian. None where nothing is known to end.
+        Corners, in order, of the convex ground that the imagery covers, as world fractions; u may lie beyond 0 or 1
+        across the antimeridian. None if no limits are known.
     plane : WebMercator or ProjectedPlane
-        The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At
-        a zoom as large as the raster's native one a pixel is one of the raster's, and twice as large at each below.
+        The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At the native
+        zoom a pixel is one of the raster's, and twice as large at each zoom below.
     """
 
     tile_px: int = 256
@@ -221,23 +221,23 @@ class PixelGrid:
         return self.plane if isinstance(self.plane, ProjectedPlane) else None
 
     def pixel_size(self, zoom: int) -> tuple[float, float]:
-        """Width and height of a pixel at ``zoom`` in the CRS's unit (of the map: metres of the equator)."""
+        """Width and height of a pixel at ``zoom`` in the CRS's unit; on the map, in metres at the equator."""
         return self.plane.width / self.world_px(zoom), self.plane.height / self.world_px(zoom)
 
     def meridian_u(self, lon_deg: Floats) -> Floats:
-        """World fractions that frames and views count from: cameras' meridians on the map, else the plane's west."""
+        """World fractions from which frames and views count: cameras' meridians on the map, else the plane's west."""
         return self.plane.meridian_u(lon_deg)
 
     def wrapped(self, column: Whole, zoom: int) -> Whole:
-        """Columns of tiles within the world; only the map goes on around it."""
+        """Columns of tiles wrapped into the world; only the map wraps."""
         return self.plane.wrapped(column, 1 << zoom)
 
     def wrapped_px(self, left_px: Floats | Numbers, zoom: int) -> Floats | Numbers:
-        """Left edges within the world, as `wrapped` has columns."""
+        """Left edges wrapped into the world, like columns in `wrapped`."""
         return self.plane.wrapped(left_px, self.world_px(zoom))
 
     def ground_m_per_px(self, lat_deg: Floats, lon_deg: Floats, zoom: int) -> Floats:
-        """Metres of ground per px, along the pixels' rows on the ellipsoid, at ``zoom`` and positions (any shape)."""
+        """Metres of ground per px along rows, on the ellipsoid, at ``zoom`` and positions (any shape)."""
         size: Floats = self.plane.ground_m(lat_deg, lon_deg)[0] / self.world_px(zoom)
         return size
 
@@ -259,7 +259,7 @@ class PixelGrid:
 def extent_of_box(
     west_deg: float, south_deg: float, east_deg: float, north_deg: float
 ) -> tuple[tuple[float, float], ...]:
-    """Corners of a box as world fractions, for `PixelGrid`; an east below the west lies beyond the antimeridian."""
+    """Corners of a box as world fractions, for `PixelGrid.extent`; an east below the west crosses the antimeridian."""
     if east_deg < west_deg:
         east_deg += 360.0
     west, east = lon_to_u(np.array([west_deg, east_deg])).tolist()
@@ -268,16 +268,15 @@ def extent_of_box(
 
 
 def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ...] | None:
-    """Corners of a quadrilateral as world fractions, for `PixelGrid`.
+    """Corners of a quadrilateral as world fractions, for `PixelGrid.extent`.
 
-    None where they do not tell the outline: where a point lies beyond the map, or the middle of a side farther from its
-    chord than a little. Sides of a few kilometres in UTM leave theirs by decimetres, those of a raster about a pole by
-    themselves.
+    None if they do not describe the outline: a point lies beyond the map, or a side is not straight. Sides of a few
+    kilometres in UTM leave their chords by decimetres, sides of a raster about a pole by their length.
 
     Parameters
     ----------
     x_m, y_m : array (8,)
-        Metres of EPSG:3857: the four corners around, then the middles of the sides that begin at each.
+        Metres of EPSG:3857: the four corners in order, then the middles of the sides that begin at each.
     """
     with np.errstate(invalid="ignore"):
         u, v = 0.5 + x_m / (2.0 * HALF_WORLD_M), 0.5 - y_m / (2.0 * HALF_WORLD_M)
@@ -292,7 +291,7 @@ def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ..
 def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
     """Highest zoom at which a span of the world fits a number of pixels (the paper's equation 8).
 
-    From the binary exponent instead of a rounded logarithm, which is one off near powers of two.
+    Uses the binary exponent: a rounded logarithm may be one off near powers of two.
 
     Parameters
     ----------
@@ -301,7 +300,7 @@ def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
     size_px : float
         Pixels in 256 px terms, > 0.
     slack : float
-        Relative excess that still fits: the noise of a span computed in float64, far below a pixel.
+        Relative excess that still fits: noise of a span computed in float64, far below a pixel.
     """
     if not (math.isfinite(span) and span > 0.0 and size_px > 0.0):
         raise InvalidInput("span {0} of the world, size {1} px: both must be above 0", span, size_px)

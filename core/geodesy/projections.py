@@ -17,7 +17,7 @@ from .ellipsoid import WGS84, sin_cos
 from .reference import read_reference
 
 if TYPE_CHECKING:
-    # Imported where it is called: level plans on the Web-Mercator map project nothing.
+    # Imported only where used: level plans on the Web-Mercator map need no projection.
     from pyproj import CRS, Geod, Proj
 
 #: Rounding of positions in degrees and of projections, metres; 4 nm were observed.
@@ -59,8 +59,8 @@ def _utm(zone: UTMZone) -> Proj:
 def utm_zone(lat_deg: float, lon_deg: float) -> UTMZone:
     """Zone of a position in degrees, with the exceptions of Norway and Svalbard (EPSG guidance note 7-2).
 
-    North of 84° and south of 80°, where charts change to the polar UPS, the zone of the longitude goes on:
-    its grid still points north, and the projection stays exact.
+    North of 84° and south of 80°, where charts use the polar UPS, it is the zone of the longitude: its grid still
+    points north, and the projection stays exact.
     """
     lon = (lon_deg + 180.0) % 360.0 - 180.0
     number = min(int((lon + 180.0) // 6.0) + 1, 60)
@@ -107,7 +107,7 @@ class LocalPlane:
 
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Direction of true north at positions (any shape), degrees clockwise from the plane's second axis."""
-        # 11 m of ground to either side: the rounding of positions turns the direction by 4e-10 rad.
+        # Over 11 m of ground to either side, rounding of positions turns the direction by 4e-10 rad.
         ends = (self.forward(lat_deg + step_deg, lon_deg) for step_deg in (-1e-4, 1e-4))
         (x0, y0), (x1, y1) = ends
         bearing: Floats = np.degrees(np.arctan2(x1 - x0, y1 - y0))
@@ -119,10 +119,9 @@ class LocalPlane:
 
 
 def _stereographic(lat_deg: float) -> tuple[Proj, float]:
-    """Projection about a latitude, and the northing of the origin in it, metres.
+    """Projection about a latitude, with longitudes from the origin, and the northing of the origin in metres.
 
-    The northing is not 0 within 5e-9 degrees of the equator, where PROJ puts the origin on it. Longitudes count from
-    the origin.
+    The northing is 0 except within 5e-9 degrees of the equator, where PROJ puts the origin on the equator.
     """
     project = projection(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")
     return project, float(project(0.0, lat_deg)[1])
@@ -135,7 +134,7 @@ def _new_projection(**definition: Any) -> Proj:
 
 
 class _Projections(threading.local):
-    """Cache of projections, which take 0.4 ms to make and may be used by one thread at a time."""
+    """Cache of projections, one per thread: a projection takes 0.4 ms to create and is not thread-safe."""
 
     def __init__(self) -> None:
         self.get = lru_cache(maxsize=8)(_new_projection)
@@ -150,9 +149,9 @@ def projection(**definition: Any) -> Proj:
 
 
 def through_proj(function: Callable[..., tuple[Any, ...]], *values: Any, **options: Any) -> tuple[Floats, ...]:
-    """Results of a pyproj function for arrays that broadcast, each of their common shape.
+    """Call a pyproj function with arrays that broadcast; results have their common shape.
 
-    pyproj treats an array of a single value as a number, which numpy 2 deprecates: it gets the value twice.
+    pyproj converts an array of one value to a number, which numpy 2 deprecates, so it is passed the value twice.
     """
     arrays = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in values))
     shape, size = arrays[0].shape, arrays[0].size
@@ -163,9 +162,9 @@ def through_proj(function: Callable[..., tuple[Any, ...]], *values: Any, **optio
 class Transformation:
     """PROJ's transformation from WGS 84 to a CRS, and its exact inverse; for the thread that made it.
 
-    PROJ's inverses are approximations: that of a Helmert transformation is up to 6 mm off, as small angles replace
-    their sines, and for a CRS with one transformation for each of its regions it may choose another one than forwards.
-    So the forward transformation alone defines positions.
+    PROJ's inverses are approximate: a Helmert transformation is up to 6 mm off, as small angles replace their sines,
+    and for a CRS with one transformation per region PROJ may choose another one than forwards. So the forward
+    transformation alone defines positions.
 
     Parameters
     ----------
@@ -177,24 +176,24 @@ class Transformation:
 
         self._proj = Transformer.from_crs("EPSG:4326", crs, always_xy=True)
         unit = float(crs.axis_info[0].unit_conversion_factor)
-        #: Full turn, where coordinates are angles, and rounding, in the CRS's unit.
+        #: Full turn (infinite for lengths) and rounding, in the CRS's unit.
         self._turn = 2.0 * math.pi / unit if crs.is_geographic else math.inf
         self._noise = NOISE_M / (unit * (WGS84.b_m if crs.is_geographic else 1.0))
         formal = ("pipeline", "unitconvert", "axisswap", "noop")
         steps = [step for step in re.findall(r"\bproj=(\w+)", self._proj.definition) if step not in formal]
-        #: Whether PROJ's inverse is within `NOISE_M`, as that of a single one of these projections is.
+        #: Whether PROJ's inverse is within `NOISE_M`, as for a single one of these projections.
         self._is_exact = len(steps) == 1 and steps[0] in ("utm", "tmerc", "lcc", "merc", "sterea")
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Coordinates, easting first, of positions in degrees (any shape); infinite where there are none."""
+        """Coordinates, easting first, of positions in degrees (any shape); infinite beyond the projection."""
         x, y = through_proj(self._proj.transform, lon_deg, lat_deg)
         return x, y
 
     def inverse(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Latitude and longitude (in [-180, 180]) in degrees of coordinates, easting first (any shape).
 
-        Fixed-point iteration from PROJ's inverse: the error of `forward` is subtracted until it is rounding or stops
-        falling. Each step leaves about 1e-5 of the error.
+        Fixed-point iteration from PROJ's inverse: subtracts the error of `forward` until it is rounding or stops
+        decreasing. Each step leaves about 1e-5 of the error.
         """
         lat, lon = self._back(x, y)
         if self._is_exact:
@@ -230,7 +229,7 @@ class Transformation:
 
 
 class _Transformations(threading.local):
-    """Cache of transformations, which are costly to make and may be used by one thread at a time."""
+    """Cache of transformations, one per thread: they are costly to create and not thread-safe."""
 
     def __init__(self) -> None:
         self.get = lru_cache(maxsize=8)(lambda crs: Transformation(read_reference(crs)))

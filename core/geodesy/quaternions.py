@@ -30,18 +30,18 @@ def quaternions_from_matrices(rotations: Floats) -> Floats:
     # Products of components: of w with x, y, z; of x with y, z; of y with z.
     wx, wy, wz = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
     xy, xz, yz = r[:, 0, 1] + r[:, 1, 0], r[:, 0, 2] + r[:, 2, 0], r[:, 1, 2] + r[:, 2, 1]
-    own = 1.0 + 2.0 * squares - trace[:, np.newaxis]
-    own[:, 0] = 1.0 + trace
+    square = 1.0 + 2.0 * squares - trace[:, np.newaxis]
+    square[:, 0] = 1.0 + trace
     rows = np.stack(
         [
-            np.stack([own[:, 0], wx, wy, wz], axis=1),
-            np.stack([wx, own[:, 1], xy, xz], axis=1),
-            np.stack([wy, xy, own[:, 2], yz], axis=1),
-            np.stack([wz, xz, yz, own[:, 3]], axis=1),
+            np.stack([square[:, 0], wx, wy, wz], axis=1),
+            np.stack([wx, square[:, 1], xy, xz], axis=1),
+            np.stack([wy, xy, square[:, 2], yz], axis=1),
+            np.stack([wz, xz, yz, square[:, 3]], axis=1),
         ],
         axis=1,
     )
-    found = rows[np.arange(len(r)), own.argmax(axis=1)]
+    found = rows[np.arange(len(r)), square.argmax(axis=1)]
     found /= np.linalg.norm(found, axis=1, keepdims=True)
     return np.where(found[:, :1] < 0.0, -found, found)
 

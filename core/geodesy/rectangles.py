@@ -1,4 +1,4 @@
-"""Rectangles that lie wholly inside the ground seen by cameras, on which coverage of an area is based."""
+"""Rectangles inside the ground seen by cameras, on which coverage of an area is based."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from .mercator import MERCATOR, Plane, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .planes import ProjectedPlane, TurnedPlane
 from .projections import NOISE_M, LocalPlane
 
-#: Plane in metres in which rows of captures lie.
+#: Plane in metres of rows of captures.
 RowsPlane = Union[LocalPlane, TurnedPlane]
-#: Room for the rounding of an edge to the grid, which may move it outward by half a pixel, and for that of positions.
+#: Margin for rounding an edge to the grid, which moves it outward by up to half a pixel, and for rounding positions.
 _MARGIN_PX = 0.5 + 1e-3
-#: Halvings that find the largest rectangle that fits, to the last digit that matters.
+#: Halvings to find the largest rectangle that fits, to about float64 precision.
 _HALVINGS = 40
-#: World width beyond all that a camera sees, which is less than half of the Earth.
+#: Widest rectangle, as a world fraction: a camera sees less than half of the Earth.
 _WIDEST = 0.5
 #: Poses processed at a time, to bound memory.
 _BATCH = 1024
 #: Points along each edge of the image.
 _EDGE_POINTS = 12
-#: Reach of the ratios of height to width that are tried, from the shape of the ground seen.
+#: Largest factor between a tried ratio of height to width and that of the ground seen.
 _RATIO_REACH = 16.0
 
 
@@ -37,7 +37,7 @@ def inscribed_edges(
 ) -> FrameEdges:
     """Largest rectangles inside the ground seen by cameras, about the centres of the images.
 
-    The centre is the ground point at the image's centre; where that looks past the Earth, the middle of the part of the
+    The centre is the ground point at the image's centre or, if that looks past the Earth, the middle of the part of the
     image that shows ground.
 
     Parameters
@@ -45,12 +45,12 @@ def inscribed_edges(
     poses : Poses
         (n,), of any attitude.
     pixel : float
-        Size of a source pixel as a world fraction: the rectangles leave room for rounding their edges.
+        Size of a source pixel as a world fraction; rectangles leave a margin for rounding their edges.
 
     Returns
     -------
     FrameEdges
-        Empty where no part of the map lies inside.
+        Empty if no part of the map lies inside.
 
     Raises
     ------
@@ -67,11 +67,11 @@ def inscribed_edges(
     seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
     ring = _map_positions(seen)
     whole = seen.hit.all(axis=1)
-    # Longitudes further than a quarter turn from a level camera's lie beyond a pole.
+    # Longitudes more than a quarter turn from a level camera's lie beyond a pole.
     level = whole & (np.abs(seen.lon_deg) < 90.0).all(axis=1)
     for angle in poses.attitude:
         level &= angle == 0.0
-    # Rings that the horizon cuts, or whose ends are half a world apart as they go around a pole, are no polygons.
+    # Rings cut by the horizon, or around a pole, whose ends are half a world apart, are not polygons.
     polygon = whole & (np.abs(ring[:, -1, 0] - ring[:, 0, 0]) < 0.5)
     edges, centre = _centred_edges(camera, at_zero, ring, polygon & ~level, ~polygon & ~level, ground)
     for side, straight in zip(edges, _level_edges(ring)):
@@ -79,7 +79,7 @@ def inscribed_edges(
     centre[level, 0] = 0.0
     centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
     inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
-    # Images of level cameras below a twentieth of the world are nearly rectangles of the map.
+    # Images of level cameras smaller than a twentieth of the world are nearly rectangles on the map.
     asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05))
     if len(asked):
         some = FrameEdges(*(side[asked] for side in inside))
@@ -91,7 +91,7 @@ def inscribed_edges(
 def _centred_edges(
     camera: Camera, poses: Poses, ring: Floats, polygon: Flags, cut: Flags, ground: Ellipsoid
 ) -> tuple[FrameEdges, Floats]:
-    """Edges and centres (n, 2) of rectangles inside rings: polygons, or cut by the horizon; 0 for other rings."""
+    """Edges and centres (n, 2) of rectangles inside rings that are polygons or cut by the horizon; 0 for others."""
     count = len(ring)
     centre, half_u, half_v = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
     if polygon.any():
@@ -106,7 +106,7 @@ def _centred_edges(
 
 
 def _narrowed(edges: FrameEdges, room: Floats | float) -> FrameEdges:
-    """Edges moved inward; opposite edges that would cross meet in the middle."""
+    """Move edges inward; opposite edges that would cross meet in the middle."""
     across, down = (np.minimum(room, size / 2.0) for size in edges.size)
     west, east, top, bottom = edges
     return FrameEdges(west + across, east - across, top + down, bottom - down)
@@ -115,8 +115,7 @@ def _narrowed(edges: FrameEdges, room: Floats | float) -> FrameEdges:
 def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, ground: Ellipsoid) -> FrameEdges:
     """Shrink rectangles about their centres (n, 2) until images show them whole.
 
-    The Earth's part of an image is convex and less than half of the Earth, so a rectangle is visible where its border
-    is.
+    The part of the Earth in an image is convex and less than half of it, so a rectangle is visible if its border is.
     """
     rounding = 2.0**-51  # of a position on the map, in world fractions
     beyond, moved = (_border_excess(camera, poses, edges, ground, shift) for shift in (0.0, rounding))
@@ -131,7 +130,7 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     def scaled(share: Floats) -> FrameEdges:
         return FrameEdges(*(middle + share * way for way, middle in zip(reach, (u, u, v, v))))
 
-    # A small excess, in half images, needs one step; the rest is found by halving.
+    # For a small excess, in half images, one step is enough; others need halving.
     inside = np.where(beyond[at] < 1e-2, 1.0 - 2.0 * beyond[at], 0.0)
     little = (inside > 0.0) & (_border_excess(camera, some, scaled(inside), ground) <= limit)
     if not little.all():
@@ -156,13 +155,13 @@ def _border_excess(
 ) -> Floats:
     """Excess of the borders of rectangles over their images, (n,) in half images; infinite where the Earth hides them.
 
-    ``moved`` shifts the rectangles, in world fractions; ``points`` is the number of points tested along each side.
+    ``moved`` shifts the rectangles by a world fraction; ``points`` is the number of points tested along each side.
     """
     points = _border_points(camera) if points is None else points
     across, down = _unit_border(points)
     west, _, top, _ = (side[:, np.newaxis, np.newaxis] for side in edges)
     width, height = (size[:, np.newaxis, np.newaxis] for size in edges.size)
-    # Longitudes count from the camera's meridian, whose world fraction is a half.
+    # Longitudes count from the camera's meridian, whose world fraction is 1/2.
     dlon = u_to_lon(west + width * across + moved + 0.5)
     lat = v_to_lat(top + height * down + moved)
     camera_lat, agl = (values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.agl_m))
@@ -191,8 +190,8 @@ def _level_edges(ring: Floats) -> FrameEdges:
 def _map_positions(seen: Corners) -> Floats:
     """World fractions of ground points from the camera's meridian and the map's north edge, (n, k, 2).
 
-    Consecutive points are continuous across the meridian opposite the camera. Poles, infinitely far away on the map,
-    are put one world beyond its edges.
+    Consecutive points are continuous across the meridian opposite the camera. Poles, infinitely far on the map, are
+    placed one world beyond its edges.
     """
     v = np.clip(lat_to_v(seen.lat_deg), -1.0, 2.0)
     return np.stack([np.unwrap(lon_to_u(seen.lon_deg) - 0.5, axis=1, period=1.0), v], axis=-1)
@@ -205,7 +204,7 @@ def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
 
 
 def _searched(camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid) -> tuple[Floats, Floats]:
-    """Half width and height, (n,) each, of the largest rectangles about centres, by search over ratios and sizes."""
+    """Half width and height, (n,) each, of the largest rectangles about centres, searched over ratios and sizes."""
     ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, 7)
     every = np.repeat(np.arange(len(centre)), len(ratios))
     u, v = centre[every].T
@@ -263,12 +262,12 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
     Parameters
     ----------
     poses : Poses
-        (n,); their whole images show ground.
+        (n,), whose whole images show ground.
 
     Returns
     -------
     Sides
-        (1,); empty where the images have no ground in common.
+        (1,); empty if the images have no ground in common.
     """
     rings, centres, _ = image_rings(camera, poses, plane, ground)
     centre = centres.mean(axis=0)
@@ -288,7 +287,7 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
 def image_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
     """Sides of the largest rectangle inside each image about its centre, in the plane, (n,).
 
-    Empty where part of an image shows no ground.
+    Empty if part of an image shows no ground.
     """
     count = len(poses.lat_deg)
     if count > _BATCH:
@@ -313,7 +312,7 @@ def image_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoi
 
 
 def _edges_in_plane(own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float) -> FrameEdges:
-    """`inscribed_edges` on the plane of a source's CRS; empty where part of an image shows no ground."""
+    """`inscribed_edges` on the plane of a source's CRS; empty if part of an image shows no ground."""
     plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
     sides = image_sides(camera, poses, plane, ground)
     place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg))
@@ -327,7 +326,7 @@ def _edges_in_plane(own: ProjectedPlane, camera: Camera, poses: Poses, ground: E
 def _sides_shown(
     camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid, centre: Floats, half: Floats
 ) -> Flags:
-    """Whether images show rectangles about centres (n, 2), relative to the camera's position, whole; see `_shown`."""
+    """Whether images show whole rectangles about centres (n, 2), relative to the camera's position; see `_shown`."""
     points = _border_points(camera)
     across, up = (2.0 * share - 1.0 for share in _unit_border(points))
     place = plane.forward(poses.lat_deg, poses.lon_deg)
@@ -341,7 +340,7 @@ def _sides_shown(
     )
     vectors = sight_lines(camera_lat, agl, lat, lon - camera_lon, ground)
     sides = camera.side_excess(vectors.reshape(len(lat), -1, 3), *poses.attitude)
-    # The rounding of ground positions in the smallest images, in half images.
+    # Rounding of ground positions in the smallest images, in half images.
     inside: Flags = _reach(sides.reshape(len(lat), 4, points, 4)).max(axis=1) <= 1e-9
     return inside
 
@@ -355,13 +354,13 @@ def _image_frame() -> Floats:
 
 
 def _border_points(camera: Camera) -> int:
-    """Number of points tested along each side of a rectangle; wide images need more near their sides."""
+    """Number of points tested along each side of a rectangle; wide images need more."""
     return 13 if camera.fov_deg <= 120.0 else 65
 
 
 def _unit_border(points: int) -> tuple[Floats, Floats]:
     """Shares of width and height, (4, points) each, along the four sides of a rectangle."""
-    # Points are densest at the corners, where images of straight lines bend most.
+    # Points are densest near corners, where images of straight lines bend most.
     share = (1.0 - np.cos(np.linspace(0.0, np.pi, points))) / 2.0
     low, high = np.zeros_like(share), np.ones_like(share)
     return np.stack([share, share, low, high]), np.stack([low, high, share, share])
@@ -372,14 +371,14 @@ def _sag(ring: Floats) -> Floats:
     sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
     second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
     length = np.hypot(chord[..., 0], chord[..., 1])
-    # A curve leaves its chord by an eighth of its second difference across it.
+    # A curve leaves its chord by an eighth of its second difference across the chord.
     aside = np.abs(second[..., 0] * chord[..., 1] - second[..., 1] * chord[..., 0])
     sag: Floats = (aside / np.where(length > 0.0, length, 1.0)).max(axis=(1, 2)) / 8.0
     return sag
 
 
 def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -> Floats:
-    """Largest shares (count,) in 0 to 1 that fit, by halving; every share below one that fits does fit."""
+    """Largest shares (count,) in 0 to 1 that fit, by halving; shares below one that fits must fit."""
     inside, outside = np.zeros(count), np.ones(count)
     for _ in range(halvings):
         share = (inside + outside) / 2.0
@@ -391,8 +390,8 @@ def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -
 def _reach(size: Floats) -> Floats:
     """Bounds (...) on the largest values of smooth curves sampled at points, (..., points, k).
 
-    Between points a curve exceeds all of them only next to a point above both its neighbours: by the height of the
-    parabola through the three, and as much again for its difference from a parabola.
+    Between points a curve exceeds them only next to a local maximum: by the height of the parabola through it and its
+    neighbours, and as much again for the difference from a parabola.
     """
     before, middle, after = size[..., :-2, :], size[..., 1:-1, :], size[..., 2:, :]
     bend = before - 2.0 * middle + after
@@ -405,7 +404,7 @@ def _reach(size: Floats) -> Floats:
 def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
     """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
 
-    0 for rings without extent, such as those beyond the map.
+    0 for rings without extent, such as rings beyond the map.
     """
     ratios = _ratios(ring)
     half_u = _rooms(ring, ratios)
@@ -435,7 +434,7 @@ def _rooms(ring: Floats, ratios: Floats) -> Floats:
     """Half widths (n, r) of the centred rectangles of given ratios of height to width (n, r) inside rings (n, k, 2)."""
     flat = (np.ptp(ring, axis=1) <= 0.0).any(axis=1)
     start, way = ring, np.roll(ring, -1, axis=1) - ring
-    # The rectangle lies on one side of a line through two vertices while |way × corner| < |way × start|.
+    # The rectangle is on one side of the line through two vertices while |way × corner| < |way × start|.
     distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
     reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
     need = reach_u + reach_v * ratios[:, np.newaxis]

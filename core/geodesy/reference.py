@@ -1,8 +1,8 @@
-"""Coordinate reference systems from foreign files, servers and datasets. PROJ is loaded where used.
+"""Coordinate reference systems from foreign files, servers and datasets. PROJ is imported only where used.
 
-A definition may name files of grids and parameters, which PROJ opens wherever they lie: on this machine, on another
-one, or a pipe without end. Such definitions are refused before PROJ or GDAL sees them. Grids that PROJ's database
-lists for a code are left to PROJ.
+A definition may name files of grids and parameters, which PROJ would open anywhere: on this machine, on another one, or
+an endless pipe. Such definitions are refused before PROJ or GDAL sees them. Grids that PROJ's database lists for a code
+are left to PROJ.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from ..text.safe_json import parse_json
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Codes, URNs and URLs, also of compound CRSs, which PROJ looks up in its database alone.
+#: Codes, URNs and URLs, also of compound CRSs; PROJ looks them up only in its database.
 _CODE = re.compile(
     r"[a-z]\w*:\w[\w.]*(\+([a-z]\w*:)?\w[\w.]*)?|CRS84"
     r"|(urn:(x-)?ogc:def:crs|https?://(www\.)?opengis\.net/def/crs)[:,/][\w.:,/-]+",
     re.IGNORECASE,
 )
 _WKT = re.compile(r"[a-z]\w*\s*[\[(]", re.IGNORECASE)
-#: Parameter of a PROJ string: numbers, names and lists of them, no paths.
+#: Parameter of a PROJ string: numbers, names and lists of them, but no paths.
 _PARAMETER = re.compile(r"\+?[a-z]\w*(=[\w.,+:'°@-]*(/\d+(\.\d+)?)?)?", re.IGNORECASE)
 #: Grids that GDAL named beside the codes of vertical CRSs before it used PROJ's database, without a folder.
 _GRID_OF_GDAL = r"(?:egm96_15|egm08_25|g\d{4}[a-z]?\d*(?:_\w+)?)\.gtx"
-#: One or more of these, or the null grid.
+#: One or more of these grids, or the null grid.
 _HARMLESS = rf"(?:@?null|{_GRID_OF_GDAL}(?:\s*,\s*{_GRID_OF_GDAL})*)"
-#: End of such a value: of the text, of a quoted word, or of a member.
+#: End of such a value: end of the text, of a quoted word, or of a member.
 _END = r'(?:\s*$|"?\s*[\])}|<]|"\s*,\s*(?:"|[a-z]+\s*[\[(]))'
-#: Parameters and operations, of PROJ strings and of WKT, for which PROJ opens a file; null grids and EPSG codes are no
-#: files. PROJ takes typographic quotes as quotes.
+#: Parameters and operations of PROJ strings and WKT for which PROJ opens a file, except null grids and EPSG codes. PROJ
+#: accepts typographic quotes.
 _FILES = re.compile(
     rf"""
     grids["“”]?\s*=(?!\s*"?@?null(?:{_END}|\s+[+a-z]))
@@ -47,9 +47,9 @@ _FILES = re.compile(
     """,
     re.IGNORECASE | re.VERBOSE,
 )
-#: Each text that `_FILES` matches contains one of these, in any case.
+#: Any text that `_FILES` matches contains one of these, in upper or lower case.
 _CLUES = (b"grids", b"catalog", b"init", b"tinshift", b"defmodel", b"geoidmodel", b"parameterfile")
-#: The name that follows, as far as messages show it.
+#: Name of the file that follows, for messages.
 _NAME = re.compile(r"""[\s="“”,\[(]*(?:[^"“”,]{0,100}["“”]\s*,)?[\s"“”]*([^\s"“”\])|<]{1,200})""")
 
 
@@ -59,13 +59,13 @@ def is_code(text: str) -> bool:
 
 
 def may_name_file(data: bytes) -> bool:
-    """Whether bytes may name a file: a quick test before `file_named`, which takes a hundred times as long."""
+    """Whether bytes may name a file: a quick test before `file_named`, which is a hundred times slower."""
     lower = data.lower()
     return any(clue in lower for clue in _CLUES)
 
 
 def file_named(text: str) -> str:
-    """First file that PROJ would open for a definition, or for a text that contains some; empty without one."""
+    """First file that PROJ would open for a definition, or for definitions within a text; empty if there is none."""
     found = _FILES.search(text)
     if found is None:
         return ""
@@ -79,7 +79,7 @@ def check_reference(text: str) -> None:
     Raises
     ------
     InvalidInput
-        It names a file, is too long, or is no definition.
+        It names a file, is too long, or is not a definition.
     """
     from ..text.plain import one_line
 
@@ -117,7 +117,7 @@ def read_reference(text: str) -> CRS:
     Raises
     ------
     InvalidInput
-        As `check_reference` raises it; or PROJ knows no such CRS, or a unit is not positive.
+        As for `check_reference`; also if PROJ does not know the CRS, or a unit is not positive.
     """
     from pyproj import CRS
     from pyproj.exceptions import CRSError
@@ -158,7 +158,7 @@ def _files_of_json(node: Any) -> Iterator[str]:
             yield from (
                 one for one in values if isinstance(one, str) and not re.fullmatch(_HARMLESS, one, re.IGNORECASE)
             )
-        # Members whose name may be that of a grid, after the word PROJ.
+        # The name of a geoid model may be the word PROJ and a grid.
         if name in ("geoid_model", "geoid_models"):
             models = part if isinstance(part, list) else [part]
             names = (str(one.get("name")) for one in models if isinstance(one, dict))

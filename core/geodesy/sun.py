@@ -1,8 +1,8 @@
 """Height and azimuth of the sun, by the equations of NOAA's solar calculator.
 
-They are those of J. Meeus, Astronomical Algorithms (2nd edition), chapters 12, 13, 22 and 25, in low precision: from
-1950 to 2050 within 0.01 degrees of NREL's SPA, as a test proves. Refraction, 0.03 degrees at a height of 30, is left
-out.
+These are the low-precision equations of J. Meeus, Astronomical Algorithms (2nd edition), chapters 12, 13, 22 and 25:
+from 1950 to 2050 within 0.01 degrees of NREL's SPA, as a test proves. Refraction, 0.03 degrees at a height of 30, is
+ignored.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ def sun_position(start: str, after_s: Floats, lat_deg: float, lon_deg: float) ->
     start : str
         UTC, ISO 8601, such as 2024-06-21T10:30:00Z.
     after_s : array (n,)
-        Seconds after it.
+        Seconds after ``start``.
     """
     first = np.datetime64(start.rstrip("Z"), "us")
     j2000 = np.datetime64("2000-01-01T12:00:00", "us")

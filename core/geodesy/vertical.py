@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def vertical_code(text: str) -> str:
-    """Code of a datum by name, or by code in any case; empty for the ellipsoid of WGS 84, which needs no grid."""
+    """Code of a datum given by name or, in upper or lower case, by code; empty for the WGS 84 ellipsoid."""
     codes = {"ellipsoid": "", "egm96": "EPSG:5773", "egm2008": "EPSG:3855"}
     return codes.get(text.lower(), text.upper())
 
@@ -35,7 +35,7 @@ def check_vertical(text: str) -> None:
     code = vertical_code(text)
     if not code:
         return
-    # PROJ would search its names for any other text.
+    # PROJ would search its names for other texts.
     if not is_code(code):
         raise _unknown(text)
     vertical_crs(code)

@@ -1,4 +1,4 @@
-"""The camera frame: from which pixels of which zooms each part of a camera's image is made."""
+"""Camera frames: the source pixels and zooms that each part of a camera's image is made of."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from .accuracy import ImageGeometry, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
 
-#: A zoom serves while its pixels, seen in the image, are between this and half of it: rounding to the nearest.
+#: Largest size in the image of the pixels of a zoom, and half the smallest: the zoom is rounded to the nearest.
 _NEAREST = 2.0**0.5
-#: Most samples along one axis whose mean makes a pixel that looks at the ground at a slant. More is left to the zoom.
+#: Binary logarithm of the most samples along an axis whose mean makes a pixel of slanted ground. Beyond, zooms are
+#: lower.
 _MOST_POWER = 3
-_MOST_SAMPLES = 1 << _MOST_POWER
-#: Pixels around a sample that kernels of any kind reach to either side (3), and one for the mesh's error.
+#: Pixels that any kernel reaches to either side of a sample (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
-#: Rays traced in one go.
+#: Rays traced at a time.
 _BATCH = 1 << 17
-#: Sides of the first cells, and of those below which every pixel is traced, px.
-_LARGEST_PX, _SMALLEST_PX = 160, 8
+#: Smallest side of a cell, px; in smaller ones every pixel is traced.
+_SMALLEST_PX = 8
 #: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
 _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
 
 class Detail(NamedTuple):
-    """Detail that parts of an image are sampled at: zoom, and samples along x and y for each pixel; (k,) each."""
+    """Detail of parts of an image: zoom, and samples along x and y per pixel; (k,) each."""
 
     zoom: Numbers
     samples_x: Numbers
@@ -42,7 +42,7 @@ class Detail(NamedTuple):
 
 
 class Patches(NamedTuple):
-    """Cells that share their detail.
+    """Cells of equal detail.
 
     ``box`` (k, 4) is left, top, right, bottom in px; ``du, v`` (k, 4) are world fractions of the corners upper left,
     lower left, lower right, upper right.
@@ -57,7 +57,7 @@ class Patches(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """Pixels made of samples one by one: ``row, column`` (m,), and world fractions ``du, v`` (m, samples) of each's."""
+    """Pixels sampled one by one: ``row, column`` (m,), and world fractions ``du, v`` (m, samples) of their samples."""
 
     zoom: int
     row: Numbers
@@ -68,20 +68,20 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """How a camera's image is made from a source's pixels, but for the longitude of the camera.
+    """Mapping of a camera's image to a source's pixels, independent of the camera's longitude.
 
     Attributes
     ----------
     sky : array (height, width) of bool, or None
-        Pixels whose rays miss the Earth; None where there are none.
+        Pixels whose rays miss the Earth; None if there are none.
     unmapped : array (height, width) of bool, or None
         Pixels that see ground beyond Web Mercator's latitudes.
     bound_px : float
         Largest bound of a cell.
     rays : ImageRays or None
-        Where every pixel's position is to be traced; None where the patches' corners say where they lie.
+        Traces the position of every pixel; None to interpolate it between the corners of patches.
     facade_share : float
-        Share of the pixels that see faces whose colours no map has.
+        Share of the pixels that see steep faces, whose colours no map shows.
     """
 
     width_px: int
@@ -102,18 +102,18 @@ class View:
 
     @property
     def unmapped_share(self) -> float:
-        """Share of the pixels whose ground no Web-Mercator source has."""
+        """Share of the pixels whose ground lies beyond Web-Mercator sources."""
         return 0.0 if self.unmapped is None else float(np.mean(self.unmapped))
 
     @cached_property
     def hidden(self) -> NDArray[np.bool_] | None:
-        """Pixels without a picture, for whatever reason; None where there are none."""
+        """Pixels without a picture, for any reason; None if all have one."""
         if self.sky is None or self.unmapped is None:
             return self.sky if self.unmapped is None else self.unmapped
         return np.asarray(self.sky | self.unmapped)
 
     def traced(self, patches: Patches) -> Iterator[Samples]:
-        """Patches as samples whose positions are traced, a bounded number at a time."""
+        """Yield patches as samples with traced positions, a bounded number at a time."""
         if self.rays is None:
             return
         for left, top, right, bottom in patches.box.tolist():
@@ -125,7 +125,7 @@ class View:
                 yield Samples(patches.zoom, row, column, du, v)
 
     def extents(self) -> Iterator[tuple[int, Floats, Floats, Floats, Floats]]:
-        """Zoom, and least and greatest du and v of each cell or pixel, of each group."""
+        """Yield for each group its zoom, and the least and greatest du and v of each cell or pixel."""
         for part in self.patches:
             yield part.zoom, part.du.min(axis=1), part.du.max(axis=1), part.v.min(axis=1), part.v.max(axis=1)
         for sample in self.samples:
@@ -138,18 +138,18 @@ class View:
             )
 
     def tile_keys(self, lon_deg: Floats, moved_u: Floats, moved_v: Floats) -> Numbers:
-        """One number for every tile that cameras see, each once; columns wrapped.
+        """Keys of all tiles that cameras see, each once, with wrapped columns.
 
         Parameters
         ----------
         lon_deg, moved_u, moved_v : array (n,)
-            Longitudes of cameras, and how far from the view's own place they stand, as world fractions, eastward (on
-            the map from its meridian, which is none) and southward.
+            Longitudes of cameras, and their offsets from the place of the view as world fractions, eastward (on the
+            map, beyond the difference of longitude: 0) and southward.
         """
         found = [np.empty(0, np.int64)]
         u = self.grid.meridian_u(lon_deg) + moved_u
         for zoom, *extent in self.extents():
-            # Bound the extents whose tiles are counted at a time.
+            # Bounds the extents whose tiles are counted at a time.
             step = max((1 << 19) // len(extent[0]), 1)
             for start in range(0, len(u), step):
                 part = slice(start, start + step)
@@ -167,13 +167,13 @@ class View:
         counts = wide * (last_y - first_y + 1)
         if int(counts.max(initial=0)) > most:
             raise self._too_many_tiles()
-        # Tiles beyond a plane of a source's own count from below 0.
-        # Positions may lie beyond the plane of a source's CRS by up to 1,700 km at 0.1 m a pixel.
+        # Beyond the plane of a source's CRS tiles have negative indices: the offset allows for 1,700 km at 0.1 m a
+        # pixel.
         beyond = 0 if self.grid.plane.wraps else 1 << 26
         ends, keys = np.cumsum(counts), np.empty(0, np.int64)
         start = begun = 0
         while start < len(counts):
-            # A million tiles at a time bound the memory to some 60 MB.
+            # A million tiles at a time bound memory to about 60 MB.
             stop = max(int(np.searchsorted(ends, begun + (1 << 20), "right")), start + 1)
             some = np.arange(start, stop)
             one = np.repeat(some, counts[some])
@@ -213,14 +213,14 @@ class View:
         return first_x, last_x, first_y, last_y
 
     def tiles(self, lon_deg: float) -> list[tuple[int, int, int]]:
-        """Zoom, column and row of every tile that a camera at this longitude sees; columns not wrapped."""
+        """Zoom, column (not wrapped) and row of every tile that a camera at this longitude sees."""
         found: set[tuple[int, int, int]] = set()
         u = float(self.grid.meridian_u(np.asarray(lon_deg)))
         for zoom, west, east, north, south in self.extents():
             first_x, last_x, first_y, last_y = self._tile_spans(zoom, u, west, east, north, south)
             if not len(first_x):
                 continue
-            # One number for each span, as many pixels share theirs.
+            # Many pixels have equal spans: number the spans and take each once.
             corner = int(first_x.min()), int(first_y.min())
             parts = (first_x - corner[0], first_y - corner[1], last_x - first_x, last_y - first_y)
             sizes = [int(part.max()) + 1 for part in parts]
@@ -231,9 +231,9 @@ class View:
 
 
 def _distinct(parts: tuple[Numbers, ...], sizes: list[int]) -> Numbers:
-    """Numbers, each once, of tuples of whole numbers (n,) below sizes, as `numpy.ravel_multi_index` gives them."""
+    """Distinct tuples of whole numbers (n,) below sizes, numbered as by `numpy.ravel_multi_index`."""
     numbers = np.ravel_multi_index(parts, sizes)
-    # Counting suits small ranges, sorting large ones.
+    # Counting is faster for small ranges, sorting for large ones.
     if math.prod(sizes) > (1 << 22):
         return np.unique(numbers)
     return np.flatnonzero(np.bincount(numbers))
@@ -247,24 +247,24 @@ def view(
     *,
     by_rays: bool = False,
 ) -> View:
-    """Work out how the image of a camera is made.
+    """Map the image of a camera to source pixels.
 
     Parameters
     ----------
     scene : ImageGeometry
-        One pose; its image size is whole.
+        One pose, with a whole image size.
     grid : PixelGrid
-        Of the source.
+        Pixels of the source.
     zooms : tuple of int
         Lowest and highest zoom that may be used.
     tolerance_px : float
-        Largest error of the mesh; 0 for a ray for every pixel.
+        Largest error of the mesh; 0 to trace every pixel.
     by_rays : bool
-        Trace every pixel though the mesh would do: for kernels that only single samples can have.
+        Trace every pixel even if the mesh would do, for kernels that need single samples.
     """
     rays = ImageRays.from_scene(scene, grid.plane)
     by_rays = by_rays or tolerance_px == 0.0
-    # Where rays give the positions, the mesh selects tiles and zooms only, for which 0.1 px will do.
+    # If rays give the positions, the mesh only selects tiles and zooms, for which 0.1 px is enough.
     cells = mesh(rays, 0.1 if by_rays else tolerance_px)
     width, height = scene.one_size_px
     samples, sky, unmapped = _loose(rays, cells, grid, zooms)
@@ -284,12 +284,12 @@ def view(
 def pixel_detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int, int]) -> Detail:
     """Detail for pixels that span ``per_x, per_y`` of the world along the image's axes.
 
-    The zoom suits the axis that is seen less at a slant; along the other one a pixel is the mean of several samples.
+    The zoom suits the axis with the finer detail; along the other axis a pixel is the mean of several samples.
     """
     world = float(grid.world_px(0))
     short, long_ = np.minimum(per_x, per_y), np.maximum(per_x, per_y)
-    finest = np.maximum(np.maximum(short, long_ / _MOST_SAMPLES) * world, np.finfo(float).tiny)
-    # Numbers are a share of at least one half of a power of two.
+    finest = np.maximum(np.maximum(short, long_ / (1 << _MOST_POWER)) * world, np.finfo(float).tiny)
+    # `frexp` splits a number into a share in [1/2, 1) and a power of two.
     zoom = np.minimum(np.maximum(np.frexp(_NEAREST / finest)[1] - 1, zooms[0]), zooms[1])
     samples = []
     for per in (per_x, per_y):
@@ -300,12 +300,12 @@ def pixel_detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int
 
 
 def fitting_detail(span: float, grid: PixelGrid, zooms: tuple[int, int]) -> int:
-    """Zoom that suits pixels of this world fraction, between the lowest and the highest that may be used."""
+    """Zoom for pixels of this world fraction, between the lowest and the highest allowed."""
     return int(pixel_detail(np.array([span]), np.array([span]), grid, zooms).zoom[0])
 
 
 def detail_groups(detail: Detail) -> Iterator[tuple[int, int, int, NDArray[np.intp]]]:
-    """Zoom, samples along x and y, and the members, of each group of equal detail."""
+    """Yield zoom, samples along x and y, and member indices of each group of equal detail."""
     key = (detail.zoom << 8) + (detail.samples_x << 4) + detail.samples_y
     for kind in np.flatnonzero(np.bincount(key)).tolist():
         yield kind >> 8, kind >> 4 & 15, kind & 15, np.flatnonzero(key == kind)
@@ -328,7 +328,7 @@ def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[
 def _loose(
     rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
 ) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Samples of the pixels that are traced one by one; masks of the sky and of ground without a map."""
+    """Samples of the pixels traced one by one; masks of the sky and of ground without a map."""
     width, height = rays.scene.one_size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
@@ -346,10 +346,10 @@ def _loose(
 
 
 def _box_pixels(boxes: Numbers) -> tuple[Numbers, Numbers]:
-    """Rows and columns of the pixels within boxes (m, 4), row by row and each once."""
+    """Rows and columns of the pixels in boxes (m, 4), row by row, each once."""
     if not len(boxes):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    # Most large images have few such pixels, at one edge: the rest need not be looked through.
+    # Large images usually have few such pixels, at one edge: search only around them.
     (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
     inside = np.zeros((y1 - y0, x1 - x0), bool)
     for left, top, right, bottom in boxes.tolist():
@@ -368,7 +368,7 @@ def _sampled(rays: ImageRays, row: Numbers, column: Numbers, grid: PixelGrid, zo
     for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
         sub_du, sub_v, hit = rays.map_points(*_sample_points(row[at], column[at], samples_x, samples_y))
         inside = hit & rays.on_map(sub_v)
-        # Samples of a pixel on the very horizon, or on the map's edge, fall back on its middle.
+        # Samples beyond the horizon or the map's edge take the middle of their pixel.
         sub_du = np.where(inside, sub_du, du[at, np.newaxis])
         sub_v = np.where(inside, sub_v, v[at, np.newaxis])
         found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
@@ -376,13 +376,13 @@ def _sampled(rays: ImageRays, row: Numbers, column: Numbers, grid: PixelGrid, zo
 
 
 def _sample_points(row: Numbers, column: Numbers, samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
-    """Image points (m, samples) spread evenly over pixels."""
+    """Image points (m, samples), evenly spread over pixels."""
     off_x, off_y = sample_offsets(samples_x, samples_y)
     return column[:, np.newaxis] + 0.5 + off_x, row[:, np.newaxis] + 0.5 + off_y
 
 
 def sample_offsets(samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
-    """Places (samples,) spread evenly over a pixel, from its middle."""
+    """Offsets (samples,) from the middle of a pixel, evenly spread over it."""
     across = (np.arange(samples_x) + 0.5) / samples_x - 0.5
     down = (np.arange(samples_y) + 0.5) / samples_y - 0.5
     off_x, off_y = (offsets.ravel() for offsets in np.meshgrid(across, down))
@@ -390,13 +390,14 @@ def sample_offsets(samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
 
 
 def _spans(rays: ImageRays, x: Floats, y: Floats, du: Floats, v: Floats, step_x: float, step_y: float) -> Floats:
-    """World fractions from each image point to the next pixel, or from the one before where that is sky."""
+    """Distances, as world fractions, from image points to the next pixel, or to the one before if that is sky."""
     spans = np.full(len(x), 1.0)
     for sign in (-1.0, 1.0):
         next_du, next_v, hit = rays.map_points(x + sign * step_x, y + sign * step_y)
         with np.errstate(invalid="ignore"):
             way = np.abs(next_du - du)
-            # Points beyond a pole, or beyond the camera's far meridian, are near though their longitudes are not.
+            # Points across a pole, or across the meridian opposite the camera, are near although their longitudes are
+            # not.
             length = np.hypot(rays.plane.shorter(way), next_v - v)
         spans = np.where(hit & np.isfinite(length), length, spans)
     return np.asarray(spans, np.float64)
@@ -407,7 +408,7 @@ class Cells(NamedTuple):
 
     ``box`` is (k, 4): left, top, right, bottom in px. ``du, v`` are (k, 4): world fractions of the corners upper left,
     lower left, lower right, upper right, from the camera's meridian and from the map's north. ``bound_px`` is (k,).
-    ``loose`` is (m, 4): boxes whose pixels each need a ray. What lies in neither is sky.
+    ``loose`` is (m, 4): boxes whose pixels are traced one by one. Pixels in neither are sky.
     """
 
     box: Numbers
@@ -452,11 +453,11 @@ class ImageRays(NamedTuple):
         return *self.plane.seen(seen.lat_deg, self.scene.poses.lon_deg[0], seen.dlon_deg), seen.hit
 
     def on_map(self, v: Floats) -> NDArray[np.bool_]:
-        """Which positions lie within the map's latitudes, or are reached by the plane's projection."""
+        """Whether positions lie on the map, or within the plane's projection."""
         return self.plane.shows(v)
 
     def bends(self, x_px: Floats | Numbers, y_px: Floats | Numbers, v: Floats) -> Floats:
-        """How much straight lines of the ground bend at image points, over the Earth's curvature (`Plane.bend`)."""
+        """Bend of the plane at image points; see `ProjectedPlane.bend`."""
 
         def places() -> tuple[Floats, Floats]:
             seen = self.ground(x_px, y_px)
@@ -465,20 +466,20 @@ class ImageRays(NamedTuple):
         return self.plane.bends(v, places)
 
     def clearance(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
-        """As `ellipsoid.clearance`."""
+        """Clearance of rays at image points; see `ellipsoid.clearance`."""
         pose = self.scene.poses
         return clearance(pose.lat_deg[0], pose.agl_m[0], self.directions(x_px, y_px), self.scene.ground)
 
 
 def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
-    """Divide an image until the map under every cell is, within a tolerance, the perspective through its corners.
+    """Divide an image into cells whose map positions are, within a tolerance, a perspective through their corners.
 
     Parameters
     ----------
     rays : ImageRays
-        Of one pose.
+        Rays of one pose.
     tolerance_px : float
-        Largest bound of a cell; with 0 every pixel that sees the Earth is traced.
+        Largest bound of a cell; 0 to trace every pixel that sees the Earth.
     """
     box = _first_boxes(*rays.scene.one_size_px)
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []
@@ -513,19 +514,19 @@ def _fitting(
     """Bounds of cells, and whether each is, within a tolerance, the perspective through its corners."""
     (v, spread, hit), ((along_x, along_y), (uneven_x, uneven_y)) = seen, errors
     size = box[:, 2:] - box[:, :2]
-    # The perspective of a thin cell hangs on its short side, and enlarges that side's noise along the long one.
+    # The perspective of a thin cell enlarges the noise of its short side along the long one.
     thinness = size.max(axis=1) / size.min(axis=1)
-    # 30 % more for what second derivatives leave out, as validated by Monte Carlo.
+    # 30 % more for terms beyond second derivatives, as validated by Monte Carlo.
     bound = 1.3 * (along_x + along_y) + float(mesh_noise_px(rays.scene)[0]) * thinness
     whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
     whole &= spread <= rays.plane.widest_cell
-    # One zoom suits a cell whose corners are about equally far.
+    # One zoom suits a cell only if its corners are about equally far.
     even = np.maximum(uneven_x, uneven_y) <= 1.5
     return bound, whole & even & (bound <= tolerance_px)
 
 
 def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
-    """Whether a mesh has cells in an image, as far as the smallest ones that are spread over it tell."""
+    """Whether a mesh has cells in an image, judged by the smallest cells, spread over it."""
     x, y = (
         np.unique(np.linspace(0, max(side - _SMALLEST_PX, 0), 24).astype(np.int64)) for side in rays.scene.one_size_px
     )
@@ -538,14 +539,15 @@ def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
 
 
 def _first_boxes(width: int, height: int) -> Numbers:
-    x, y = (np.round(np.linspace(0, size, -(-size // _LARGEST_PX) + 1)).astype(np.int64) for size in (width, height))
+    """Divide an image into boxes of up to 160 px, from which the mesh is refined."""
+    x, y = (np.round(np.linspace(0, size, -(-size // 160) + 1)).astype(np.int64) for size in (width, height))
     left, top = np.meshgrid(x[:-1], y[:-1])
     right, bottom = np.meshgrid(x[1:], y[1:])
     return np.stack([left.ravel(), top.ravel(), right.ravel(), bottom.ravel()], axis=1)
 
 
 def _halved(box: Numbers, across_x: NDArray[np.bool_]) -> Numbers:
-    """Boxes cut in two across the axis that needs it more, or the other one where that is as small as can be."""
+    """Halve boxes across the axis that needs it more, or across the other if that is as small as allowed."""
     size = box[:, 2:] - box[:, :2]
     along = np.where(across_x, 0, 1)
     along = np.where(np.take_along_axis(size, along[:, np.newaxis], axis=1)[:, 0] <= _SMALLEST_PX, 1 - along, along)
@@ -558,7 +560,7 @@ def _halved(box: Numbers, across_x: NDArray[np.bool_]) -> Numbers:
 
 
 def _corners(rays: ImageRays, box: Numbers) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-    """World fractions of the cells' corners, the spread of their longitudes, and which see the Earth."""
+    """World fractions of the cells' corners, the spread of u, and whether each corner sees the Earth."""
     du, v, hit = rays.map_points(box[:, _CORNER_X], box[:, _CORNER_Y])
     spread = np.ptp(np.where(hit, du, 0.0), axis=1)
     return du, v, spread, hit
@@ -567,23 +569,23 @@ def _corners(rays: ImageRays, box: Numbers) -> tuple[Floats, Floats, Floats, NDA
 def _errors_px(
     rays: ImageRays, box: Numbers, v: Floats, whole: NDArray[np.bool_]
 ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-    """Bounds of the error along x and y, and how uneven the distance to the ground is along each, (k,) each.
+    """Bounds of the error along x and y, and ratios of the distances to the ground along each, (k,) each.
 
-    Infinite where the horizon is near.
+    Infinite near the horizon.
 
-    A perspective holds all that a pinhole sees of a plane. What is left is how far the ground of a sphere appears
-    from the plane's: the angle β below the horizontal becomes β' = atan(h/S), S the arc to the ground point. A
-    smooth function leaves its chord by an eighth of the chord's length times the difference of the slopes at its ends.
-    Mercator bends straight lines of the ground 2T times as much. Across the direction to the horizon a chord leaves by
-    an eighth of its squared length times (1 + 2T)/R of the ground it spans; 2(β' - β) and twice its slope are for the
-    tangent between angles and pixels.
+    A perspective is exact for a plane. What remains is the offset of a sphere's ground from that plane's: the angle β
+    below the horizontal becomes β' = atan(h/S), where S is the arc to the ground point. A smooth function leaves its
+    chord by an eighth of the chord's length times the difference of the slopes at its ends. Mercator bends straight
+    lines on the ground 2T times as much. Across the direction to the horizon a curve leaves its chord by an eighth of
+    its squared length times (1 + 2T)/R of the ground it spans; 2(β' - β) and twice its slope account for the tangent
+    between angles and pixels.
     """
     scene = rays.scene
     vectors = rays.directions(box[:, _CORNER_X], box[:, _CORNER_Y])
     length = np.sqrt(np.sum(vectors * vectors, axis=-1))
     share = float(scene.height_share[0])
     lifted, grazed2 = grazing(-vectors[..., 2] / length, np.asarray(share))
-    # The bound was validated up to 70° off the axis, where rays are three times as long.
+    # The bound is validated up to 70° off the axis, where rays are three times as long.
     good = whole & (grazed2 > 0.0).all(axis=1) & (lifted > 0.0).all(axis=1) & (length <= 3.0).all(axis=1)
     lifted, grazed2, v = (np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5)))
     bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
@@ -603,7 +605,7 @@ def _errors_px(
 
 
 def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Floats]:
-    """β' - β and its slope: how far a sphere's ground lies from where it is seen, on the plane that stands for it."""
+    """β' - β and its slope: the angle between a ground point of the sphere and of the plane; see `_errors_px`."""
     squared = share * (2.0 + share) / (lifted + grazed)
     sine = lifted / (1.0 + share)
     cosine = np.sqrt(np.maximum(1.0 - sine**2, 0.0))
@@ -613,10 +615,10 @@ def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Flo
 
 
 def _holds_earth(rays: ImageRays, box: Numbers) -> NDArray[np.bool_]:
-    """Which boxes hold ground though none of their corners sees any: (k,), true also for some that see it.
+    """Whether boxes (k,) whose corners see no ground hold any; may be True for others.
 
-    What is seen is convex in the image: it reaches in across an edge, along which the discriminant is a quadratic,
-    or lies inside altogether, with the point below the camera.
+    The part of the image that shows ground is convex: it enters a box across an edge, along which the discriminant is
+    quadratic, or lies inside, with the point below the camera.
     """
     x, y = box[:, _CORNER_X].astype(np.float64), box[:, _CORNER_Y].astype(np.float64)
     next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)

@@ -12,7 +12,7 @@ from ..arrays import Flags, Floats
 from ..errors import InvalidInput, Message
 from .ellipsoid import arctan2
 
-#: Relative tolerance of clearances: rounding of distances, since ways pass corners at exactly the clearance.
+#: Relative tolerance of clearances for rounding, as ways pass corners at exactly the clearance.
 _TOLERANCE = 1e-6
 
 
@@ -21,9 +21,9 @@ def way_around(
 ) -> Floats:
     """Shortest way from one point of a plane to another that keeps a clearance from polygons.
 
-    Around a corner the way follows a polygon circumscribed about the arc: at each corner it is longer than the shortest
-    way by less than 2 % of the clearance. If start or end lie nearer to a polygon than the clearance, the first or last
-    leg keeps the distance that they have.
+    Around a corner the way follows a polygon circumscribed about the arc, which adds less than 2 % of the clearance to
+    the shortest way. If start or end lies nearer to a polygon than the clearance, the first or last leg keeps its
+    distance.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def way_around(
     Returns
     -------
     array (m, 2)
-        Points of the way including start and end; these two alone where the straight way is free.
+        Points of the way with start and end; only these two if the straight way is free.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def way_around(
     if inside.any():
         which = Message("the start of a leg") if inside[0] else Message("the end of a leg")
         raise InvalidInput("{0}: lies inside a no-fly area", which, remedy="move it outside")
-    # A way that touched a polygon could not be distinguished from one that cuts its corner.
+    # A way that touches a polygon cannot be distinguished from one that cuts its corner.
     clearance = max(clearance_m, 1e-3)
     kept = np.minimum(_distances(straight, straight, sides).min(axis=1), clearance)
     if _free(start, end[np.newaxis], sides, np.array([kept.min()]))[0]:
@@ -68,7 +68,7 @@ def way_around(
 
 
 def _shortest(places: Floats, least: Floats, sides: Floats) -> Floats:
-    """Shortest way from the first point to the second through others; a leg keeps the lesser clearance of its ends."""
+    """Shortest way from the first point to the second through others; legs keep the smaller clearance of their ends."""
     to_end = np.linalg.norm(places - places[1], axis=1)
     length, before = np.full(len(places), np.inf), np.full(len(places), -1)
     length[0] = 0.0

@@ -44,6 +44,7 @@ class _Path(NamedTuple):
         """
         moved = np.hypot(np.diff(self.x_m), np.diff(self.y_m))
         gone = np.append(0.0, np.cumsum(moved + turning_m * np.abs(np.radians(np.diff(self.heading_deg)))))
+        # Rounding must not add a step.
         count = max(math.ceil(float(gone[-1]) / step_m * (1.0 - 1e-12)), 1)
         at = np.linspace(0.0, float(gone[-1]), count + 1)[: count + (not closed)]
         return _Path(*(np.interp(at, gone, values) for values in self))
@@ -196,6 +197,7 @@ def _scanned(
         )
     flight = path.sampled(step_m, 0.0, closed=closed)
     high_m = (wanted.highest_m or wanted.lowest_m) - wanted.lowest_m
+    # Rounding must not add a level.
     levels = math.ceil(high_m / (height_m * (1.0 - across)) * (1.0 - 1e-12)) + 1
     _refuse_too_many(levels * len(flight.x_m))
     for number, agl_m in enumerate(_levels(wanted.lowest_m, wanted.highest_m, levels)):

@@ -2,7 +2,7 @@
 
 In reading order:
 
-- `paths`: paths of rays over a map's plane, as polynomials
-- `surface`: heights on a grid, and the first point of them that each ray meets
-- `tracing`: the rays of an image, what its pixels see, and the camera frame made of it
+- `paths`: paths of rays in map coordinates, as polynomials
+- `surface`: heights on a grid, and the first hit of each ray
+- `tracing`: the rays of an image, the ground at its pixels, and its camera frame
 """

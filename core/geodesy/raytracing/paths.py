@@ -1,4 +1,4 @@
-"""Rays in map coordinates: plane position and height above the ellipsoid as polynomials of the distance."""
+"""Paths of rays in map coordinates: plane position and height above the ellipsoid, as polynomials of distance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy as np
 from ...arrays import Floats
 from ..ellipsoid import WGS84, Ellipsoid, positions
 
-#: Coordinates (n, c) of latitudes and differences of longitude to the camera in degrees, and heights in metres.
+#: Function that returns coordinates (n, c) for latitudes and differences of longitude from the camera, in degrees, and
+#: heights in metres.
 Coordinates = Callable[[Floats, Floats, Floats], Floats]
 
 
@@ -19,15 +20,15 @@ Coordinates = Callable[[Floats, Floats, Floats], Floats]
 class Paths:
     """Coordinates along the rays of a camera, as polynomials; made by `fit_paths`.
 
-    The ray of direction d reaches the point t·d from the camera. A coordinate is a polynomial in its three components,
-    so along one ray a polynomial in t, whose coefficient of tᵏ is a form of degree k in d.
+    A ray of direction d reaches the point t·d from the camera. Each coordinate is a polynomial in the components of
+    t·d: along one ray it is a polynomial in t, whose coefficient of tᵏ is a form of degree k in d.
 
     Parameters
     ----------
     start : array (c,)
         Coordinates of the camera.
     forms : tuple of array (c, m)
-        Factors of the monomials of degree 1, 2, …
+        Coefficients of the monomials of degree 1, 2, …
     """
 
     start: Floats
@@ -65,10 +66,10 @@ def interpolate_rays(
     ends: tuple[Floats, Floats, Floats],
     coordinates: Coordinates,
 ) -> tuple[Floats, Floats]:
-    """Interpolate each ray, of a camera each, by a polynomial.
+    """Interpolate rays, each of a different camera, by polynomials.
 
-    The polynomials pass through the camera, the end and equidistant points between; they are cubic, or quadratic where
-    no ray is longer than 2 km, as the term left out grows with the third power of the length over R².
+    The polynomials pass through the camera, the end and equidistant points between. They are cubic, or quadratic if no
+    ray is longer than 2 km, as the next term grows with the third power of the length over R².
 
     Parameters
     ----------
@@ -76,11 +77,11 @@ def interpolate_rays(
         Positions of the cameras.
     rays_enu : array (n, 3)
     farthest : array (n,)
-        t up to which each is followed.
+        t up to which each ray is followed.
     ends : tuple of array (n,)
-        Latitudes, differences of longitude to the camera, and heights of the points at ``farthest``.
+        Latitudes, differences of longitude from the camera, and heights of the points at ``farthest``.
     coordinates : callable
-        Coordinates (n, c) of such positions.
+        Function for coordinates (n, c) of such positions.
 
     Returns
     -------
@@ -112,26 +113,26 @@ def fit_paths(
     tolerances: Floats,
     ground: Ellipsoid = WGS84,
 ) -> tuple[Paths, Floats]:
-    """Fit paths of the least degree that is exact enough.
+    """Fit paths of the lowest degree that is accurate enough.
 
     Parameters
     ----------
     lat_deg, height_m : float
-        Position of the camera, its height above ``ground``.
+        Position of the camera, with its height above ``ground``.
     rays_enu : array (n, 3)
         Rays that enclose all others.
     farthest : array (n,)
-        t up to which each is followed.
+        t up to which each ray is followed.
     coordinates : callable
-        Coordinates to fit.
+        Function for the coordinates to fit.
     tolerances : array (c,)
         Largest error of each coordinate at t, per unit of t.
 
     Returns
     -------
     Paths, array (c,)
-        The latter bounds the error of each coordinate per unit of t; it exceeds ``tolerances`` where no degree up to
-        6 is exact enough.
+        Paths, and a bound of the error of each coordinate per unit of t; it exceeds ``tolerances`` if no degree up to 6
+        is accurate enough.
     """
     start = coordinates(*(np.array([value]) for value in (lat_deg, 0.0, height_m)))[0]
     points, wanted = _points(lat_deg, height_m, rays_enu, farthest, 8, coordinates, ground)
@@ -149,7 +150,7 @@ def fit_paths(
         )
         paths = Paths(start, forms)
         off = np.abs(paths.evaluate(tried, np.ones(len(tried))).T - true) * per_t_tried[:, np.newaxis]
-        # Between the points that are compared, errors are at most twice as large.
+        # Between the compared points, errors are at most twice as large.
         residual = 2.0 * off.max(axis=0) * np.linalg.norm(rays_enu, axis=1).max()
         tried_degrees.append((paths, residual))
         if (residual <= tolerances).all():

@@ -1,4 +1,4 @@
-"""The relief as one surface: its heights, and the first point of it that each ray of a camera meets."""
+"""Relief as a surface: heights on a grid, and the first hits of a camera's rays."""
 
 from __future__ import annotations
 
@@ -14,35 +14,27 @@ from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays
 
-#: Sides of the bundles of pixels that are followed together, px: the larger ones lead the smaller ones near the ground.
+#: Sides of bundles of pixels that are followed together, px; each leads smaller ones to near the ground.
 _BUNDLES_PX = (64, 16, 4)
-#: Points along each side of an image through which paths are fitted, and how much farther than rays are followed.
-_FITTED, _MARGIN = 6, 1.05
-#: Rows of an image that are worked on in one go: what they need fits a processor's cache.
-_ROWS = 32
-#: Levels of blocks in which rays may fall to the ground, and turns of Newton's method that find where.
-_STEEP_LEVELS, _TURNS = 8, 3
-#: Steps along a ray at most: rays that graze a surface without end are given up, which is said.
+#: Iterations of Newton's method.
+_TURNS = 3
+#: Most steps along a ray; rays that graze a surface for longer are abandoned.
 _MOST_STEPS = 1 << 14
-#: Cells gone through one by one before blocks are tried again.
-_STEPS_AT_ONCE = 8
-#: What rounding leaves rays below a surface where they come to it: deeper ones come from beneath, beyond its edge.
+#: Depth below a surface that rounding explains; deeper rays come from beneath, beyond the edge of the surface.
 _TOUCHING_M = 1e-6
-#: Single rays that are followed together, and metres beyond which their ways are no longer told by so few powers.
-_RAYS_AT_ONCE, _FARTHEST_POINT_M = 1 << 16, 50_000.0
-#: Factor on the speed of rays for what it grows by within a step, and the least that is divided by, pixels.
+#: Factor on the speed of rays for its growth within a step, and the least divisor, pixels.
 _SPEEDING, _SLOWEST = 1.01, 1e-12
 
 
 class Hits(NamedTuple):
-    """First points of a surface that rays meet, (n,) each.
+    """First points where rays hit a surface, (n,) each.
 
     Attributes
     ----------
     t : array
-        Along the ray; NaN where it meets none.
+        Distance along the ray, in units of its direction; NaN for a miss.
     column, row : array
-        On the surface, in pixels from its first pixel's centre; NaN likewise.
+        Position on the surface, in pixels from its first pixel's centre; NaN for a miss.
     """
 
     t: Floats
@@ -66,7 +58,7 @@ class PixelRays(NamedTuple):
         return rays
 
     def forms(self, paths: Paths) -> list[Floats]:
-        """Coefficients of paths as polynomials in x and y: of tᵏ an array (c, k + 1, k + 1), of powers of y and x."""
+        """Coefficients of paths as polynomials in x and y: for tᵏ an array (c, k + 1, k + 1), by powers of y and x."""
         found = []
         for degree in range(1, paths.degree + 1):
             x, y = (np.linspace(0.0, side, degree + 1) for side in (self.width, self.height))
@@ -79,7 +71,7 @@ class PixelRays(NamedTuple):
 
 
 def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
-    """Coefficients (degree, c, rows, columns) at all x and y, of `PixelRays.forms`."""
+    """Coefficients (degree, c, rows, columns) at all x and y, from `PixelRays.forms`."""
     return np.stack(
         [
             np.vander(y_px, len(form[0]), increasing=True) @ form @ np.vander(x_px, len(form[0]), increasing=True).T
@@ -90,22 +82,21 @@ def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Heights over the ellipsoid, bilinear between the centres of pixels of a grid.
+    """Heights above the ellipsoid, bilinear between the pixel centres of a grid.
 
     Parameters
     ----------
     grid : PixelGrid
     zoom : int
-        Whose pixels have the heights.
+        Zoom of the pixels that have the heights.
     left_px, top_px : int
-        The first pixel.
+        First pixel.
     heights_m : array (rows, columns)
-        NaN where there is no ground: neither in the four cells about it.
+        NaN without ground, which leaves the four cells around it without ground.
     holes : array (rows, columns) of bool, or None
-        Pixels whose heights the first source does not have: those that others have filled, and those that are NaN. None
-        where the first has all of them.
+        Pixels whose heights the first source lacks: filled from other sources, or NaN. None if it has all of them.
     interpolated : array (rows, columns) of bool, or None
-        Pixels whose heights no source has, and which are interpolated. None where none is.
+        Pixels whose heights no source has, and which are interpolated, or None.
     """
 
     grid: PixelGrid
@@ -130,7 +121,7 @@ class Surface:
 
     @cached_property
     def corners_m(self) -> Floats:
-        """Heights of cells' upper left corners, and how they rise along rows, along columns, and twist: (cells, 4)."""
+        """Height of each cell's upper left corner, rise along rows, rise along columns, and twist: (cells, 4)."""
         h = np.asarray(self.heights_m, np.float64)
         a, b, c, d = h[:-1, :-1], h[:-1, 1:], h[1:, :-1], h[1:, 1:]
         corners: Floats = np.stack([a, b - a, c - a, (d - c) - (b - a)], axis=-1).reshape(-1, 4)
@@ -138,17 +129,17 @@ class Surface:
 
     @cached_property
     def lowest_m(self) -> float:
-        """Least height."""
+        """Lowest height."""
         return float(np.nanmin(self.heights_m))
 
     @cached_property
     def has_holes(self) -> bool:
-        """Whether there is no ground somewhere."""
+        """Whether ground is missing somewhere."""
         return bool(np.isnan(self.heights_m).any())
 
     @cached_property
     def highest_m(self) -> float:
-        """Greatest height."""
+        """Highest height."""
         return float(np.nanmax(self.heights_m))
 
     @cached_property
@@ -161,7 +152,7 @@ class Surface:
         """Greatest slopes along rows and along columns, metres per pixel, up or down."""
         h = np.asarray(self.heights_m, np.float64)
         across, down = np.abs(np.diff(h, axis=1)), np.abs(np.diff(h, axis=0))
-        # Where a cell has no ground nothing is steep enough.
+        # A cell without ground counts as infinitely steep.
         first, second = (
             _Pyramid.build(np.where(np.isnan(steep), np.inf, steep))
             for steep in (np.maximum(across[:-1], across[1:]), np.maximum(down[:, :-1], down[:, 1:]))
@@ -169,7 +160,7 @@ class Surface:
         return first, second
 
     def heights(self, column: Floats, row: Floats) -> Floats:
-        """Heights at columns and rows (n,); NaN where there is no ground."""
+        """Heights at columns and rows (n,); NaN without ground."""
         rows, columns = self.cells
         inside = (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)
         x, y = np.where(inside, column, 0.0), np.where(inside, row, 0.0)
@@ -179,7 +170,7 @@ class Surface:
         return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """How heights rise for a pixel along rows and along columns, at columns and rows (n,) on the surface."""
+        """Rise of heights per pixel along rows and along columns, at columns and rows (n,)."""
         rows, columns = self.cells
         i = np.clip(row.astype(np.int64), 0, rows - 1)
         j = np.clip(column.astype(np.int64), 0, columns - 1)
@@ -187,27 +178,27 @@ class Surface:
         return b + d * (row - i), c + d * (column - j)
 
     def first_hits(self, start: Floats, coefficients: Floats, farthest: Floats) -> Hits:
-        """First points that rays of such ways meet, up to t (n,)."""
+        """First hits of rays, given by the coefficients of their paths, up to t (n,)."""
         t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None, 0)
         return self._exact(start, coefficients, t, farthest)
 
     def first_points(
         self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
     ) -> tuple[Floats, Floats, Floats, Flags]:
-        """Where single rays of as many cameras meet the surface first.
+        """First hits of single rays, each of a different camera.
 
         Parameters
         ----------
         lat_deg, lon_deg, height_m : array (n,)
-            Of the cameras, heights over the ellipsoid.
+            Positions of the cameras, with heights above the ellipsoid.
         rays_enu : array (n, 3)
         lowest_m : float
-            Height below which nothing is looked for.
+            Height below which rays are not followed.
 
         Returns
         -------
         lat_deg, dlon_deg, height_m : array (n,)
-            NaN where there is none; longitudes count from the cameras'.
+            NaN for a miss; longitudes count from the cameras'.
         hit : array (n,) of bool
         """
         ground = WGS84.raised(lowest_m - 1.0)
@@ -215,11 +206,13 @@ class Surface:
         with np.errstate(invalid="ignore"):
             ends = sight_lines(lat_deg, height_m - lowest_m + 1.0, level.lat_deg, level.dlon_deg, ground)
             farthest = np.linalg.norm(ends, axis=1) / np.linalg.norm(rays_enu, axis=1)
-        at = np.flatnonzero(level.hit & (farthest < _FARTHEST_POINT_M))
+        # Longer paths need polynomials of a higher degree.
+        at = np.flatnonzero(level.hit & (farthest < 50_000.0))
         lat, dlon, height = (np.full(len(lat_deg), np.nan) for _ in range(3))
         hit = np.zeros(len(lat_deg), bool)
-        for first in range(0, len(at), _RAYS_AT_ONCE):
-            some = at[first : first + _RAYS_AT_ONCE]
+        batch = 1 << 16  # bounds memory
+        for first in range(0, len(at), batch):
+            some = at[first : first + batch]
 
             def coordinates(points_lat: Floats, points_dlon: Floats, up: Floats) -> Floats:
                 return np.stack([*self.position(points_lat, lon_deg[some] + points_dlon), up], axis=1)  # noqa: B023
@@ -241,27 +234,25 @@ class Surface:
     def paths(
         self, lat_deg: float, lon_deg: float, height_m: float, rays: PixelRays, tolerance_px: float
     ) -> tuple[Paths, float, float]:
-        """Ways of an image's rays over the surface.
+        """Paths of an image's rays over the surface.
 
         Parameters
         ----------
         lat_deg, lon_deg, height_m : float
-            Of the camera, the height over the ellipsoid.
+            Position of the camera, with its height above the ellipsoid.
         tolerance_px : float
-            What they may be off by, in pixels of the image.
+            Largest error, in pixels of the image.
 
         Returns
         -------
         Paths
-            Of column, row and height.
+            Paths of column, row and height.
         farthest : float
-            t beyond which no ray meets anything.
+            t beyond which no ray hits the surface.
         off_px : float
-            What they are off by.
+            Bound of their error.
         """
-        x, y = (
-            at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
-        )
+        x, y = (at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, 6) for side in (rays.width, rays.height))))
         directions = rays.directions(x, y)
         away = self.away_m(lat_deg, lon_deg, height_m)
 
@@ -269,10 +260,11 @@ class Surface:
             with np.errstate(divide="ignore"):
                 down = np.where(rays_enu[:, 2] < 0.0, (height_m - self.lowest_m) / -rays_enu[:, 2], np.inf)
             found: Floats = np.minimum(down, away / np.maximum(np.hypot(*rays_enu[:, :2].T), _SLOWEST))
-            return _MARGIN * found
+            # Paths are fitted a little farther than rays are followed.
+            return 1.05 * found
 
         farthest = ends(directions)
-        # The longest ways lie where rays reach the lowest ground and the edge at once, often between those points.
+        # The longest rays reach the lowest ground and the edge at once, often between the points of the fit.
         all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, 81) for side in (rays.width, rays.height)))
         reach = float(ends(rays.directions(all_x.ravel(), all_y.ravel())).max())
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
@@ -286,7 +278,7 @@ class Surface:
         return found, reach, tolerance_px * float((off / tolerances).sum()) / 3.0
 
     def away_m(self, lat_deg: float, lon_deg: float, height_m: float) -> float:
-        """Level distance of its farthest corner from a camera."""
+        """Level distance of the farthest corner from a camera."""
         rows, columns = self.cells
         lat, lon = self.places(np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows]))
         corners = sight_lines(np.array(lat_deg), np.array(height_m), lat, lon - lon_deg)
@@ -298,23 +290,22 @@ class Surface:
         return self.grid.plane.inverse((column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world)
 
     def image_hits(self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float) -> Hits:
-        """First points that the rays of the pixels' centres of an image meet, (height, width) each.
+        """First hits of the rays through the pixel centres of an image, (height, width) each.
 
-        Pixels are followed in bundles, each from where the larger one that holds it has surely met nothing. Where rays
-        fall more steeply than the ground around them does, there is one point to be found: where the bundle's middle
-        ray meets the ground, its tangent plane tells where the others do, and Newton's method what that is off by.
-        Elsewhere each ray goes on from cell to cell.
+        Pixels are followed in bundles, each from where the next larger bundle has certainly hit nothing. If rays fall
+        more steeply than the ground around them, there is exactly one hit: the tangent plane at the hit of a bundle's
+        middle ray gives a guess for the others, which Newton's method refines. Other rays continue from cell to cell.
 
         Parameters
         ----------
         paths : Paths
-            Of column, row and height.
+            Paths of column, row and height.
         after : array (height, width)
-            t from which points count; infinite for pixels that are not asked for.
+            t from which hits count; infinite to skip a pixel.
         farthest : float
-            t up to which they do.
+            t up to which hits count.
         tolerance_px : float
-            What points may be off by, along the ray, in pixels of the image.
+            Largest error of hits along the ray, in pixels of the image.
         """
         forms = rays.forms(paths)
         least, finer = [after], 1
@@ -335,7 +326,7 @@ class Surface:
                 ],
                 axis=0,
             )  # fmt: skip
-            # A thousandth more for rays between the corners of a bundle.
+            # 0.1 % more for rays between the corners of a bundle.
             spread = 1.001 * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
             begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
@@ -351,9 +342,9 @@ class Surface:
     def _falling(
         self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
     ) -> tuple[Floats, Floats]:
-        """How fast bundles come nearer to the ground at least, in metres for t, or 0; and t by which they meet it.
+        """Least speed at which bundles approach the ground, metres per t, or 0 if unknown; and t by which they hit it.
 
-        As far as no slope around is as steep as they are they meet it once, and soon enough to be still there.
+        A bundle that is steeper than all slopes around it, for as far as it takes to reach the ground, hits it once.
         """
         rate, reach = np.zeros(len(after)), np.zeros(len(after))
         t = np.where(np.isfinite(after), after, 1.0)
@@ -364,7 +355,8 @@ class Surface:
         rows, columns = self.cells
         near = self.heights(np.clip(x, 0.0, columns), np.clip(y, 0.0, rows))
         across, down = self._slopes
-        for level in range(min(_STEEP_LEVELS, across.levels)):
+        # Up to 8 levels: within blocks of 128 cells.
+        for level in range(min(8, across.levels)):
             steep_x, steep_y = (pyramid.around(level, x, y) for pyramid in (across, down))
             steep_x, steep_y = np.maximum(steep_x, 0.0), np.maximum(steep_y, 0.0)
             with np.errstate(invalid="ignore", divide="ignore"):
@@ -385,14 +377,15 @@ class Surface:
         farthest: float,
         tolerance_px: float,
     ) -> Hits:
-        """First points of pixels, of bundles that are clear up to t; infinite where they meet nothing."""
+        """First hits of pixels, of bundles that are clear up to t (infinite if they hit nothing)."""
         after, t, falls, reach = bundles
         side = _BUNDLES_PX[-1]
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
         close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         x_px = np.arange(rays.width) + 0.5
-        for top in range(0, rays.height, _ROWS):
-            bottom = min(top + _ROWS, rays.height)
+        # The data of 32 rows fits a processor's cache.
+        for top in range(0, rays.height, 32):
+            bottom = min(top + 32, rays.height)
             part = slice(top // side, -(-bottom // side))
             if not np.isfinite(t[part]).any():
                 continue
@@ -400,7 +393,7 @@ class Surface:
             coefficients = _on_grid(forms, x_px, y_px)
             shape = coefficients.shape[2:]
             coefficients = coefficients.reshape(len(forms), 3, -1)
-            # Newton's method takes 5 % of the error allowed.
+            # Newton's method may use 5 % of the error allowed.
             within = 0.05 * close * falls[part]
             guess = self._guessed(start, forms, (x_px, y_px), (t[part], within))
             first, within, until = (_finer(one, shape, side).ravel() for one in (t[part], within, reach[part]))
@@ -419,12 +412,12 @@ class Surface:
             for values, new in zip(whole, hits):
                 values[some] = new.take(good)
             rest[some] = False
-            own = np.flatnonzero(rest)
-            if len(own):
-                ends = np.full(len(own), farthest)
-                exact = self._exact(start, coefficients.take(own, axis=2), first[own], ends)
+            others = np.flatnonzero(rest)
+            if len(others):
+                ends = np.full(len(others), farthest)
+                exact = self._exact(start, coefficients.take(others, axis=2), first[others], ends)
                 for values, new in zip(whole, exact):
-                    values[own] = new
+                    values[others] = new
         return found
 
     def _guessed(
@@ -434,7 +427,7 @@ class Surface:
         px: tuple[Floats, Floats],
         bundles: tuple[Floats, Floats],
     ) -> Floats:
-        """Values of t where rays at x and y meet the plane of the ground that their bundles' middle rays meet."""
+        """Values of t where rays at x and y hit the tangent plane at the hit of their bundle's middle ray."""
         t, within = bundles
         side, shape = _BUNDLES_PX[-1], (len(px[1]), len(px[0]))
         middles = [np.minimum(at[::side] + (side - 1) / 2.0, at[-1]) for at in px]
@@ -454,7 +447,7 @@ class Surface:
         return guess
 
     def _newton(self, start: Floats, coefficients: Floats, t: Floats, within: Floats) -> Hits:
-        """Points (n,) near t where rays meet the ground, off by metres of height for t at most; NaN if not found."""
+        """Hits (n,) near t, off by at most ``within`` metres of height per t; NaN if not found."""
         rows, columns = self.cells
         found = Hits(*(np.full(len(t), np.nan) for _ in range(3)))
         index = np.arange(len(t))
@@ -480,7 +473,7 @@ class Surface:
             with np.errstate(divide="ignore", invalid="ignore"):
                 per_x, per_y, per_h = (_slope(coefficients[:, axis], t) for axis in range(3))
                 step = off / (per_h - across * per_x - down * per_y)
-                # Holes, and rays along the ground, lead nowhere.
+                # Holes, and rays along the ground, give no useful step.
                 t = np.where(np.abs(step) <= t, t - step, t)
         return found
 
@@ -493,24 +486,25 @@ class Surface:
         spread: Floats | None,
         least_level: int,
     ) -> tuple[Floats, Flags]:
-        """How far rays, or bundles of them, surely meet nothing.
+        """Follow rays, or bundles of rays, for as long as they certainly hit nothing.
 
         Parameters
         ----------
         start, coefficients
-            Of column, row and height, as `along` takes them, of the middle rays.
+            Column, row and height along the middle rays; see `evaluate`.
         after, farthest : array (n,)
-            t from which they are followed, and up to which.
+            t from which and up to which they are followed.
         spread : array (degree, 2, n), or None
-            How far other rays of a bundle are from the middle one at t: factors of t, t², … of pixels, and of metres.
+            Largest distance of the other rays of a bundle from the middle one: coefficients of t, t², …, in pixels and
+            in metres of height.
         least_level : int
-            Level of the pyramid below which it is not worth going.
+            Lowest level of the pyramid to use.
 
         Returns
         -------
         t : array (n,)
         there : array (n,) of bool
-            Whether it may meet something from there on: False where it surely does not.
+            Whether the ray may hit something from there on.
         """
         tops = self._tops
         t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
@@ -518,21 +512,21 @@ class Surface:
         t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
         start = _take_starts(start, index)
         s = None if spread is None else spread.take(index, axis=2)
-        # Single rays begin near the ground, and so at a low level.
+        # Single rays start near the ground, so at a low level.
         level = np.full(len(index), tops.levels - 1 if s is not None else min(2, tops.levels - 1))
         for _ in range(_MOST_STEPS):
             if not len(index):
                 break
             x, y, h = evaluate(start, c, t)
             per_x, per_y = _speed(c, t)
-            # Within the width of a block, in whatever direction, no ray leaves the blocks around.
+            # Within the width of a block, in any direction, no ray leaves the neighbouring blocks.
             size = np.ldexp(1.0, level)
             per_t = np.maximum(np.abs(per_x), np.abs(per_y))
             wide, widens, deep = np.zeros(1), np.zeros(1), np.zeros(1)
             if s is not None:
                 wide, widens = _polynomial(s[:, 0], t), _slope(s[:, 0], t)
                 per_t = per_t + widens
-            # Blocks that are not much wider than the bundle hold it back at every step.
+            # Blocks that are not much wider than the bundle allow only tiny steps.
             roomy = wide <= 0.5 * size
             step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
             ahead = np.minimum(t + step, end)
@@ -571,7 +565,7 @@ class Surface:
         wide: Floats | float = 0.0,
         widens: Floats | float = 0.0,
     ) -> Flags:
-        """Which rays, or bundles that are so wide and widen so fast, are beside the surface and go away from it."""
+        """Whether rays, or bundles of a width and a rate of widening, are beside the surface and move away from it."""
         rows, columns = self.cells
         beside: Flags = (
             ((x + wide < 0.0) & (per_x + widens <= 0.0))
@@ -582,15 +576,16 @@ class Surface:
         return beside
 
     def _exact(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
-        """First points from where `clear` has left rays, cell by cell."""
+        """First hits, cell by cell, from where `clear` has stopped."""
         n = len(after)
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
         index, t, end, c = np.arange(n), np.asarray(after, np.float64), farthest, coefficients
-        # Rays that have come through the cell before above its ground.
+        # Rays that have crossed the cell before above its ground.
         over = np.zeros(n, bool)
         for count in range(_MOST_STEPS):
-            if count % _STEPS_AT_ONCE == _STEPS_AT_ONCE - 1:
+            # After eight cells, blocks are tried again.
+            if count % 8 == 7:
                 t, there = self.clear(start, c, t, end, None, 0)
                 left = np.flatnonzero(there)
                 index, t, end, over = _only(left, index, t, end, over)
@@ -628,13 +623,13 @@ class Surface:
                 begin = one.take(hit)
                 whole[ray] = begin + part * (one_next.take(hit) - begin)
             over = inside & np.isfinite(corners[:, 3])
-            # Neither met nor come in from beneath.
+            # Neither hit the ground nor entered from beneath.
             keep = np.flatnonzero(((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y))
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)
             index, t, end, over, x, y, h, j, i = _only(keep, index, t_next, end, over, x_next, y_next, h_next, j, i)
             start, c = _take_starts(start, keep), c.take(keep, axis=2)
-        # Rounding leads rays that meet the surface's outermost edge beyond it.
+        # Rounding may put hits on the outermost edge of the surface beyond it.
         for values, most in ((found.column, columns), (found.row, rows)):
             np.clip(values, 0, most, out=values)
         return found
@@ -650,10 +645,10 @@ def _first_share(
     y_next: Floats,
     h_next: Floats,
 ) -> Floats:
-    """Share of chords through cells after which they are below the surface, (n,).
+    """Share of chords through cells at which they reach the surface from above, (n,).
 
-    Infinite where they stay above. Those that are below from the start meet it there if they come from over ground: a
-    step ends beyond a cell's edge by its rounding, which beside a cliff is deep. The others come in from beneath: NaN.
+    Infinite if a chord stays above. A chord that starts below the surface hits it there if it comes from over ground:
+    rounding moves the end of a step beyond a cell's edge, which beside a cliff is deep. Others enter from beneath: NaN.
     """
     a, b, c, d = corners.T
     dx, dy = x_next - x, y_next - y
@@ -666,7 +661,7 @@ def _first_share(
         root = np.sqrt(square)
         share = np.where((rising >= 0.0) | (bend <= 0.0), 2.0 * above / (rising + root), (root - rising) / (2.0 * bend))
         share = np.where(share >= 0.0, share, np.inf)
-        # Where a cell has no ground nothing is below it.
+        # In a cell without ground nothing is below it.
         return np.where((above < -_TOUCHING_M) & ~over, np.nan, np.where(above <= 0.0, 0.0, share))
 
 
@@ -676,7 +671,7 @@ def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:
 
 
 def _take_starts(start: Floats, which: NDArray[Any]) -> Floats:
-    """Starts of some rays: one for all, or (c, n) of each its own."""
+    """Starts of some rays, from one start (c,) for all or one each (c, n)."""
     return start if start.ndim == 1 else start.take(which, axis=1)
 
 
@@ -686,29 +681,29 @@ def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
 
 
 def _bulge(coefficients: Floats) -> Floats | float:
-    """What heights between the ends of a step may be below both, per squared step: half the second derivative."""
+    """Largest drop of heights within a step below both its ends, per squared step: half the second derivative."""
     return np.abs(coefficients[1, 2]) if len(coefficients) > 1 else 0.0
 
 
 def _edges(length: int, side: int) -> Floats:
-    """Edges of bundles along an image's side; the last one is cut off with it."""
+    """Edges of bundles along an image's side; the last bundle is cut off."""
     return np.append(np.arange(0, length, side), length).astype(np.float64)
 
 
 def _finer(values: Floats, shape: tuple[int, ...], step: int) -> Floats:
-    """Values of larger bundles for each of the smaller ones in them, of which there are so many."""
+    """Repeat the values of larger bundles for the smaller bundles in them."""
     return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
 
 
 def _least(values: Floats, side: int) -> Floats:
-    """Least values of each bundle of pixels."""
+    """Least value in each bundle of pixels."""
     rows, columns = (np.arange(0, length, side) for length in values.shape)
     least: Floats = np.minimum.reduceat(np.minimum.reduceat(values, rows, axis=0), columns, axis=1)
     return least
 
 
 def _polynomial(factors: Floats, t: Floats) -> Floats:
-    """Sum of t, t², … times factors (degree, n)."""
+    """Polynomials with coefficients (degree, n) of t, t², … at t."""
     total: Floats = factors[-1] * t
     for factor in factors[-2::-1]:
         total = (total + factor) * t
@@ -724,10 +719,10 @@ def _slope(factors: Floats, t: Floats) -> Floats:
 
 
 class _Pyramid(NamedTuple):
-    """Greatest values of cells, of blocks of 2 x 2, of 4 x 4, …, each over its neighbours as well.
+    """Greatest values in cells, in blocks of 2 x 2, 4 x 4, … cells, each with its neighbours.
 
-    ``flat`` has the levels one after the other, each with a margin of one block; level i begins at ``first[i]`` and has
-    ``high[i]`` rows and ``wide[i]`` columns without it.
+    ``flat`` holds the levels one after the other, each with a margin of one block; level i begins at ``first[i]`` and
+    has ``high[i]`` rows and ``wide[i]`` columns without the margin.
     """
 
     flat: Floats
@@ -737,7 +732,7 @@ class _Pyramid(NamedTuple):
 
     @classmethod
     def build(cls, cells: Floats) -> _Pyramid:
-        """Of values of cells (rows, columns); beyond them there is nothing."""
+        """Build the pyramid of values of cells (rows, columns), surrounded by minus infinity."""
         block, parts, shapes = cells, [], []
         while True:
             shapes.append(block.shape)
@@ -759,7 +754,7 @@ class _Pyramid(NamedTuple):
         return len(self.first)
 
     def block(self, level: Numbers | int, x: Floats, y: Floats) -> Numbers:
-        """Where the blocks at levels and points (n,) are."""
+        """Indices in ``flat`` of the blocks at levels and points (n,)."""
         high, wide = self.high[level], self.wide[level]
         scale = np.ldexp(1.0, -np.asarray(level))
         j = np.minimum(np.maximum(np.floor(x * scale), -1.0), wide)
@@ -768,5 +763,5 @@ class _Pyramid(NamedTuple):
         return block
 
     def around(self, level: Numbers | int, x: Floats, y: Floats) -> Floats:
-        """Greatest values within a block's width of points (n,), at levels (n,)."""
+        """Greatest values within a block's width of points (n,) at levels (n,)."""
         return self.flat[self.block(level, x, y)]

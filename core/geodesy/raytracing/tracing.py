@@ -1,4 +1,4 @@
-"""The camera frame over relief: from which pixels of which zooms an image is made, and what each of its pixels sees."""
+"""Camera frames over relief: the ground at each pixel, and the source pixels that an image is made of."""
 
 from __future__ import annotations
 
@@ -20,57 +20,49 @@ from ..view import ImageRays, Samples, View, detail_groups, pixel_detail, sample
 from .paths import Paths
 from .surface import Hits, PixelRays, Surface
 
-#: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
+#: Most cells of a surface; farther away, a surface has cells twice as large.
 MOST_CELLS = 1 << 21
-#: Cells from the camera to where larger ones begin, at least: seen from there one is less than a pixel of most cameras.
+#: Least distance, in cells, at which larger cells begin: from there a cell is less than a pixel of most cameras.
 _LEAST_CELLS = 700.0
-#: Farthest that relief is looked for, and the highest that there is, metres.
-_FARTHEST_M, _HIGHEST_M = 700_000.0, 9_000.0
-#: Share by which ground at one distance bulges between the rays that are looked at.
+#: Factor on the reach of sampled rays for ground at the same distance between them.
 _BULGE = 1.03
-#: Share by which rays are followed farther than they need, and a length that is divided by at least.
+#: Factor on the length to which rays are followed, and the least divisor.
 _MARGIN, _LEAST = 1.01, 1e-12
-#: Share of the Earth's curvature that there is everywhere, and metres for what is left out.
-_CURVED, _CURVED_M = 0.98, 1.0
-#: Faces steeper than this, metres of height per metre, are not seen from above: no map has their colours.
+#: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
 STEEP = 2.0
-#: Highest degree of the polynomials from one plane to another, and how close they must come, pixels of the finest zoom.
-_DEGREES, _PLANES_PX = (1, 2, 3, 5), 0.02
-#: Nodes along each side to which those are fitted.
-_NODES = 9
 
 
 class ElevationModel(Protocol):
-    """Heights over the WGS 84 ellipsoid, wherever they are asked for."""
+    """Source of heights above the WGS 84 ellipsoid."""
 
     @property
     def title(self) -> str:
-        """What people see."""
+        """Name for users."""
 
     @property
     def attribution(self) -> str:
         """Credit for the heights."""
 
     def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
-        """Heights over the box about some positions, of cells no larger than wanted, or the finest for 0."""
+        """Heights over the bounding box of positions, with cells of at most ``cell_m``, or the finest for 0."""
 
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
-        """Size of the finest cells at a place, metres."""
+        """Size in metres of the finest cells at a place."""
 
 
 class Sighting(NamedTuple):
-    """What the pixels of an image see, (height, width) each; NaN where they see no ground.
+    """Ground at the pixels of an image, (height, width) each; NaN without ground.
 
     Attributes
     ----------
     depth_m : array
-        Along the optical axis.
+        Depth along the optical axis.
     lat_deg, lon_deg, height_m : array
-        Of the ground points; longitudes are continuous with the camera's, heights over the ellipsoid.
+        Ground points; longitudes are continuous with the camera's, heights are above the ellipsoid.
     slope_east, slope_north : array
-        How the surface rises there, metres per metre.
+        Slopes of the surface, metres per metre.
     steep : array of bool
-        Faces whose colours no map has.
+        Steep faces, whose colours no map shows.
     """
 
     depth_m: Floats
@@ -96,9 +88,9 @@ class Faces(NamedTuple):
     ----------
     row, column : array of int
     lat_deg, lon_deg : array
-        Where the faces end above, at the roof's edge; longitudes are in -180 … 180.
+        Upper ends of the faces, at the edge of the roof; longitudes are in -180 … 180.
     east, north : array
-        Which way they face, level: the slope's way down as a unit vector.
+        Level directions that they face: down the slope, as unit vectors.
     """
 
     row: Numbers
@@ -110,14 +102,14 @@ class Faces(NamedTuple):
 
 
 def settled(scene: ImageGeometry, height_m: float, tolerance_px: float) -> tuple[ImageGeometry, float]:
-    """Geometry of one pose and its height, rounded so that the last digits of a processor's sines do not count.
+    """Round the geometry of one pose and its height, to make images independent of a processor's last digits.
 
-    Which points rays meet, within what they may be off by, hangs on every digit; so images of one mission would
-    differ everywhere. Rounding moves no pixel by more than the tolerance.
+    Hits of rays depend on every digit, within their tolerance, so the images of a mission would differ from machine to
+    machine. Rounding moves no pixel by more than the tolerance.
     """
     pose, focal_px = scene.poses, float(scene.focal_px)
     nearest_m = float(pose.agl_m[0]) / focal_px
-    # Of six numbers each moves a pixel of level ground by no more than twice its own rounding, but for slant.
+    # Apart from slant, each of six numbers moves a pixel of level ground by at most twice its rounding.
     share_px = tolerance_px / (16.0 * (1.0 + scene.diagonal_tangent**2))
     metre, turn = (power_of_two(share_px * size) for size in (nearest_m, math.degrees(1.0 / focal_px)))
     degree = power_of_two(math.degrees(metre / WGS84.a_m))
@@ -136,25 +128,25 @@ def settled(scene: ImageGeometry, height_m: float, tolerance_px: float) -> tuple
 
 
 def power_of_two(value: float) -> float:
-    """Greatest power of two up to a value."""
+    """Greatest power of two that does not exceed a value."""
     return math.ldexp(0.5, math.frexp(value)[1])
 
 
 @dataclass(frozen=True, eq=False)
 class Tracing:
-    """Rays of one image over relief, each followed to the first point that it meets.
+    """Rays of one image over relief, each followed to its first hit.
 
     Parameters
     ----------
     scene : ImageGeometry
         One pose.
     height_m : float
-        Of the camera over the WGS 84 ellipsoid.
+        Height of the camera above the WGS 84 ellipsoid.
     relief : ElevationModel
     lowest_m : float
-        No ground that the image may see is lower.
+        Lower bound of the ground that the image may show.
     tolerance_px : float
-        What points may be off by along their rays, in pixels of the image.
+        Largest error of hits along their rays, in pixels of the image.
     """
 
     scene: ImageGeometry
@@ -177,10 +169,7 @@ class Tracing:
 
     @cached_property
     def level_m(self) -> float | None:
-        """Height of level ground over which every pixel shows what it does over the relief.
-
-        It moves none by more than half of what points may be off by; None where no level ground does.
-        """
+        """Height of level ground that equals the relief within half the tolerance at every pixel; None without one."""
         rays = self.rays
         x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
@@ -196,7 +185,7 @@ class Tracing:
 
     @cached_property
     def _seen(self) -> list[_Seen]:
-        """What rays meet on surfaces from near to far; those behind have the pixels that meet nothing before."""
+        """Hits on surfaces from near to far; each has the pixels without a hit on nearer ones."""
         rays, (lat, lon) = self.rays, self.place
         found: list[_Seen] = []
         unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
@@ -204,7 +193,7 @@ class Tracing:
             if not np.isfinite(surface.heights_m).any():
                 continue
             if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
-                # The relief ends before.
+                # The surface ends before it counts.
                 continue
             if begin_m > 0.0:
                 after = np.where(unmet, begin_m / self._ways[0], np.inf)
@@ -220,7 +209,7 @@ class Tracing:
 
     @cached_property
     def _ways(self) -> tuple[Floats, Floats]:
-        """Level and upward parts of the pixels' rays, (height, width)."""
+        """Level and upward components of the pixels' rays, (height, width) each."""
         x, y = np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5
         east, north, up = (
             origin + x * per_x + y[:, np.newaxis] * per_y
@@ -229,12 +218,13 @@ class Tracing:
         return np.maximum(np.hypot(east, north), _LEAST), up
 
     def _begin_below(self, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
-        """Let rays that begin below a surface, as coarser ones may be higher than those before, meet it there."""
+        """Record hits of rays that start below a surface, which may be higher than the finer one before it."""
         level, up = self._ways
         with np.errstate(invalid="ignore"):
-            # The Earth falls away by the square of the way, over its radius twice, within some percent.
-            height = self.height_m + after * (up + _CURVED * after * level**2 / (2.0 * WGS84.a_m))
-            row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M))
+            # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
+            # higher terms.
+            height = self.height_m + after * (up + 0.98 * after * level**2 / (2.0 * WGS84.a_m))
+            row, column = np.nonzero(np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + 1.0))
             t = after[row, column]
             at_column, at_row, height = paths.evaluate(self.rays.directions(column + 0.5, row + 0.5), t)
             below = surface.heights(at_column, at_row) >= height
@@ -242,9 +232,9 @@ class Tracing:
             whole[row[below], column[below]] = part[below]
 
     def _surfaces(self) -> Iterator[tuple[Surface, float]]:
-        """Surfaces, from near to far, and the level distance from the camera from which on each counts.
+        """Yield surfaces from near to far, and the level distance from the camera at which each begins.
 
-        The first has the finest cells; where those would be too many, farther ones are twice as large, and so on.
+        The first has the finest cells; if those would be too many, the next has cells twice as large, and so on.
         """
         lat, lon = self.place
         x, y = np.meshgrid(*(np.linspace(0.0, side, 9) for side in (self.rays.width, self.rays.height)))
@@ -255,17 +245,17 @@ class Tracing:
         seen = trace(np.array(lat), np.array(above_m), directions, ground)
         with np.errstate(invalid="ignore"):
             last = sight_lines(np.array(lat), np.array(above_m), seen.lat_deg, seen.dlon_deg, ground)
-        # Beyond the horizon, what stands up there is seen yet.
+        # Mountains are visible beyond the horizon, up to 9 km high and 700 km away.
         reach_m = np.where(seen.hit, np.hypot(last[:, 0], last[:, 1]), np.inf)
-        horizon_m = np.sqrt(2.0 * WGS84.a_m * above_m) + np.sqrt(2.0 * WGS84.a_m * _HIGHEST_M)
-        reach_m = _MARGIN * np.minimum(reach_m, min(horizon_m, _FARTHEST_M))
+        horizon_m = np.sqrt(2.0 * WGS84.a_m * above_m) + np.sqrt(2.0 * WGS84.a_m * 9_000.0)
+        reach_m = _MARGIN * np.minimum(reach_m, min(horizon_m, 700_000.0))
         begin_m, cell_m = 0.0, self.relief.cell_m(lat, lon)
         while begin_m < reach_m.max():
             end_m = float(reach_m.max())
             points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
             area_m2 = float(np.prod(np.ptp(points[:, :2], axis=0)))
             if begin_m == 0.0:
-                # From high up all cells are less than a pixel, which larger ones may be as well.
+                # From high up even larger cells are less than a pixel.
                 while area_m2 > MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
                     cell_m *= 2.0
             if area_m2 > MOST_CELLS * cell_m**2:
@@ -277,12 +267,12 @@ class Tracing:
 
     @staticmethod
     def _points(directions: Floats, first: Floats, last: Floats) -> Floats:
-        """Points at t of rays, and the camera's own where they begin with it."""
+        """Points at two values of t along rays, relative to the camera."""
         return np.concatenate([t[:, np.newaxis] * directions for t in (np.minimum(first, last), last)])
 
     @cached_property
     def sky(self) -> Flags:
-        """Pixels whose rays miss the Earth, at its lowest, and meet no relief; (height, width)."""
+        """Pixels whose rays miss the Earth at its lowest height and hit no relief, (height, width)."""
         lat, _ = self.place
         x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
         rays = self.rays.directions(x.ravel(), y.ravel())
@@ -294,13 +284,13 @@ class Tracing:
 
     @cached_property
     def depth_m(self) -> Floats:
-        """Depths along the optical axis, (height, width); NaN where no ground is seen."""
+        """Depths along the optical axis, (height, width); NaN without ground."""
         depths: Floats = np.fmax.reduce([one.hits.t for one in self._seen])
         return depths
 
     @cached_property
     def sighting(self) -> Sighting:
-        """What the pixels see."""
+        """Ground at the pixels."""
         _, lon = self.place
         shape = self.depth_m.shape
         found = Sighting._make([*(np.full(shape, np.nan) for _ in range(6)), np.zeros(shape, bool)])
@@ -322,7 +312,7 @@ class Tracing:
         return found
 
     def faces(self) -> Faces:
-        """Pixels that see steep faces, which `view` takes from the edges of those."""
+        """Pixels that see steep faces; `view` samples them at the edges of the faces."""
         found: list[Faces] = []
         for one in self._seen:
             row, column = np.nonzero(np.isfinite(one.hits.t))
@@ -336,7 +326,7 @@ class Tracing:
         return Faces(*(np.concatenate(parts) for parts in zip(*found)))
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
-        """How the image is made from a source's pixels; its positions count from the camera's meridian."""
+        """Map the image to a source's pixels; positions count from the camera's meridian."""
         found = [self._sampled(one, grid, zooms) for one in self._seen]
         samples = [part for parts, _ in found for part in parts]
         unmapped = ~self.sky
@@ -355,7 +345,7 @@ class Tracing:
         )
 
     def _sampled(self, one: _Seen, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
-        """Samples of the pixels that see a surface, and how many of those see faces."""
+        """Samples of the pixels that see a surface, and the number of them that see steep faces."""
         row, column = np.nonzero(np.isfinite(one.hits.t))
         if not len(row):
             return [], 0
@@ -364,8 +354,8 @@ class Tracing:
         steep = np.hypot(slope_east, slope_north) > STEEP
         faces = int(np.count_nonzero(steep))
         ray_east, ray_north, ray_up = rays = self.rays.directions(column + 0.5, row + 0.5).T
-        # Where the plane of the ground, n·p = const, meets the neighbours' rays.
-        # Rays that graze the tangent plane this flatly are not followed.
+        # Intersect the ground's tangent plane, n·p = const, with the rays of neighbouring pixels; rays that are nearly
+        # parallel to it count as steeper.
         facing = np.minimum(ray_up - slope_east * ray_east - slope_north * ray_north, -0.02 * np.abs(ray_up) - _LEAST)
         steps: list[tuple[Floats, Floats]] = []
         for per in (self.rays.per_x, self.rays.per_y):
@@ -375,16 +365,16 @@ class Tracing:
         if faces:
             at_column[steep], at_row[steep] = one.face_edges(at_column[steep], at_row[steep])
         if one.surface.has_holes:
-            # Where the model ends pixels that reach beyond it show nothing whole.
+            # Pixels that reach beyond the end of the model show nothing.
             whole = one.has_ground_around(at_column, at_row, steps)
             steps = [(east[whole], north[whole]) for east, north in steps]
             row, column = row[whole], column[whole]
             at_column, at_row = at_column[whole], at_row[whole]
             if not len(row):
                 return [], faces
-        onto = _onto(one.surface, grid, self.place[1], at_column, at_row)
-        du, v = onto(at_column, at_row)
-        turn = onto.slopes(at_column, at_row) @ one.per_metre
+        to_plane = _fit_plane(one.surface, grid, self.place[1], at_column, at_row)
+        du, v = to_plane(at_column, at_row)
+        turn = to_plane.slopes(at_column, at_row) @ one.per_metre
         spans = [
             (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north) for east, north in steps
         ]
@@ -401,9 +391,9 @@ class Tracing:
 
 
 class _Seen(NamedTuple):
-    """What an image sees of one surface.
+    """Hits of an image on one surface.
 
-    ``per_metre`` (2, 2) has columns and rows of the surface for a metre eastward and northward.
+    ``per_metre`` (2, 2) are columns and rows of the surface per metre eastward and northward.
     """
 
     surface: Surface
@@ -411,26 +401,26 @@ class _Seen(NamedTuple):
     per_metre: Floats
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """Rise of the surface for a metre eastward and northward, at columns and rows (n,)."""
+        """Slopes of the surface eastward and northward, metres per metre, at columns and rows (n,)."""
         across, down = self.surface.slopes(column, row)
         per = self.per_metre
         return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
 
     def has_ground_around(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
-        """Whether there is ground all around points (n,), as far as pixels of these steps, in metres, have samples."""
+        """Whether there is ground all around points (n,), within the samples of pixels with these steps in metres."""
         ways = [self.per_metre @ np.stack(step) for step in steps]
-        # At the coarsest zoom, samples come from up to two pixels to either side.
+        # At the coarsest zoom, samples lie up to two pixels to either side.
         wide, high = (2.0 * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
         rows, columns = self.surface.cells
         there = np.ones(len(column), bool)
         for across, down in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)):
-            # What lies behind the edge of the surface is as its edge is, which has no ground where the model ends.
+            # Beyond the edge of the surface the edge counts, which has no ground where the model ends.
             x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
             there &= np.isfinite(self.surface.heights(x, y))
         return there
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """Where steep faces end, above or below, whichever is nearer in height to points of them (n,)."""
+        """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""
         height = self.surface.heights(column, row)
         above, below = (self.follow_faces(column, row, sign) for sign in (1.0, -1.0))
         with np.errstate(invalid="ignore"):
@@ -439,13 +429,13 @@ class _Seen(NamedTuple):
         return np.where(upper, above[0], below[0]), np.where(upper, above[1], below[1])
 
     def follow_faces(self, column: Floats, row: Floats, sign: float) -> tuple[Floats, Floats]:
-        """Where the steep faces of points (n,) end, uphill for a sign of 1 and downhill for -1."""
+        """Ends of the steep faces at points (n,), uphill for a sign of 1 and downhill for -1."""
         surface = self.surface
         across, down = surface.slopes(column, row)
         length = np.maximum(np.hypot(across, down), _LEAST)
         x, y = column.copy(), row.copy()
         moving = np.ones(len(x), bool)
-        # A face reaches at most six cells to either side.
+        # Faces reach at most six cells to either side.
         for _ in range(2 * 6):
             new_x = np.where(moving, x + sign * 0.5 * across / length, x)
             new_y = np.where(moving, y + sign * 0.5 * down / length, y)
@@ -458,7 +448,7 @@ class _Seen(NamedTuple):
 
 
 class _Polynomials:
-    """Polynomials in a surface's columns and rows, of world fractions of another plane."""
+    """World fractions of another plane, as polynomials in a surface's columns and rows."""
 
     def __init__(self, middle: Floats, half: Floats, factors: Floats) -> None:
         self._middle, self._half, self._factors = middle, half, factors
@@ -469,7 +459,7 @@ class _Polynomials:
         return _value(x, y, self._factors[0]), _value(x, y, self._factors[1])
 
     def slopes(self, column: Floats, row: Floats) -> Floats:
-        """Derivatives (2, 2) of the fractions by column and row, in the middle of points (n,)."""
+        """Derivatives (2, 2) of the fractions by column and row, at the mean of points (n,)."""
         x, y = np.array(np.mean(column)), np.array(np.mean(row))
         found: Floats = np.array(
             [
@@ -482,15 +472,15 @@ class _Polynomials:
 
 
 def _value(x: Floats, y: Floats, factors: Floats) -> Floats:
-    """Values of a polynomial whose factors (n, n) are of powers of x, and of y."""
+    """Values of a polynomial with coefficients (n, n), by powers of x and of y."""
     values: Floats = polyval2d(x, y, factors)  # type: ignore[no-untyped-call, unused-ignore]
     return values
 
 
-def _onto(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row: Floats) -> _Polynomials:
-    """From columns and rows of a surface, as far as points (n,) are spread, to world fractions of a grid.
+def _fit_plane(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row: Floats) -> _Polynomials:
+    """Fit polynomials from columns and rows of a surface, over the extent of points (n,), to world fractions of a grid.
 
-    Those of the map count from a meridian.
+    On the map, fractions count from the meridian of ``lon_deg``.
     """
     lows = np.array([column.min(), row.min()]) - 1.0
     highs = np.array([column.max(), row.max()]) + 1.0
@@ -502,14 +492,16 @@ def _onto(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row
         u, v = grid.plane.forward(lat, lon)
         return np.stack([u - float(grid.meridian_u(np.asarray(lon_deg))), v])
 
-    nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+    # Chebyshev nodes along each side, enough for the highest degree, 5.
+    nodes = np.cos(np.pi * (np.arange(9) + 0.5) / 9)
     x, y = (at.ravel() for at in np.meshgrid(nodes, nodes))
     between = (nodes[1:] + nodes[:-1]) / 2.0
     check_x, check_y = (at.ravel() for at in np.meshgrid(between, between))
     wanted, checked = exact(x, y), exact(check_x, check_y)
     good, good_check = np.isfinite(wanted).all(axis=0), np.isfinite(checked).all(axis=0)
-    allowed = _PLANES_PX / grid.world_px(grid.native_zoom)
-    for degree in _DEGREES:
+    # 0.02 px of the finest zoom.
+    allowed = 0.02 / grid.world_px(grid.native_zoom)
+    for degree in (1, 2, 3, 5):
         system = polyvander2d(x, y, [degree, degree])[good]  # type: ignore[no-untyped-call, unused-ignore]
         factors = np.linalg.lstsq(system, wanted[:, good].T, rcond=None)[0].T.reshape(2, degree + 1, degree + 1)
         found = _Polynomials(middle, half, factors)
