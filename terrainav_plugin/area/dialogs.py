@@ -231,15 +231,15 @@ class PointsDialog(LayerDialog):
         self.form.addRow(self.by_value, self.agl)
         self.form.addRow(self.by_field, self.agl_field)
         self.form.addRow(tr("&Unit of heights"), self.unit)
-        self.yaw_field = _fields("yaw_field", tr("Degrees clockwise from north; empty: the mission's own yaw"))
-        self.tilt_field = _fields("tilt_field", tr("Degrees; empty: the mission's own tilt"))
+        self.yaw_field = _fields("yaw_field", tr("Degrees clockwise from north; empty: the mission's yaw"))
+        self.tilt_field = _fields("tilt_field", tr("Degrees; empty: the mission's tilt"))
         self.tilt_is = combo(
             "tilt_is",
             (("tilt", tr("tilt: 0 looks down")), ("gimbal_pitch", tr("gimbal pitch: -90 looks down"))),
             tr("Where the angle is 0: straight down, or at the horizon"),
         )
         self.tilt_is.setMinimumContentsLength(max(map(len, map(self.tilt_is.itemText, range(2)))))
-        self.roll_field = _fields("roll_field", tr("Degrees, right side down; empty: the mission's own roll"))
+        self.roll_field = _fields("roll_field", tr("Degrees, right side down; empty: the mission's roll"))
         self.time_field = _fields(
             "time_field",
             tr(

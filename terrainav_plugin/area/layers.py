@@ -326,7 +326,7 @@ def describe_flight(flown: FlownLine) -> str:
     )
     if not flown.tight:
         return words
-    slow = tr("Tighter turns between short legs: {count}, flown at down to {speed} m/s.")
+    slow = tr("Tighter turns between short legs: {count}, flown at speeds down to {speed} m/s.")
     return f"{words} " + slow.format(count=number_text(flown.tight), speed=number_text(flown.slowest_m_per_s, ".1f"))
 
 

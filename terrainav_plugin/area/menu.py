@@ -105,7 +105,7 @@ class AreaMenu(MenuButton):
                     AreaAction.CANVAS,
                     "/mActionZoomFullExtent.svg",
                     tr("&Map canvas extent"),
-                    tr("The box of what the map shows now"),
+                    tr("The extent of the map as a box"),
                 ),
             ),
             (

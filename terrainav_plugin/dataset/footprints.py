@@ -133,7 +133,7 @@ class Outlines:
             transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
             x, y = transformer.transform(self.x, self.y)
         except ProjError as wrong:
-            raise InvalidInput(tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)) from wrong
+            raise InvalidInput(tr("cannot draw in the map's CRS ({reason})").format(reason=wrong)) from wrong
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
     def bounds(self, stem: str) -> Bounds | None:

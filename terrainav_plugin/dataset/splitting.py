@@ -108,7 +108,7 @@ def outcome(made: Split) -> list[Line]:
         lines.append(Line(text.format(share=number_text(100.0 * made.seen, ".1f")), warns=True))
     zones = made.labels.frame.zones
     if len(zones) > 1:
-        text = tr("The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.")
+        text = tr("The images lie in {count} UTM zones ({zones}); one frame covers them all: {frame}.")
         lines.append(
             Line(text.format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs), warns=True)
         )

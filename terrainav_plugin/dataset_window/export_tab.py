@@ -71,7 +71,7 @@ class ExportTab(Tab):
         self.kinds: dict[str, QRadioButton] = {}
         self._group = QButtonGroup(self)
         self.notes: list[QLabel] = []
-        self.map_type = combo("export_map_type", [], tr("Of several, the one that is exported"))
+        self.map_type = combo("export_map_type", [], tr("The one to export, of several"))
         self.target = folder_entry(
             "export_folder",
             tr("TerrAInav: folder of the export"),

@@ -85,10 +85,10 @@ class LabelsTab(Tab):
         if learned.fault is not None:
             return translate(learned.fault)
         if learned.labels is None:
-            return tr("No labels yet: they are written by a split.")
+            return tr("No labels yet: a split writes them.")
         return tr(
-            "A label is the position of the image's centre, scaled by labels.json: metres of {frame} less the mean, in "
-            "standard deviations of {count} images."
+            "A label is the position of the image's centre, scaled by labels.json: metres in {frame} "
+            "minus the mean, in standard deviations of {count} images."
         ).format(frame=learned.labels.frame.crs, count=number_text(learned.labels.images))
 
     def _choose_map_type(self) -> None:
@@ -249,7 +249,7 @@ class DepthScale(QWidget):
 
     def __init__(self, name: str) -> None:
         super().__init__()
-        named(self, name, tr("Depth along the optical axis; its colours are even in its logarithm"))
+        named(self, name, tr("Depth along the optical axis, in colours on a logarithmic scale"))
         self.texts: list[str] = []
         self.setFixedWidth(_IMAGE_PX[0])
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)

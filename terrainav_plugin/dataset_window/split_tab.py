@@ -141,7 +141,7 @@ class SplitTab(Tab):
             self.show_result(tr("Stopped: nothing was changed."))
             return
         first = (
-            tr("Only counted, nothing is changed: {how}.")
+            tr("Only counted, nothing was changed: {how}.")
             if task.options["dry_run"]
             else tr("Written to the tables: {how}.")
         )

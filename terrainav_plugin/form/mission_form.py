@@ -284,7 +284,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
         value = checks.number(field, what, text, partial(edge_deg, field))
         if value is None:
             if looks_like_coordinates(text):
-                checks.messages[field] = tr("coordinates are taken when the field is left")
+                checks.messages[field] = tr("coordinates are read when you leave the field")
             continue
         edges[field] = value
         lat, lon = (value, 0.0) if field in ("north", "south") else (0.0, value)

@@ -38,7 +38,7 @@ class AddressDialog(QDialog):
         self.key = named(
             QgsAuthConfigSelect(),
             "dataset_key",
-            tr("Applied to requests to this web server; object stores take what AWS's tools are set to"),
+            tr("For requests to this web server; object stores use the settings of AWS's tools"),
         )
         self._form = growing_form()
         label = QLabel(tr("&Address"))

@@ -113,7 +113,7 @@ class DatasetTask(Task):
 
         places = unagreed_places(source_names(mission))
         if places:
-            self.left_out = tr("{place} would be asked, which you have not used in this QGIS").format(
+            self.left_out = tr("it needs {place}, which you have not used in this QGIS").format(
                 place=one_line(places[0], _MOST_TITLE)
             )
             return []

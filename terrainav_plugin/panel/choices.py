@@ -106,7 +106,7 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
         SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
         for name in service_names()
     ]
-    drawn = tr("QGIS draws it as on the map, from the layer's own data source.")
+    drawn = tr("QGIS draws it as on the map, from the layer's data source.")
     choices += [
         SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn)) for name, title in layer_choices(project)
     ]

@@ -32,7 +32,7 @@ class HeightsLine(WordsLine):
 
     def __init__(self, name: str, tip: str) -> None:
         super().__init__()
-        more = tr("Several with ; between them: each fills the holes of those before it.")
+        more = tr("Separate several with ; each fills the holes of those before it.")
         named(self, name, f"{tip} {more}")
         self.button = named(QToolButton(), f"{name}_choose", tr("Choose a source of heights"))
         self.button.setText("…")

@@ -148,7 +148,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             self.date.setToolTip(shown_plain(tr("Date of the imagery: {dates}").format(dates=choice.dates)))
         else:
             self.date.setPlaceholderText(tr("date"))
-            self.date.setToolTip(tr("Date of the imagery, as the server takes it"))
+            self.date.setToolTip(tr("Date of the imagery, in the format that the server accepts"))
         self.limits.setText(choice.limits if choice is not None else template_limits(self.template.text()))
         self.limits.setVisible(bool(self.limits.text()))
         self._remove.setEnabled(choice is not None and choice.group == OWN)

@@ -140,7 +140,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self.reset = named(
             buttons.addButton(tr("Reset to defaults"), QDialogButtonBox.ButtonRole.ResetRole),
             "reset",
-            tr("Everything but the keys, which stay as they are"),
+            tr("All settings except keys, which stay as they are"),
         )
         self.reset.clicked.connect(self.show_defaults)
         add_help_button(buttons, tr("settings"))

@@ -141,7 +141,7 @@ class FlightEntries(Entries):
         self.layout_choice = declared_choice("layout")
         self.add_declared("layout", self.layout_choice)
         azimuth = declared_widget("row_azimuth_deg")
-        self.align = push_button("align", tr("Align"), tr("Turn the rows so that they suit the area"))
+        self.align = push_button("align", tr("Align"), tr("Turn the rows to suit the area"))
         menu = named(QMenu(self.align), "align_menu")
         for way, text in ((LONGEST_SIDE, tr("Align to longest side")), (SHORTEST, tr("Shortest flight"))):
             action = menu.addAction(text)

@@ -138,7 +138,7 @@ class AddSourceDialog(QDialog):
         self.tile = named(QLabel(), "tile")
         self.tile.setFixedSize(128, 128)
         self.about_tile = wrapped_label("about_tile")
-        self.name = line_edit("name", tr("Names it in missions and on the command line: lower-case letters and digits"))
+        self.name = line_edit("name", tr("Its name in missions and on the command line: lower-case letters and digits"))
         self.title = line_edit("title", tr("What you call it"))
         self.attribution = line_edit("attribution", tr("Credit that goes into every image's metadata"))
         self.licence = line_edit("licence", tr("Licence of the imagery, such as CC BY 4.0"))

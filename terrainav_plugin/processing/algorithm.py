@@ -228,7 +228,7 @@ class Algorithm(QgsProcessingAlgorithm):
             text = parameters.get(definition.name())
             if isinstance(text, str) and _IN_NO_FILE.search(text):
                 raise InvalidInput(
-                    tr("{title} {value}: has a character that files and their names cannot have").format(
+                    tr("{title} {value}: has a character that is not allowed in files or file names").format(
                         title=definition.description(), value=one_line(text)
                     )
                 )

@@ -84,13 +84,13 @@ class MakeBenchmark(WithImagery):
                     "right tiles."
                 ),
                 tr(
-                    "Take the queries and the reference from imagery of different dates, sources or kinds, as rasters "
-                    "or by source: SOURCE, SOURCE@DATE or SOURCE:roadmap, such as esri-wayback@2014-02-20, with NAME= "
-                    "in front for a name of your own. world is the embedded landscape. If no imagery of the queries "
-                    "is given, it is that of the mission."
+                    "Take the queries and the reference from imagery of different dates, sources or "
+                    "kinds, as rasters or by source: SOURCE, SOURCE@DATE or SOURCE:roadmap, such as "
+                    "esri-wayback@2014-02-20, with NAME= in front for another name. world is the "
+                    "embedded landscape. Without imagery for the queries, the mission's is used."
                 ),
                 tr(
-                    "“Only count” says how many images and requests it takes. Run it again into the same "
+                    "“Only count” shows the number of images and requests. Run it again into the same "
                     "folder to resume an interrupted run. “Score a benchmark” then runs a baseline, or "
                     "scores your own answers."
                 ),
@@ -107,11 +107,11 @@ class MakeBenchmark(WithImagery):
         self.add_consent()
         self.add(
             QgsProcessingParameterBoolean("DRY_RUN", tr("Only count"), False),
-            tr("The log says what would be captured; nothing is."),
+            tr("The log shows what would be captured; nothing is captured."),
         )
         self.add(
             QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
-            tr("The reference and the footprints of the queries, where the algorithm runs in a project."),
+            tr("The reference and the footprints of the queries, if the algorithm runs in a project."),
         )
         self.add(
             QgsProcessingParameterFolderDestination("FOLDER", tr("Benchmark folder")),
@@ -135,10 +135,10 @@ class MakeBenchmark(WithImagery):
 
     def _add_imagery(self) -> None:
         raster = QgsProcessing.SourceType.TypeRaster
-        by_name = tr("SOURCE, SOURCE@DATE or SOURCE:roadmap, with NAME= in front for a name of your own.")
+        by_name = tr("SOURCE, SOURCE@DATE or SOURCE:roadmap, with NAME= in front for another name.")
         self.add(
             QgsProcessingParameterMultipleLayers("QUERY_LAYERS", tr("Queries: rasters"), raster, optional=True),
-            tr("Every query is taken of each of them. They are named as their layers are."),
+            tr("Every query is taken from each of them. Their names are those of the layers."),
         )
         self.add(
             QgsProcessingParameterString("QUERIES", tr("Queries: imagery by name"), multiLine=True, optional=True),
@@ -309,7 +309,7 @@ class ScoreBenchmark(Algorithm):
                     "or those in a file. Writes a page, the figures, and the error of every query."
                 ),
                 tr(
-                    "ncc correlates the query, seen straight from above, with every place of the "
+                    "ncc correlates the query, as seen vertically from above, with every place of the "
                     "reference. sift and orb match features; they need OpenCV (the Python package "
                     "opencv-python-headless). middle always answers with the middle of the reference, "
                     "which every method has to beat."
@@ -329,7 +329,7 @@ class ScoreBenchmark(Algorithm):
         """Add the parameters and outputs."""
         self.add(
             QgsProcessingParameterFile("BENCHMARK", tr("Benchmark folder"), QgsProcessingParameterFile.Behavior.Folder),
-            tr("As “Make a benchmark” leaves it."),
+            tr("A folder made by “Make a benchmark”."),
         )
         self.add(
             ChoiceParameter("METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))),
@@ -345,7 +345,7 @@ class ScoreBenchmark(Algorithm):
         )
         self.add(
             QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
-            tr("The errors and the reference, where the algorithm runs in a project."),
+            tr("The errors and the reference, if the algorithm runs in a project."),
         )
         self.add(
             QgsProcessingParameterFile(
@@ -354,7 +354,10 @@ class ScoreBenchmark(Algorithm):
                 QgsProcessingParameterFile.Behavior.Folder,
                 optional=True,
             ),
-            tr("If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part."),
+            tr(
+                "If empty, a folder inside the benchmark's, named after the baseline or file of predictions, "
+                "and the part."
+            ),
         )
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Scores")))
         self.addOutput(QgsProcessingOutputVectorLayer("ERRORS", tr("Errors of the queries")))
@@ -488,7 +491,7 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
             )
         )
     if worked_out.left_out:
-        left_out = tr("Queries of each imagery left out, which see beyond the imagery: {n}")
+        left_out = tr("Queries of each imagery left out, as they show ground beyond the imagery: {n}")
         watch.say(left_out.format(n=number_text(worked_out.left_out)))
 
 

@@ -58,7 +58,7 @@ class _Capturing(WithImagery):
     def _add_results(self) -> None:
         self.add(
             QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
-            tr("The footprints and the mosaics, where the algorithm runs in a project."),
+            tr("The footprints and the mosaics, if the algorithm runs in a project."),
         )
         self.addOutput(QgsProcessingOutputVectorLayer("FOOTPRINTS", tr("Footprints")))
         self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Mosaic of the first map type")))
@@ -165,10 +165,7 @@ class Capture(_Capturing):
                     "give the reason for each that could not be fetched. Run it again into the same "
                     "folder to resume an interrupted capture."
                 ),
-                tr(
-                    "The mission is that of the parameters or, in advanced parameters, of a file that the plan has "
-                    "written."
-                ),
+                tr("The mission comes from the parameters or from a mission file, among the advanced parameters."),
             ),
         )
 
@@ -204,8 +201,8 @@ class CaptureFailed(_Capturing):
             tr("uav,drone,capture,failed,retry,resume,dataset"),
             (
                 tr(
-                    "Captures those images of a dataset folder again that an earlier run has noted as failed, and "
-                    "nothing else. Where nothing has failed there is nothing to do."
+                    "Captures again the images of a dataset folder that failed in an earlier run, and "
+                    "nothing else. If none failed, there is nothing to do."
                 ),
             ),
         )

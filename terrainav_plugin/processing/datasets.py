@@ -60,8 +60,8 @@ class Clean(_OfDataset):
             tr("dataset,clean,entropy,filter,reject,training,machine learning"),
             (
                 tr(
-                    "Rejects images whose entropy is below a threshold. If a place has a roadmap image, its "
-                    "entropy decides for all map types; otherwise each image's own entropy does."
+                    "Rejects images whose entropy is below a threshold. If a place has a roadmap image, "
+                    "its entropy decides for all map types; otherwise each image's entropy does."
                 ),
                 tr(
                     "Nothing is deleted. mark notes in the table's column “rejected” why an image is "
@@ -317,7 +317,7 @@ class Export(Algorithm):
         )
         self.add(
             QgsProcessingParameterString("MAP_TYPE", tr("Map type"), optional=True),
-            tr("Of several, the one that is exported. If empty: satellite, or all for formats of datasets."),
+            tr("The one to export, of several. If empty: satellite, or all for formats of datasets."),
         )
         self.add(
             QgsProcessingParameterFolderDestination(

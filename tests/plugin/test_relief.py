@@ -293,7 +293,7 @@ def test_menu_adds_a_source_that_fills_holes(desk, dem, screenshot):
     set_up(desk)
     choose(desk, "Ridge")
     line = desk.form.relief.findChild(QLineEdit, "elevation")
-    assert "Several with ; between them: each fills the holes of those before it." in line.toolTip()
+    assert "Separate several with ; each fills the holes of those before it." in line.toolTip()
     button = desk.form.relief.findChild(QToolButton, "elevation_choose")
     menu = button.menu()
     menu.aboutToShow.emit()

@@ -173,7 +173,7 @@ def test_a_box_that_is_typed_is_taken_apart_when_the_field_is_left(desk, end):
     edit = desk.form.edges["west"]
     desk.type_text(edit, WHOLE_BOX)
     assert edges(desk) == ["", WHOLE_BOX, "", ""]
-    assert desk.message("west") == "coordinates are taken when the field is left"
+    assert desk.message("west") == "coordinates are read when you leave the field"
     QTest.keyClick(edit, end)
     assert edges(desk) == ["35.16", "-89.9", "35.115", "-89.823"]
     assert desk.message("west") == ""
