@@ -1,14 +1,14 @@
-"""Datasets and benchmarks in the formats that other programs read.
+"""Datasets and benchmarks in the formats of other programs.
 
 In reading order:
 
-- `kinds`: the formats by name, and one way into all of them
+- `kinds`: formats by name, and export to any of them
 - `views`: camera frames of a dataset with their poses in one local frame
-- `formats`: COLMAP models, nerfstudio's transforms, trajectories as TUM and KITTI have them
+- `formats`: COLMAP models, nerfstudio's transforms, trajectories of TUM and KITTI
 - `tables`: tables of any dataset as Parquet, with footprints
-- `huggingface`: folders of images with a card, for Hugging Face's datasets
+- `huggingface`: folders of images with a card, for Hugging Face's library datasets
 - `croissant`: a description of a dataset's files and records
-- `stac`: all images as items of STAC, in one table of GeoParquet, and their collection
-- `scenes`: the ground of a benchmark in metres, as its queries see it and as its reference shows it
-- `localisers`: benchmarks in the layouts of the sets that localisers are judged on
+- `stac`: images as STAC items in one GeoParquet table, and their collection
+- `scenes`: ground of a benchmark in metres: points that queries see, and the reference with heights
+- `localisers`: benchmarks in the layouts of published sets for visual localisation
 """

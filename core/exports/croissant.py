@@ -1,4 +1,4 @@
-"""Datasets as MLCommons' Croissant describes them: files, and records of them with typed fields."""
+"""Datasets described in Croissant of MLCommons: files, and records with typed fields."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
-#: Types of fields by the kinds of columns; texts otherwise.
+#: Types of fields by the kinds of columns; others are texts.
 _TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
-#: What the words of a description mean: the context that Croissant 1.0 prescribes.
+#: JSON-LD context that Croissant 1.0 prescribes.
 _CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",
@@ -70,37 +70,38 @@ _MEDIA = {
     ".jpg": "image/jpeg",
     ".jpeg": "image/jpeg",
 }
-#: Tars of images, as WebDataset has them: their members have keys of nine digits, and endings.
+#: Media type of shards.
 TAR = "application/x-tar"
-_KEYS, _KEY = "[0-9]" * 9, r"^(\d{9})\."
+#: Glob pattern of the keys of members of shards, as in WebDataset.
+_KEYS = "[0-9]" * 9
 
 
 def write_croissant(
     folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
 ) -> list[Path]:
-    """Write ``croissant.json`` into a dataset's folder, whose files it describes; returns it.
+    """Write ``croissant.json``, which describes the files of a dataset, into the dataset's folder; return it.
 
-    Each map type is a record set: its images, and the columns of ``meta_data.csv``. An earlier description is replaced.
+    Each map type is a record set of images and columns of ``meta_data.csv``. An earlier description is replaced.
 
     Parameters
     ----------
     target : path
-        The dataset's folder once more.
+        The dataset's folder.
     map_type : str or None
-        One alone.
+        None for all.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, has no such map type, or is another than the target.
+        The folder is not a dataset, lacks the map type, or is not the target.
     OutputError
-        A folder that cannot be written.
+        The folder cannot be written.
     """
     return [describe_files(own_folder(read_dataset(folder), target, CROISSANT_FILE), map_type)]
 
 
 def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
-    """Return the dataset if a place is its folder; raises InvalidInput for another, where a ``file`` says nothing."""
+    """Return the dataset if ``target`` is its folder; raises InvalidInput otherwise, naming the ``file``."""
     if not is_same(dataset.folder, target):
         raise InvalidInput(
             "folder {0}: a {1} describes the files beside it",
@@ -112,17 +113,17 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
 
 
 def dataset_name(dataset: Dataset) -> str:
-    """What a dataset is called: as its folder."""
+    """Name of a dataset: that of its folder."""
     return writable(resolved(dataset.folder).name) or "dataset"
 
 
 def media_type(name: str) -> str:
-    """Media type of an image by its file's name."""
+    """Media type of an image by its file name."""
     return _MEDIA.get(PurePosixPath(name).suffix.lower(), "application/octet-stream")
 
 
 def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
-    """Write the description of a dataset as `write_croissant` does; returns it."""
+    """Write the description of a dataset, see `write_croissant`; return it."""
     sets = chosen_sets(dataset, map_type)
     files: list[dict[str, Any]] = []
     records = []
@@ -148,7 +149,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
 
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
-    """The table of a map type, with its checksum, and the sets of its images and shards."""
+    """File objects of a map type: the table with its checksum, and the sets of images and shards."""
     place = described_folder(dataset, images.folder)
     endings = {PurePosixPath(one).suffix: media_type(one) for one in images.table.img_names}
     table = {
@@ -183,7 +184,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         "encodingFormat": "application/json",
         "includes": f"{_KEYS}.json",
     }
-    # Products have the key and two endings.
+    # The patterns leave out products, whose names have two endings.
     return [
         table,
         shards,
@@ -193,8 +194,8 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
 
 
 def _samples(name: str) -> dict[str, Any]:
-    """Record set of what the tars of a map type hold: an image, and its row of the table, by their key."""
-    keys = {"extract": {"fileProperty": "filename"}, "transform": {"regex": _KEY}}
+    """Record set of the shards of a map type: each image with its row of the table, by key."""
+    keys = {"extract": {"fileProperty": "filename"}, "transform": {"regex": r"^(\d{9})\."}}
     files, rows = ({"fileSet": {"@id": f"{name}/{one}"}} for one in ("files", "json"))
     content = {"extract": {"fileProperty": "content"}}
     record = f"{name}/samples"
@@ -212,16 +213,16 @@ def _samples(name: str) -> dict[str, Any]:
 
 
 def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
-    """Record set of a map type: its table, with the images where they are files."""
+    """Record set of a map type: the table and, unless they are in shards, the images."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
-    # Tables of others have some of our columns.
+    # Foreign tables may lack columns.
     first, *columns = (one for one in written_columns(images.table) if one.header in headers)
-    of_table = {"fileObject": table, "extract": {"column": first.header}}
-    fields = [{**_field(name, "file", "sc:Text"), "source": of_table}]
+    names = {"fileObject": table, "extract": {"column": first.header}}
+    fields = [{**_field(name, "file", "sc:Text"), "source": names}]
     if not images.shards:
-        of_files = {"fileSet": files, "extract": {"fileProperty": "filename"}}
+        paths = {"fileSet": files, "extract": {"fileProperty": "filename"}}
         fields = [
-            {**fields[0], "source": of_files, "references": of_table},
+            {**fields[0], "source": paths, "references": names},
             {
                 **_field(name, "image", "sc:ImageObject"),
                 "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
@@ -248,7 +249,7 @@ def _field(record: str, name: str, kind: str) -> dict[str, Any]:
 
 
 def _headers_and_sum(path: Path) -> tuple[list[str], str]:
-    """Headers of a table, and the checksum of its file."""
+    """Headers of a table, and the SHA-256 of its file."""
     digest = hashlib.sha256()
     try:
         with open_foreign(path, MAX_TABLE_BYTES) as file:

@@ -1,6 +1,6 @@
-"""Formats of photogrammetry, of radiance fields and of trajectories.
+"""Formats of photogrammetry, radiance fields and trajectories.
 
-All are in metres of one frame, east, north and up of a place that ``origin.json`` beside them tells.
+All are in metres east, north and up of an origin, which ``origin.json`` beside them describes.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ..geodesy.quaternions import quaternions_from_matrices
 from ..storage.files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_record
 
-#: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
+#: Rotation from OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
 _OPENGL = np.diag([1.0, -1.0, -1.0])
 
 
 def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
-    """Write views in a format; returns the folder.
+    """Write views in a format; return the folder.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     Raises
     ------
     InvalidInput
-        Another format.
+        The format is unknown.
     OutputError
-        A folder that cannot be written, or is not empty.
+        The folder cannot be written, or is not empty.
     """
     if kind not in FORMATS:
         raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(FORMATS))
@@ -47,21 +47,21 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
 
 
 def colmap(views: Views, _: Path) -> dict[str, str]:
-    """A COLMAP model in text, ``sparse/0``: cameras, images, and no points yet.
+    """COLMAP model as text in ``sparse/0``: cameras and images, without points.
 
-    Poses are world to camera, with OpenCV's axes; one camera for each size of image.
+    Poses lead from world to camera, with OpenCV's axes. There is one camera per image size.
     """
     sizes: dict[tuple[float, ...], int] = {}
     lines = []
     quaternions = quaternions_from_matrices(views.rotations)
-    # As COLMAP numbers the images of a folder, so that its database of features has the same numbers.
+    # COLMAP's database numbers images by name, too.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
-        own = tuple(float(one[at]) for one in (views.width_px, views.height_px, views.fx_px, views.fy_px))
-        camera = sizes.setdefault(own, len(sizes) + 1)
+        size = tuple(float(one[at]) for one in (views.width_px, views.height_px, views.fx_px, views.fy_px))
+        camera = sizes.setdefault(size, len(sizes) + 1)
         shift = -views.rotations[at] @ views.centres_m[at]
         numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
-        # Two lines an image: the second has the points that it sees.
+        # The second line of an image, for its points, is empty.
         lines.append(f"{number} {numbers} {camera} {name}\n\n")
     cameras = [
         f"{number} PINHOLE {width:.0f} {height:.0f} {fx!r} {fy!r} {width / 2.0!r} {height / 2.0!r}\n"
@@ -75,7 +75,7 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
 
 
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:
-    """Nerfstudio's ``transforms.json``: poses camera to world, with OpenGL's axes; images by their relative paths."""
+    """Nerfstudio's ``transforms.json``: poses from camera to world with OpenGL's axes, and relative image paths."""
     frames = []
     for at, name in enumerate(views.names):
         pose = np.eye(4)
@@ -98,9 +98,9 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
 
 
 def tum(views: Views, _: Path) -> dict[str, str]:
-    """A trajectory as TUM has it: time, place, and quaternion (x, y, z, w) camera to world, with OpenCV's axes.
+    """TUM trajectory: time, position, and quaternion (x, y, z, w) from camera to world with OpenCV's axes.
 
-    Times are Unix seconds; where the table has none, the image's number from 0, in the order of the table.
+    Times are Unix seconds; if the table has none, numbers of images from 0, in the order of the table.
     """
     quaternions = quaternions_from_matrices(np.swapaxes(views.rotations, 1, 2))
     first, times = ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
@@ -114,9 +114,9 @@ def tum(views: Views, _: Path) -> dict[str, str]:
 
 
 def kitti(views: Views, _: Path) -> dict[str, str]:
-    """A trajectory as KITTI has it: each line is the upper three rows of a pose camera to world, with OpenCV's axes.
+    """KITTI trajectory: each line has the upper three rows of a pose from camera to world, with OpenCV's axes.
 
-    Where the table has times, ``times.txt`` has the seconds since the first.
+    If the table has times, ``times.txt`` has the seconds since the first.
     """
     turned, places = np.swapaxes(views.rotations, 1, 2), views.centres_m[:, :, np.newaxis]
     rows = np.concatenate([turned, places], axis=2).reshape(-1, 12)

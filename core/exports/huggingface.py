@@ -1,4 +1,4 @@
-"""Datasets as the library ``datasets`` of Hugging Face reads them: folders of images with a card."""
+"""Folders of images with a card, for the library ``datasets`` of Hugging Face."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ..storage.files import link_or_copy, new_folder, write_whole
 from .tables import chosen_sets
 
 CARD_FILE, METADATA_FILE = "README.md", "metadata.jsonl"
-#: Types of columns, by their kinds; texts otherwise.
+#: Types of columns by kind; others are texts.
 _TYPES = {WHOLE: "int64", NUMBER: "float64"}
-#: Sizes of datasets as cards have them: fewer images than.
+#: Size categories of cards, by the exclusive limit of images.
 _SIZES = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<1M", 10**7: "1M<n<10M"}
 
 
@@ -33,30 +33,30 @@ def write_huggingface(
     map_type: str | None = None,
     progress: Report | None = None,
 ) -> list[Path]:
-    """Write a dataset as a folder that ``datasets.load_dataset`` takes; returns the card and the tables.
+    """Write a dataset as a folder for ``datasets.load_dataset``; return the card and the tables.
 
-    Each map type is a configuration: a folder of the parts ``train``, ``validation`` and ``test`` of a dataset that is
-    split, or of all images. Each of these has a ``metadata.jsonl`` with the columns of ``meta_data.csv`` that hold
-    anything. Images are further names of the dataset's files, or copies where the disk has none; what failed, is
-    rejected or is in the gap between parts is left out.
+    Each map type is a configuration: a folder with the parts ``train``, ``validation`` and ``test`` of a split dataset,
+    or with all images. Each part has a ``metadata.jsonl`` with the non-empty columns of ``meta_data.csv``. Images are
+    hard links to the dataset's files, or copies where the file system has no links. Images that failed, are rejected or
+    are in the gap between parts are left out.
 
     Parameters
     ----------
     target : path
         A new or empty folder.
     map_type : str or None
-        One alone.
+        None for all.
     progress : callable
-        Told the share done, 0 to 1, after each image; an answer of False stops it, and removes what is written.
+        Called with the share done, 0 to 1, after each image; returning False cancels, and removes the export.
 
     Raises
     ------
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     InvalidInput
-        A folder that is no dataset, has no such map type, or no images for one.
+        The folder is not a dataset, lacks the map type, or has no images of it.
     OutputError
-        A folder that cannot be written or is not empty.
+        The folder cannot be written or is not empty.
     """
     sets = chosen_sets(read_dataset(folder), map_type)
     parts = {name: _parts(name, images) for name, images in sets.items()}
@@ -82,24 +82,24 @@ def write_huggingface(
 
 
 def _parts(name: str, images: ImageSet) -> dict[str, Any]:
-    """Rows of each part that has any; of all images, in the folder itself, where there is no split."""
+    """Rows of each non-empty part; without a split, of all images, with an empty name."""
     rows, part = np.flatnonzero(usable_rows(images.table)), image_parts(images.table)
     if part is None:
         found = {"": rows} if len(rows) else {}
     else:
-        of_part = {one: np.array([row for row in rows.tolist() if part[row] == one], np.int64) for one in PARTS}
-        found = {one: some for one, some in of_part.items() if len(some)}
+        by_part = {one: np.array([row for row in rows.tolist() if part[row] == one], np.int64) for one in PARTS}
+        found = {one: some for one, some in by_part.items() if len(some)}
     if not found:
         raise InvalidInput("map type {0!r}: has no image to export", name)
     return found
 
 
 def _columns(images: ImageSet, rows: Any) -> list[Column]:
-    """Columns that hold anything in some rows, but for the images' names."""
+    """Columns, without image names, that have values in some rows."""
     _, *columns = written_columns(images.table)
     found = []
     for one in columns:
-        # Times as texts, which all versions of the library read alike.
+        # All versions of the library read times as texts in the same way.
         values = images.table.time_utc if one.header == "time_utc" else one.values
         if any(values[row] for row in rows.tolist()) if isinstance(values, tuple) else np.isfinite(values[rows]).any():
             found.append(one._replace(values=values))
@@ -118,7 +118,7 @@ def _card(
     parts: Mapping[str, Mapping[str, Any]],
     features: Mapping[str, Mapping[str, str]],
 ) -> str:
-    """Card: YAML for programs, then Markdown for people."""
+    """Card: YAML, then Markdown."""
     count = sum(len(rows) for one in parts.values() for rows in one.values())
     size = next((text for most, text in _SIZES.items() if count < most), "n>10M")
     lines = [
@@ -156,12 +156,12 @@ def _card(
 
 
 def credit_line(images: ImageSet) -> str:
-    """Who made the imagery of a map type: its sources with their attributions."""
+    """Sources of the imagery of a map type, with their attributions."""
     table = images.table
     found = dict.fromkeys(", ".join(text for text in pair if text) for pair in zip(table.source, table.attribution))
     return "; ".join(text for text in found if text) or "not known"
 
 
 def _quoted(text: str) -> str:
-    """Text of YAML, of which JSON's are."""
+    """YAML string, for which JSON will do."""
     return json.dumps(text, ensure_ascii=False)

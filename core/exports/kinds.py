@@ -1,4 +1,4 @@
-"""The formats by name, and one way into all of them. What forms and the command show needs no numerics."""
+"""Formats by name, and export to any of them. The names are imported without numpy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..dataset.entropy import Report
 
-#: Names of the formats and what people read: of camera frames, of any dataset's tables, and of benchmarks.
+#: Titles of formats by name: of camera frames, of datasets and of benchmarks.
 VIEWS = {
     "colmap": "COLMAP",
     "nerfstudio": "nerfstudio",
@@ -36,12 +36,12 @@ BENCHMARKS = {
     "anyvisloc": "AnyVisLoc",
 }
 KINDS = {**VIEWS, **DATASETS, **BENCHMARKS}
-#: Those that go into the dataset's own folder unless another is named.
+#: Formats that are written into the dataset's folder by default.
 BESIDE_TABLES = ("parquet", "croissant", "stac")
 
 
 class Exported(NamedTuple):
-    """What was written.
+    """Result of an export.
 
     Parameters
     ----------
@@ -67,22 +67,22 @@ def export_as(
     Parameters
     ----------
     target : path or None
-        Folder to write to; None for the dataset's own, which only `BESIDE_TABLES` go into.
+        Folder to write to; None, for formats in `BESIDE_TABLES`, for the dataset's folder.
     kind : str
         One of `KINDS`.
     map_type : str or None
-        Of several, the one that is exported; None for all, or for the only one.
+        None for all or, of camera frames, the first.
     progress : callable
-        Told the share done, 0 to 1, after each image; an answer of False stops it, and nothing is left then.
+        Called with the share done, 0 to 1, after each image; returning False cancels, and removes the export.
 
     Raises
     ------
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     InvalidInput
-        Another format, no folder to write to, no such map type, no such dataset or benchmark.
+        The format, map type, dataset or benchmark is unknown, or the format needs a target.
     OutputError
-        A folder that cannot be written.
+        The folder cannot be written.
     """
     if kind not in KINDS:
         raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(KINDS))
@@ -107,9 +107,9 @@ def export_as(
 
 
 def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]:
-    """Why a folder cannot be exported, by format; None where it can. Reads tables, but no image.
+    """Reasons why a folder cannot be exported, by format; None where it can. Reads tables, but no image.
 
-    A format may still refuse what only shows when it is written, such as a folder that is not empty.
+    An export may still fail for other reasons, such as a target folder that is not empty.
     """
     from ..benchmark.folder import Benchmark
     from ..dataset.dataset import read_dataset
@@ -128,7 +128,6 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
         except TerrAInavError as wrong:
             reason = wrong
         found.update(dict.fromkeys(kinds, reason))
-    # pyarrow writes these.
     for kind in ("parquet", "stac"):
         if found[kind] is None and find_spec("pyarrow") is None:
             found[kind] = InvalidInput("format {0}: needs the Python package pyarrow, which is not installed", kind)
@@ -149,7 +148,7 @@ def _export_dataset(
 
     if kind == "huggingface":
         paths = tuple(write_huggingface(folder, target, map_type, progress))
-        # The card, tables and images: the folder was empty before.
+        # The folder was empty before, so all files in it are exported.
         return Exported(sum(one.is_file() for one in Path(target).rglob("*")), paths)
     write = {"parquet": write_parquet, "croissant": write_croissant, "stac": write_stac}
     paths = tuple(write[kind](folder, target, map_type))

@@ -1,6 +1,7 @@
-"""Benchmarks in the layouts of the sets that localisers are judged on, as the readers of those open them.
+"""Benchmarks in the layouts of published sets for visual localisation.
 
-Files and names are what University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and AnyVisLoc read.
+Files and names are those read by University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and
+AnyVisLoc.
 """
 
 from __future__ import annotations
@@ -40,18 +41,9 @@ from .scenes import Ortho, OrthoGrid, SceneGround, local_frame
 from .views import ORIGIN_FILE, origin_record
 
 README_FILE = "README.txt"
-#: Pillow's formats by the endings of files that are such.
+#: Pillow's formats by file ending.
 _FORMATS = {".jpg": "JPEG", ".jpeg": "JPEG", ".png": "PNG"}
-#: Queries whose middles are the same to so many decimals of a degree, 0.1 m, show one place.
-_PLACE_DECIMALS = 6
-#: GTA-UAV's map is so many pixels of so many metres wide, cut into 2^zoom tiles along a side, whose names are
-#: zoom, offset, column and row. With zoom 20 columns are 1.05 cm wide, and names tell middles within 8 mm.
-_GTA_PX, _GTA_PIXEL_M, _GTA_ZOOM = 24576, 0.45, 20
-#: OrthoLoC's references are squares of so many pixels, and reach beyond what a query shows by this share.
-_ORTHOLOC_PX, _ORTHOLOC_MARGIN = 1024, 0.1
-#: Points along each side of OrthoLoC's keypoints, of which there are few, and of its mesh.
-_KEYPOINTS, _MESH = 16, 33
-#: AnyVisLoc's names have room for so many scenes and samples of one.
+#: Limits of AnyVisLoc's names: scenes, and samples of a scene.
 _SCENES, _SAMPLES = 99, 9999
 
 _STREET = (
@@ -62,7 +54,7 @@ _STREET = (
 
 @dataclass
 class _Export:
-    """An export under way: what is exported, where to, and which file each query has become."""
+    """An export in progress, with the file that each query has become."""
 
     benchmark: Benchmark
     folder: Path
@@ -71,11 +63,11 @@ class _Export:
     progress: Report | None = None
 
     def rows(self, *parts: str) -> list[int]:
-        """Queries of parts; those of a benchmark without parts are all for tests."""
+        """Queries of parts; without parts, all queries are for tests."""
         return [at for at, part in enumerate(self.benchmark.queries.part) if (part or TEST) in parts]
 
     def scenes(self) -> list[tuple[str, list[int]]]:
-        """Queries of one imagery and part each, and what they are called; without those near to another part."""
+        """Titles of scenes and their queries, of one imagery and part each, without those in gaps between parts."""
         queries = self.benchmark.queries
         found = []
         for name in dict.fromkeys(queries.imagery):
@@ -86,12 +78,12 @@ class _Export:
         return found
 
     def picture(self, row: int, file: str) -> None:
-        """Give a query's image a name in the export."""
+        """Export the image of a query under a name."""
         self.image(self.benchmark.queries.file[row], file)
         self.files.setdefault(row, file)
 
     def image(self, stored: str, file: str) -> None:
-        """Give an image of the benchmark a name in the export, in the format of its ending."""
+        """Export an image of the benchmark under a name, in the format of its ending."""
         share = min(len(self.files) / max(len(self.benchmark.queries), 1), 1.0)
         if self.progress is not None and not self.progress(share):
             raise Cancelled("stopped while images were exported: nothing is left of the export")
@@ -109,12 +101,12 @@ class _Export:
         write_whole(self.folder / file, data)
 
     def finish(self) -> None:
-        """Write which file each query has become, and what a reader has to know."""
+        """Write the table of queries and their files, and the notes for readers."""
         rows = sorted(self.files)
         queries = self.benchmark.queries
         columns = {"query": queries.id, "part": queries.part}
-        own = {name: [values[at] for at in rows] for name, values in columns.items()}
-        write_columns(self.folder / QUERIES_FILE, {**own, "file": [self.files[at] for at in rows]})
+        selected = {name: [values[at] for at in rows] for name, values in columns.items()}
+        write_columns(self.folder / QUERIES_FILE, {**selected, "file": [self.files[at] for at in rows]})
         imagery = self.benchmark.about.get("imagery")
         sources = imagery.values() if isinstance(imagery, dict) else ()
         named = dict.fromkeys(
@@ -132,35 +124,33 @@ class _Export:
 def export_benchmark(
     benchmark: Benchmark, folder: str | os.PathLike[str], kind: str, progress: Report | None = None
 ) -> int:
-    """Write a benchmark in the layout of another set; returns the number of queries in it.
+    """Write a benchmark in the layout of another set; return the number of queries in it.
 
-    The folder gets its name when all is written: until then it is called with ``.part`` at its end. Images are hard
-    links or copies where they are of the format that the layout has, and are encoded anew where not. The same benchmark
-    leaves the same bytes.
+    Until all is written, the name of the folder ends in ``.part``. Images in the format of the layout are hard links or
+    copies; others are encoded again. The same benchmark gives the same bytes.
 
     Parameters
     ----------
     kind : str
         One of `LAYOUTS`.
     progress : callable
-        Told the share done, 0 to 1, before each image; an answer of False stops it, and nothing is left then.
+        Called with the share done, 0 to 1, before each image; returning False cancels, and removes the export.
 
     Raises
     ------
     Cancelled
-        When ``progress`` said so.
+        ``progress`` returned False.
     InvalidInput
-        Another layout, an image that cannot be read, or more scenes than the layout has names for; heights that the
-        benchmark was made with and that cannot be opened.
+        The layout is unknown or has too few names for the scenes, or an image or the elevation cannot be read.
     OutputError
-        A folder that cannot be written, or is not empty.
+        The folder cannot be written, or is not empty.
     """
     if kind not in LAYOUTS:
         raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(LAYOUTS))
     path = new_folder(folder).resolve()
     partial = path.with_name(path.name + PARTIAL_ENDING)
     if partial.exists():
-        raise OutputError("folder {0}: is left of an export that was stopped", partial, remedy="remove it")
+        raise OutputError("folder {0}: left over from an interrupted export", partial, remedy="remove it")
     under_way = _Export(benchmark, partial, progress=progress)
     try:
         make_folder(partial)
@@ -181,32 +171,32 @@ def export_benchmark(
 
 
 class _QueryGroup(NamedTuple):
-    """Queries that show one place."""
+    """Queries of one place."""
 
     part: str
     rows: list[int]
 
 
 def _places(under_way: _Export) -> list[_QueryGroup]:
-    """Places in the order of their first query."""
+    """Places in the order of their first query: queries whose centres agree to 0.1 m."""
     queries = under_way.benchmark.queries
     found: dict[tuple[str, float, float], list[int]] = {}
     for at in under_way.rows(TRAIN, VALIDATION, TEST):
         lat, lon = (float(angle[at]) for angle in (queries.centre_lat_deg, queries.centre_lon_deg))
-        key = queries.part[at] or TEST, round(lat, _PLACE_DECIMALS), round(lon, _PLACE_DECIMALS)
+        key = queries.part[at] or TEST, round(lat, 6), round(lon, 6)
         found.setdefault(key, []).append(at)
     return [_QueryGroup(key[0], rows) for key, rows in found.items()]
 
 
 def _folders(part: str, view: str, label: str) -> list[str]:
-    """Folders of a place's images: those that are searched for are in the gallery as well."""
+    """Folders of the images of a place; in tests, queries are in the gallery, too."""
     if part == TRAIN:
         return [f"{TRAIN}/{view}/{label}"]
     return [f"{part}/{kind}_{view}/{label}" for kind in ("query", "gallery")]
 
 
-def _write_aerial(ground: SceneGround, row: int) -> Image.Image:
-    """The reference about the middle of a query, as wide as the benchmark's tiles; black where it ends."""
+def _aerial_crop(ground: SceneGround, row: int) -> Image.Image:
+    """Crop of the reference around the middle of a query, as wide as the tiles; black outside it."""
     benchmark = ground.benchmark
     mosaic, queries, tiles = benchmark.mosaic, benchmark.queries, benchmark.references
     side = round(float(tiles.east[0] - tiles.west[0]) / mosaic.pixel_width)
@@ -216,11 +206,11 @@ def _write_aerial(ground: SceneGround, row: int) -> Image.Image:
 
 
 def _university(under_way: _Export) -> None:
-    """University-1652: a folder for each place, with its satellite view and the drone's."""
+    """University-1652: a folder for each place, with satellite and drone views."""
     ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
     for number, place in enumerate(_places(under_way)):
         label = f"{number:04d}"
-        above = _encoded(_write_aerial(ground, place.rows[0]), "JPEG")
+        above = _encoded(_aerial_crop(ground, place.rows[0]), "JPEG")
         for inside in _folders(place.part, "satellite", label):
             under_way.write(f"{inside}/{label}.jpg", above)
         names = {row: f"image-{at:02d}.jpeg" for at, row in enumerate(place.rows, 1)}
@@ -235,20 +225,20 @@ def _university(under_way: _Export) -> None:
 
 
 def _off_nadir(queries: Queries, row: int) -> float:
-    """How far a query looks from straight down, degrees."""
+    """Angle between the view of a query and straight down, degrees."""
     tilt, roll = (math.radians(float(angle[row])) for angle in (queries.tilt_deg, queries.roll_deg))
     return math.degrees(math.acos(min(math.cos(tilt) * math.cos(roll), 1.0)))
 
 
 def _denseuav(under_way: _Export) -> None:
-    """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` tells file, longitude, latitude and height."""
+    """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` lists file, longitude, latitude and height."""
     ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
     heights_m = queries.poses.agl_m
     lines: dict[str, list[str]] = {TRAIN: [], VALIDATION: [], TEST: []}
     for number, place in enumerate(_places(under_way)):
         label = f"{number:06d}"
         names = _names_by_height(heights_m, place.rows)
-        above = _encoded(_write_aerial(ground, place.rows[0]), "TIFF")
+        above = _encoded(_aerial_crop(ground, place.rows[0]), "TIFF")
         for row, name in names.items():
             for view in ("drone", "satellite"):
                 for inside in _folders(place.part, view, label):
@@ -265,7 +255,7 @@ def _denseuav(under_way: _Export) -> None:
 
 
 def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
-    """Names of the images of a place: H and the height in metres, and a number where several have one."""
+    """Names of the images of a place: H and the height in metres, with a number if it is not unique."""
     found: dict[int, str] = {}
     for row in rows:
         name = f"H{heights_m[row]:.0f}"
@@ -278,17 +268,19 @@ def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
 
 
 def _gta(under_way: _Export) -> None:
-    """GTA-UAV: images of the drone, tiles whose names tell their middles, and JSON of which tiles are right."""
+    """GTA-UAV: drone images, tiles with their position in the name, and JSON of matching tiles."""
     benchmark = under_way.benchmark
     queries, tiles, mosaic = benchmark.queries, benchmark.references, benchmark.mosaic
     corner = mosaic.ground(np.zeros(1), np.zeros(1))
     frame = LocalFrame(*(round(float(angle[0]), 6) for angle in corner))
     middles = frame.enu(tiles.lat_deg, tiles.lon_deg, np.zeros(len(tiles)))[:, :2] * (1.0, -1.0)
     names, places = [], []
+    # The map of GTA-UAV has 24576 pixels of 0.45 m per side, divided into 2^zoom tiles, which are named by zoom,
+    # offset, column and row. At zoom 20 columns are 1.05 cm wide, so names state middles to 8 mm.
     widths = list(dict.fromkeys(tiles.width_m.tolist()))
     for middle, width in zip(middles.tolist(), tiles.width_m.tolist()):
-        zoom = _GTA_ZOOM + widths.index(width)
-        step = _GTA_PX / 2**zoom * _GTA_PIXEL_M
+        zoom = 20 + widths.index(width)
+        step = 24576 / 2**zoom * 0.45
         column, row = (math.floor(at / step) for at in middle)
         names.append(f"{zoom}_0_{column}_{row}.png")
         places.append([(column + 0.5) * step, (row + 0.5) * step])
@@ -302,12 +294,12 @@ def _gta(under_way: _Export) -> None:
     area = "cross" if benchmark.about.get("split") == CROSS_AREA else "same"
     seen = frame.enu(queries.centre_lat_deg, queries.centre_lon_deg, np.zeros(len(queries)))[:, :2]
     shown, poses = seen * (1.0, -1.0), queries.poses
-    number_of = {name: number for number, name in enumerate(dict.fromkeys(queries.imagery), 1)}
+    numbers = {name: number for number, name in enumerate(dict.fromkeys(queries.imagery), 1)}
     for part in (TRAIN, VALIDATION, TEST):
         entries = []
         for row in under_way.rows(part):
             height = float(poses.agl_m[row])
-            name = f"{height:.0f}_{number_of[queries.imagery[row]]:04d}_{row:010d}.png"
+            name = f"{height:.0f}_{numbers[queries.imagery[row]]:04d}_{row:010d}.png"
             under_way.picture(row, f"drone/images/{name}")
             entry: dict[str, Any] = {
                 "drone_img_dir": "drone/images",
@@ -321,7 +313,7 @@ def _gta(under_way: _Export) -> None:
                 entry[f"pair_{key}_sate_weight_list"] = [-minus for minus, _, _ in some]
                 entry[f"pair_{key}_sate_loc_x_y_list"] = [places[at] for _, at, _ in some]
             yaw, tilt, roll = (float(angle[row]) for angle in poses.attitude)
-            # Theirs: roll about the wing, -90 straight down; yaw anticlockwise.
+            # In GTA-UAV roll is about the wing, with -90 straight down, and yaw is anticlockwise.
             turns = {"pitch": roll, "yaw": -yaw}
             entry["drone_metadata"] = {
                 "height": height,
@@ -335,7 +327,7 @@ def _gta(under_way: _Export) -> None:
 
 
 def _visloc(under_way: _Export) -> None:
-    """UAV-VisLoc: flights with a map each, in pixels of equal degrees, and a table of the maps' corners."""
+    """UAV-VisLoc: flights, each with a map in pixels of equal degrees, and a table of map corners."""
     benchmark, queries = under_way.benchmark, under_way.benchmark.queries
     image, (north, west, south, east) = _resample_degrees(SceneGround(benchmark, None))
     whole = _encoded(Image.fromarray(image), "TIFF")
@@ -370,18 +362,18 @@ def _visloc(under_way: _Export) -> None:
 
 
 def _date(benchmark: Benchmark, imagery: str) -> str:
-    """Date of imagery, where it is known."""
+    """Date of imagery; empty if unknown."""
     imageries = benchmark.about.get("imagery")
     one = imageries.get(imagery) if isinstance(imageries, dict) else None
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
 def _resample_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, float]]:
-    """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
+    """Reference in square pixels in degrees, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]
     lat, lon = mosaic.rim()
-    # Continuous about the first corner, also where the antimeridian runs through.
+    # Continuous across the antimeridian.
     lon = lon[0] + wrap_lon_deg(lon - lon[0])
     middle, _ = mosaic.ground(np.full(2, wide / 2.0), high / 2.0 + np.array([-0.5, 0.5]))
     pixel = abs(float(middle[0] - middle[1]))
@@ -398,13 +390,13 @@ def _resample_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, f
 
 
 def _ortholoc(under_way: _Export) -> None:
-    """OrthoLoC: a file for each query with its image, the ground of every pixel, and the reference with heights."""
-    benchmark, ground = under_way.benchmark, SceneGround.of(under_way.benchmark)
+    """OrthoLoC: a file for each query with its image, the ground of each pixel, and the reference with heights."""
+    benchmark, ground = under_way.benchmark, SceneGround.from_benchmark(under_way.benchmark)
     queries = benchmark.queries
-    own = str(benchmark.about.get("reference", "")).partition("=")[2]
+    reference = str(benchmark.about.get("reference", "")).partition("=")[2]
     named = benchmark.about.get("imageries")
     texts = [str(one).partition("=") for one in named] if isinstance(named, list) else []
-    alike = {name for name, _, source in texts if source == own}
+    alike = {name for name, _, source in texts if source == reference}
     test = "test_outPlace" if benchmark.about.get("split") == CROSS_AREA else "test_inPlace"
     folders = {TRAIN: "train", VALIDATION: "val", TEST: test}
     origins = []
@@ -420,17 +412,18 @@ def _ortholoc(under_way: _Export) -> None:
 
 
 def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
-    """Arrays of a sample, in metres east, north and up of a frame."""
+    """Arrays of a sample, in metres of a frame."""
     points, camera = ground.points(row, frame), ground.camera(row, frame)
     seen = points[np.isfinite(points[..., 0])]
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
-    side = float((high - low).max()) * (1.0 + 2.0 * _ORTHOLOC_MARGIN)
-    count = min(max(math.ceil(side / ground.pixel_m(frame)), 2), _ORTHOLOC_PX)
+    # References of OrthoLoC are squares of up to 1024 pixels, here with a margin of a tenth on each side.
+    side = float((high - low).max()) * 1.2
+    count = min(max(math.ceil(side / ground.pixel_m(frame)), 2), 1024)
     pixel = side / count
     west, north = (low[0] + high[0] - side + pixel) / 2.0, (low[1] + high[1] + side - pixel) / 2.0
     above = ground.ortho(frame, OrthoGrid(float(west), float(north), pixel, count, count))
     vertices, faces = _mesh(above)
-    spread = [np.linspace(0, length - 1, min(_KEYPOINTS, length)).astype(int) for length in points.shape[:2]]
+    spread = [np.linspace(0, length - 1, min(16, length)).astype(int) for length in points.shape[:2]]
     few = points[np.ix_(*spread)].reshape(-1, 3)
     pose = np.column_stack([camera.rotation, -camera.rotation @ camera.centre_m]).astype(np.float32)
     return {
@@ -445,14 +438,14 @@ def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[s
         "keypoints": few[np.isfinite(few[:, 0])].astype(np.float32),
         "vertices": vertices,
         "faces": faces,
-        # Theirs make up for what a reconstruction is off; here nothing is.
+        # OrthoLoC refines poses of a reconstruction; these are exact.
         "extrinsics_refined": pose,
     }
 
 
 def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Vertices (m, 3) and triangles (l, 3) of the surface, of few of its pixels."""
-    rows, columns = (np.linspace(0, length - 1, min(_MESH, length)).astype(int) for length in above.image.shape[:2])
+    """Vertices (m, 3) and triangles (l, 3) of the surface, at 33 by 33 of its pixels."""
+    rows, columns = (np.linspace(0, length - 1, min(33, length)).astype(int) for length in above.image.shape[:2])
     vertices = above.points_m[np.ix_(rows, columns)].reshape(-1, 3).astype(np.float32)
     at = np.arange(len(vertices)).reshape(len(rows), len(columns))
     a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]))
@@ -463,8 +456,8 @@ def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
 
 
 def _anyvisloc(under_way: _Export) -> None:
-    """AnyVisLoc: scenes of samples, with a map and its surface; metres east and south of the map's first pixel."""
-    benchmark, ground = under_way.benchmark, SceneGround.of(under_way.benchmark)
+    """AnyVisLoc: scenes of samples with a map and its heights, in metres east and south of the map's first pixel."""
+    benchmark, ground = under_way.benchmark, SceneGround.from_benchmark(under_way.benchmark)
     queries, mosaic = benchmark.queries, benchmark.mosaic
     middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
     lat, lon = (float(angle[0]) for angle in middle)
@@ -474,7 +467,7 @@ def _anyvisloc(under_way: _Export) -> None:
     size = (math.ceil(length / pixel - 1e-6) for length in (east - west, north - south))
     grid = OrthoGrid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
     above = ground.ortho(frame, grid)
-    # Heights count from the mean of the surface.
+    # Heights are above the mean of the surface.
     base_m = round(float(np.nanmean(above.points_m[..., 2])), 3)
     first = np.array([grid.west_m, grid.north_m, base_m])
     maps = {
@@ -498,7 +491,7 @@ def _anyvisloc(under_way: _Export) -> None:
             "scene_id": number,
             "title": title,
             "modes": {"satellite": mode, "aerial": mode},
-            # Of the frame of pose_w2c: east, north and up of its own origin, from this place of `origin`'s frame.
+            # pose_w2c is in metres east, north and up of `first_pixel_m` in the frame of `origin`.
             "origin": origin_record(frame),
             "first_pixel_m": first.tolist(),
         }
@@ -512,7 +505,7 @@ def _anyvisloc(under_way: _Export) -> None:
             to_world[:3, :3], to_world[:3, 3] = camera.rotation.T, centre
             image = benchmark.colours(queries.file[row])
             tilt, roll = float(queries.tilt_deg[row]), float(queries.roll_deg[row])
-            sample_of = {
+            arrays = {
                 "sample_id": np.array(name),
                 "scene_id": np.array(number),
                 "image": image,
@@ -526,12 +519,12 @@ def _anyvisloc(under_way: _Export) -> None:
                 "xyz": centre * (1.0, -1.0, 1.0),
                 "euler_deg": np.array([roll, tilt, float(headings_deg[row])]),
             }
-            under_way.write(f"{scene}/{name}.npz", _npz(sample_of))
+            under_way.write(f"{scene}/{name}.npz", _npz(arrays))
             under_way.files[row] = f"{scene}/{name}.npz"
 
 
 def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]:
-    """Scenes of no more samples than there are names for, from 1."""
+    """Scenes numbered from 1, divided where they have too many samples."""
     cut = [
         (title, rows[start : start + _SAMPLES])
         for title, rows in under_way.scenes()
@@ -546,10 +539,10 @@ def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]
 
 
 def _encoded(image: Image.Image, wanted: str) -> bytes:
-    """Bytes of an image in one of Pillow's formats."""
+    """Image encoded in one of Pillow's formats."""
     buffer = io.BytesIO()
     options: dict[str, Any] = {"quality": 95, "subsampling": 0} if wanted == "JPEG" else {}
-    # Readers take three channels for granted.
+    # Readers expect three channels.
     image.convert("RGB").save(buffer, wanted, **options)
     return buffer.getvalue()
 
@@ -566,7 +559,7 @@ def _npy(array: NDArray[Any]) -> bytes:
     return buffer.getvalue()
 
 
-#: How benchmarks are laid out, by the names of the sets.
+#: Writers of layouts by name.
 LAYOUTS: Mapping[str, Callable[[_Export], None]] = {
     "university-1652": _university,
     "denseuav": _denseuav,

@@ -1,4 +1,4 @@
-"""The ground of a benchmark in metres: what the pixels of its queries see, and its reference with heights."""
+"""Ground of a benchmark in metres: points that pixels of queries see, and the reference with heights."""
 
 from __future__ import annotations
 
@@ -22,19 +22,16 @@ from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .views import camera_rotations
 
-#: Rows of a reference that are sampled in one go.
-_ROWS = 256
-
 
 class QueryCamera(NamedTuple):
-    """A query's camera in a frame.
+    """Camera of a query in a local frame.
 
     Attributes
     ----------
     k : array (3, 3)
-        Intrinsics; centres of pixels have whole numbers, the first one (0, 0).
+        Intrinsics; the centre of the first pixel is (0, 0).
     rotation : array (3, 3)
-        From the frame to the camera's right, down and view (OpenCV's axes).
+        Rotation from the frame to the camera's right, down and view (OpenCV's axes).
     centre_m : array (3,)
     """
 
@@ -44,14 +41,14 @@ class QueryCamera(NamedTuple):
 
 
 class Ortho(NamedTuple):
-    """A piece of the reference seen straight from above.
+    """Orthographic view of a part of the reference.
 
     Attributes
     ----------
     image : array (h, w, 3) of uint8
-        Black where the reference has nothing.
+        Black outside the reference.
     points_m : array (h, w, 3)
-        Of the pixels' centres; the last is NaN where there is no ground or no imagery.
+        Pixel centres; heights are NaN where ground or imagery is unknown.
     """
 
     image: Bytes
@@ -59,7 +56,7 @@ class Ortho(NamedTuple):
 
 
 class OrthoGrid(NamedTuple):
-    """Pixels of a frame: the first one's centre, rows going south, all of one size."""
+    """Square pixels in a local frame: centre of the first, size and counts; rows run south."""
 
     west_m: float
     north_m: float
@@ -76,20 +73,20 @@ class SceneGround:
     ----------
     benchmark : Benchmark
     relief : ElevationModel or None
-        What cameras see; None where the ground is level.
+        Surface that cameras see; None for level ground.
     """
 
     benchmark: Benchmark
     relief: ElevationModel | None
 
     @classmethod
-    def of(cls, benchmark: Benchmark) -> SceneGround:
-        """Ground of a benchmark, whose heights are opened where it was made with some.
+    def from_benchmark(cls, benchmark: Benchmark) -> SceneGround:
+        """Ground of a benchmark; opens its elevation, if it has one.
 
         Raises
         ------
         InvalidInput, SourceError
-            Heights that cannot be had (again).
+            The elevation cannot be opened.
         """
         asked = benchmark.about.get("queries")
         if not isinstance(asked, dict):
@@ -104,15 +101,15 @@ class SceneGround:
 
     @cached_property
     def _outline(self) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes of the mosaic's rim."""
+        """Latitudes and longitudes of the rim of the mosaic."""
         return self.benchmark.mosaic.rim()
 
     @cached_property
     def lowest_m(self) -> float:
-        """Height of the level ground, or one that no relief in the benchmark is below."""
+        """Height of level ground, or a lower bound of the relief."""
         if self.relief is None:
             return float(self.benchmark.queries.ground_m.min())
-        # Cells may be coarser than the relief's, and so hide ground up to this much lower.
+        # Cells may be coarser than the relief's, and hide ground up to 100 m lower.
         return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - 100.0
 
     def camera(self, index: int, frame: LocalFrame) -> QueryCamera:
@@ -129,7 +126,7 @@ class SceneGround:
         return QueryCamera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
 
     def points(self, index: int, frame: LocalFrame) -> Floats:
-        """Ground that the pixels' centres of a query see, (h, w, 3) in metres; NaN where they see none."""
+        """Ground points that the pixel centres of a query see, (h, w, 3) in metres; NaN where they miss the ground."""
         queries = self.benchmark.queries
         width, height = int(queries.width_px[index]), int(queries.height_px[index])
         pose, up_m = queries.poses.take(slice(index, index + 1)), float(queries.height_m[index])
@@ -139,17 +136,18 @@ class SceneGround:
             seen = ImageRays.from_scene(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
             return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
-        # To a hundredth of a pixel.
+        # Traced to a hundredth of a pixel.
         found = Tracing(scene, up_m, self.relief, self.lowest_m, 0.01).sighting
         return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
 
     def ortho(self, frame: LocalFrame, grid: OrthoGrid) -> Ortho:
-        """The reference on a grid of a frame: each pixel has the colour of the surface right there."""
+        """Orthographic view of the reference on a grid, with the surface's colours and heights."""
         image = np.zeros((grid.height_px, grid.width_px, 3), np.uint8)
         points = np.empty((grid.height_px, grid.width_px, 3))
         x = grid.west_m + np.arange(grid.width_px) * grid.pixel_m
-        for start in range(0, grid.height_px, _ROWS):
-            rows = np.arange(start, min(start + _ROWS, grid.height_px))
+        # 256 rows at a time bound the memory.
+        for start in range(0, grid.height_px, 256):
+            rows = np.arange(start, min(start + 256, grid.height_px))
             part = np.stack(np.meshgrid(x, grid.north_m - rows * grid.pixel_m), axis=-1)
             z, lat, lon = self._surface(frame, part)
             image[rows], inside = self.sample(lat, lon)
@@ -157,7 +155,7 @@ class SceneGround:
         return Ortho(image, points)
 
     def sample(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Bytes, Flags]:
-        """Colours (..., 3) of the reference at positions of any shape, black where it has nothing; and where it has."""
+        """Colours (..., 3) of the reference at positions (...), black outside it, and whether they are inside."""
         column, row = self.benchmark.mosaic.px(lat_deg, lon_deg)
         high, wide = self.mosaic.shape[:2]
         inside = (column >= 0.0) & (column <= wide) & (row >= 0.0) & (row <= high)
@@ -167,7 +165,7 @@ class SceneGround:
         return colours, inside
 
     def crop(self, left_px: int, top_px: int, side_px: int) -> Bytes:
-        """A square of the reference's pixels; black where it ends."""
+        """Square of pixels of the reference; black outside it."""
         piece = np.zeros((side_px, side_px, 3), np.uint8)
         left, top = max(left_px, 0), max(top_px, 0)
         seen = self.mosaic[top : max(top_px + side_px, 0), left : max(left_px + side_px, 0)]
@@ -176,11 +174,11 @@ class SceneGround:
         return piece
 
     def _surface(self, frame: LocalFrame, xy_m: Floats) -> tuple[Floats, Floats, Floats]:
-        """Up of the surface at places (h, w, 2) of a frame, NaN where there is none; its latitude and longitude."""
+        """Height of the surface in a frame at points (h, w, 2), NaN where unknown; its latitude and longitude."""
         up = np.zeros(xy_m.shape[:2])
         surface: Surface | None = None
-        # Fixed-point iteration: each step reduces the error some thousandfold, as the frame's up differs from the local
-        # one by a milliradian in 6 km.
+        # Fixed-point iteration: the vertical differs from the frame's by a milliradian per 6 km, so each step reduces
+        # the error about a thousandfold.
         for _ in range(4):
             lat, lon, height = frame.geodetic(np.dstack([xy_m, up]))
             if self.relief is None:
@@ -195,7 +193,7 @@ class SceneGround:
         return np.where(there, up, np.nan), lat, lon
 
     def pixel_m(self, frame: LocalFrame) -> float:
-        """Size of the mosaic's pixels at a frame's origin."""
+        """Pixel size of the mosaic at the origin of a frame."""
         mosaic = self.benchmark.mosaic
         column, row = (float(at) for at in mosaic.px(np.array(frame.lat_deg), np.array(frame.lon_deg)))
         lat, lon = mosaic.ground(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
@@ -204,7 +202,7 @@ class SceneGround:
         return max(across, down)
 
     def bounds_m(self, frame: LocalFrame) -> tuple[float, float, float, float]:
-        """West, south, east and north of the mosaic in a frame."""
+        """Edges of the mosaic in a frame: west, south, east and north."""
         lat, lon = self._outline
         rim = frame.enu(lat, lon, np.full(lat.shape, frame.height_m))
         west, south = (float(value) for value in rim[:, :2].min(axis=0))
@@ -213,7 +211,7 @@ class SceneGround:
 
 
 def local_frame(lat_deg: float, lon_deg: float, ground_m: float) -> LocalFrame:
-    """Metres east, north and up of a place, to 10 cm of it and 1 mm of its height, so that both are short to write."""
+    """Local frame at a position, rounded to 10 cm and its height to 1 mm so that files state them exactly."""
     return LocalFrame(round(lat_deg, 6), round(lon_deg, 6), round(ground_m, 3))
 
 
@@ -223,5 +221,5 @@ def _rim(values: Floats) -> Floats:
 
 
 def _finite(points_m: Floats) -> Floats:
-    """Points, all NaN where one of their parts is none."""
+    """Points with all coordinates NaN where one is not finite."""
     return np.where(np.isfinite(points_m).all(axis=-1, keepdims=True), points_m, np.nan)

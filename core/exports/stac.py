@@ -1,4 +1,4 @@
-"""Datasets as STAC describes them: a collection, and all images as its items in one table of GeoParquet."""
+"""Datasets described in STAC: a collection, and images as its items in one GeoParquet table."""
 
 from __future__ import annotations
 
@@ -40,17 +40,9 @@ from .tables import (
 )
 
 ITEMS_FILE, COLLECTION_FILE = "items.parquet", "collection.json"
-STAC, STAC_GEOPARQUET = "1.1.0", "1.0.0"
-#: Extensions of STAC by what their properties begin with.
-_EXTENSIONS = {
-    "proj": "https://stac-extensions.github.io/projection/v2.0.0/schema.json",
-    "view": "https://stac-extensions.github.io/view/v1.0.0/schema.json",
-}
-#: Media types, beside those of images.
-_JSON, _PARQUET = "application/json", "application/vnd.apache.parquet"
-_CODE = re.compile(r"[A-Z]+:[0-9A-Za-z_.]+")
-#: Columns that every item has, and the image among its assets.
-_OF_ITEMS = (
+STAC_VERSION = "1.1.0"
+#: Columns that every item has.
+_ITEM_COLUMNS = (
     "type",
     "stac_version",
     "stac_extensions",
@@ -63,47 +55,41 @@ _OF_ITEMS = (
 )
 _TIMES = _, _START, _END = ("datetime", "start_datetime", "end_datetime")
 _MAP_TYPE, _GSD, _PROJ_CODE, _IMAGE = "map_type", "gsd", "proj:code", "image"
-_RESERVED = frozenset((*_OF_ITEMS, *_TIMES, _MAP_TYPE, _GSD, "properties"))
-#: Ends of what imagery may be of whose date is not known: any search for a time finds it. Both are within what
-#: nanoseconds in 64 bits reach, in which some readers count.
+_RESERVED = frozenset((*_ITEM_COLUMNS, *_TIMES, _MAP_TYPE, _GSD, "properties"))
+#: Interval of imagery of unknown date, which any search for a time finds. Both ends fit into 64 bits of nanoseconds,
+#: in which some readers count.
 _EARLIEST, _LATEST = np.datetime64("1700-01-01T00:00:00"), np.datetime64("2200-01-01T00:00:00")
-_DAY = r"\d{4}(?:-\d\d(?:-\d\d)?)?"
-#: Dates of imagery: a year, a month or a day, or two of them.
-_DATES = re.compile(rf"({_DAY})(?:T[\d:.]*Z?)?(?:\s*(?:-|/|\.\.)\s*({_DAY})(?:T[\d:.]*Z?)?)?")
-_POINT = np.dtype([("order", "u1"), ("kind", "<u4"), ("lon", "<f8"), ("lat", "<f8")])
 _EDGES = ("xmin", "ymin", "xmax", "ymax")
-#: Of a view along the horizon, from straight down.
-_LEVEL_DEG = 90.0
 
 
 def write_stac(folder: Address, target: Address, map_type: str | None = None) -> list[Path]:
-    """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` beside a dataset's tables; returns them.
+    """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` beside a dataset's tables; return them.
 
-    Items are all images that are there, of all map types, also those that cleaning has rejected. Earlier descriptions
-    are replaced.
+    Items are all existing images of all map types, including those rejected by cleaning. Earlier descriptions are
+    replaced.
 
     Parameters
     ----------
     folder : path or address
-        Of a dataset.
+        Folder of a dataset.
     target : path or address
-        The dataset's folder once more.
+        The same folder.
     map_type : str or None
-        One alone.
+        None for all.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, has no such map type, or is another than the target.
+        The folder is not a dataset, lacks the map type, or is not the target.
     OutputError
-        A place that cannot be written, or no pyarrow.
+        The folder cannot be written, or pyarrow is not installed.
     """
     import_pyarrow("stac")
     return describe(own_folder(read_dataset(folder), target, COLLECTION_FILE), map_type)
 
 
 def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
-    """Write the descriptions of a dataset as `write_stac` does."""
+    """Write the descriptions of a dataset, see `write_stac`."""
     arrow = import_pyarrow("stac")
     shown: dict[Path, FootprintGeometries | None] = {}
     parts = []
@@ -111,7 +97,7 @@ def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
         place = images.folder.parent
         if place not in shown:
             shown[place] = FootprintGeometries.read(place)
-        parts.append(_Items.of(dataset, name, images, shown[place]))
+        parts.append(_Items.from_images(dataset, name, images, shown[place]))
     if not any(len(one.rows) for one in parts):
         raise InvalidInput("folder {0}: has no image to export", dataset.folder)
     collection = _collection(dataset, parts)
@@ -123,22 +109,22 @@ def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
 
 @dataclass(frozen=True, eq=False)
 class _Items:
-    """Images of a map type that are there, n of them.
+    """Existing images (n) of a map type.
 
     Parameters
     ----------
     rows : array (n,)
-        Of the table.
+        Rows of the table.
     columns : mapping of str to Column
-        Properties, of all rows of the table.
+        Properties, for all rows of the table.
     hrefs : sequence of str
-        Where the images are, seen from the dataset's folder.
+        Addresses of the images relative to the dataset's folder.
     bounds : array (n, 4)
         West, south, east, north.
-    shown, places : Footprints or None, array (n,)
-        Footprints, and which of them the images have; -1 for those that have none but a place.
+    shown, places : FootprintGeometries or None, array (n,)
+        Footprints, and the index of each image's; -1 for images with only a position.
     start, end : array (n,) of datetime64
-        First and last second of what the imagery is of; NaT where it is not known.
+        First and last second of the imagery; NaT where unknown.
     """
 
     name: str
@@ -154,16 +140,16 @@ class _Items:
     end: NDArray[Any]
 
     @classmethod
-    def of(cls, dataset: Dataset, name: str, images: ImageSet, shown: FootprintGeometries | None) -> _Items:
+    def from_images(cls, dataset: Dataset, name: str, images: ImageSet, shown: FootprintGeometries | None) -> _Items:
         """Items of a map type."""
         table = images.table
         rows = np.flatnonzero(images.made)
         columns = {one.header: one for one in written_columns(table) if one.header not in ("status", "reason")}
         for header in _RESERVED & {*table.other}:
-            # What others have called as STAC calls something else.
+            # Foreign columns whose names have another meaning in STAC.
             columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
         if "time_utc" in columns:
-            # As text: programs that know items' times by name hand on others as they are, which JSON has no type for.
+            # As text: readers convert only the known times of items, and JSON has no type for others.
             columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
         if images.shards:
             folder = _href(described_folder(dataset, images.folder))
@@ -182,18 +168,23 @@ class _Items:
 
     @property
     def extensions(self) -> list[str]:
-        """Extensions of STAC that the items have properties of."""
+        """STAC extensions of the properties."""
         prefixes = {header.partition(":")[0] for header in self.columns}
-        return [schema for prefix, schema in _EXTENSIONS.items() if prefix in prefixes]
+        schemas = {"proj": "projection/v2.0.0", "view": "view/v1.0.0"}
+        return [
+            f"https://stac-extensions.github.io/{schema}/schema.json"
+            for prefix, schema in schemas.items()
+            if prefix in prefixes
+        ]
 
     @property
     def kinds(self) -> set[str]:
-        """Kinds of the geometries."""
+        """GeoJSON types of the geometries."""
         found = {"Point"} if (self.places < 0).any() else set()
-        return found if self.shown is None else found | self.shown.names_of(self.places)
+        return found if self.shown is None else found | self.shown.geometry_types(self.places)
 
     def group(self, arrow: Any, some: slice, assets: Any) -> dict[str, Any]:
-        """Arrow arrays of what each of some items has of its own, beside properties, by column."""
+        """Arrow arrays of the item columns of some items, by column."""
         rows, names = self.rows[some].tolist(), self.images.table.img_names
         (image,) = assets
         files = {
@@ -218,11 +209,11 @@ class _Items:
         }
 
     def _geometries(self, arrow: Any, some: slice) -> Any:
-        """Footprints of some items; of those that have none, their places as points."""
+        """Footprints of some items as well-known binary; without a footprint, positions as points."""
         places, bounds = self.places[some], self.bounds[some]
         if self.shown is not None and (places >= 0).all():
             return self.shown.shapes(arrow, places)
-        points = np.zeros(len(places), _POINT)
+        points = np.zeros(len(places), [("order", "u1"), ("kind", "<u4"), ("lon", "<f8"), ("lat", "<f8")])
         points["order"], points["kind"], points["lon"], points["lat"] = 1, 1, bounds[:, 0], bounds[:, 1]
         drawn = arrow.array([point.tobytes() for point in points], arrow.binary())
         if self.shown is None:
@@ -231,10 +222,10 @@ class _Items:
 
 
 def _files(dataset: Dataset, images: ImageSet) -> list[str]:
-    """Files of a map type's images, seen from the dataset's folder."""
+    """Addresses of the images of a map type relative to the dataset's folder."""
     folder, names = _href(described_folder(dataset, images.files or images.folder)), images.table.img_names
     hrefs = [folder + quote(name) for name in names]
-    # Cleaning moves files of folders alone.
+    # Cleaning moves files, but not in shards.
     marks = () if images.files is None else images.table.other.get(REJECTED, ())
     for row in (row for row, mark in enumerate(marks) if mark):
         hrefs[row] = _href(described_folder(dataset, images.path(row).parent)) + quote(names[row])
@@ -247,14 +238,14 @@ def _href(folder: Path) -> str:
 
 
 def _is_camera(dataset: Dataset, images: ImageSet, rows: NDArray[np.intp]) -> bool | None:
-    """Whether images are camera frames; None for those of others, whose windows the table does not know."""
+    """Whether images are camera frames; None for foreign tables, which have no windows."""
     if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
         return None
     return are_camera_frames(images, rows, dataset.folder)
 
 
 def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column]:
-    """Properties that STAC knows and that follow from a table: (n,) for all of its rows."""
+    """Properties of STAC that follow from a table, for all of its rows."""
     table = images.table
     found = {}
     path = images.folder.parent / MISSION_FILE
@@ -265,9 +256,9 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)
         off_nadir = np.degrees(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), -axis[:, 2]))
         azimuth = np.degrees(arctan2(axis[:, 0], axis[:, 1])) % 360.0
-        # Nothing is seen where it looks up, and in no direction where it looks straight down.
-        found["view:off_nadir"] = np.where(off_nadir <= _LEVEL_DEG, off_nadir, np.nan)
-        found["view:azimuth"] = np.where((off_nadir > 0.0) & (off_nadir <= _LEVEL_DEG), azimuth, np.nan)
+        # A camera above the horizon has no angles, and one that looks straight down no azimuth.
+        found["view:off_nadir"] = np.where(off_nadir <= 90.0, off_nadir, np.nan)
+        found["view:azimuth"] = np.where((off_nadir > 0.0) & (off_nadir <= 90.0), azimuth, np.nan)
     columns = {header: Column(header, NUMBER, values) for header, values in found.items()}
     if is_camera is False:
         codes = {crs: _code(crs) for crs in set(table.crs)}
@@ -276,8 +267,8 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
 
 
 def _code(crs: str) -> str:
-    """Code of a CRS as a table has it, empty where it has none."""
-    return (crs if _CODE.fullmatch(crs) else "") if crs else "EPSG:3857"
+    """Code of a CRS in a table; empty if it has none."""
+    return (crs if re.fullmatch(r"[A-Z]+:[0-9A-Za-z_.]+", crs) else "") if crs else "EPSG:3857"
 
 
 def _holds_any(column: Column, rows: NDArray[np.intp]) -> bool:
@@ -288,38 +279,40 @@ def _holds_any(column: Column, rows: NDArray[np.intp]) -> bool:
 
 
 def _times(dates: Sequence[str]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """First and last second of each date of imagery; NaT where it is not known."""
+    """First and last second of each date of imagery; NaT where unknown."""
     spans = {text: _span(text) for text in set(dates)}
     first, last = ([spans[text][end] for text in dates] for end in (0, 1))
     return np.array(first, "datetime64[s]"), np.array(last, "datetime64[s]")
 
 
 def _span(text: str) -> tuple[np.datetime64, np.datetime64]:
+    """First and last second of a year, month or day, or of a range of them; NaT for other texts."""
     unknown = np.datetime64("NaT"), np.datetime64("NaT")
-    found = _DATES.fullmatch(text.strip())
+    day = r"(\d{4}(?:-\d\d(?:-\d\d)?)?)(?:T[\d:.]*Z?)?"
+    found = re.fullmatch(rf"{day}(?:\s*(?:-|/|\.\.)\s*{day})?", text.strip())
     if found is None:
         return unknown
     try:
-        first, last = (np.datetime64(day) for day in (found[1], found[2] or found[1]))
+        first, last = (np.datetime64(one) for one in (found[1], found[2] or found[1]))
     except ValueError:
         return unknown
-    # The next year, month or day begins a second later.
+    # The last second before the next year, month or day.
     start, end = first.astype("datetime64[s]"), (last + 1).astype("datetime64[s]") - 1
     return (start, end) if _EARLIEST < start <= end < _LATEST else unknown
 
 
 def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) -> Iterator[bytes]:
-    """File of the items."""
+    """GeoParquet file of the items, in blocks."""
     text, texts, time = arrow.string(), arrow.list_(arrow.string()), arrow.timestamp("us", tz="UTC")
     link = arrow.struct([(name, text) for name in ("href", "rel", "type")])
     asset = arrow.struct([("href", text), ("type", text), ("roles", texts)])
     kinds: dict[str, str] = {}
     for column in (column for one in parts for column in one.columns.values()):
-        # What is whole in one table may not be in another.
+        # A column of whole numbers in one table may have others in another table.
         known = kinds.setdefault(column.header, column.kind)
         kinds[column.header] = column.kind if known == WHOLE else known
     types: dict[str, Any] = {
-        **dict.fromkeys(_OF_ITEMS, text),
+        **dict.fromkeys(_ITEM_COLUMNS, text),
         "stac_extensions": texts,
         GEOMETRY: arrow.binary(),
         "bbox": arrow.struct([(edge, arrow.float64()) for edge in _EDGES]),
@@ -331,20 +324,20 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
     }
     same: dict[str, Any] = {
         "type": "Feature",
-        "stac_version": STAC,
+        "stac_version": STAC_VERSION,
         "collection": collection["id"],
-        "links": [{"href": f"./{COLLECTION_FILE}", "rel": "collection", "type": _JSON}],
+        "links": [{"href": f"./{COLLECTION_FILE}", "rel": "collection", "type": "application/json"}],
         "datetime": None,
     }
 
     def groups() -> Iterator[dict[str, Any]]:
         for one in parts:
             for some in row_groups(len(one.rows)):
-                of_all = {**same, "stac_extensions": one.extensions, _MAP_TYPE: one.name}
+                shared = {**same, "stac_extensions": one.extensions, _MAP_TYPE: one.name}
                 rows = one.rows[some]
                 yield {
                     **{name: arrow.nulls(len(rows), kind) for name, kind in types.items()},
-                    **{n: arrow.repeat(arrow.scalar(v, types[n]), len(rows)) for n, v in of_all.items()},
+                    **{n: arrow.repeat(arrow.scalar(v, types[n]), len(rows)) for n, v in shared.items()},
                     **one.group(arrow, some, types["assets"]),
                     **{
                         header: arrow_array(arrow, column._replace(kind=kinds[header]), rows)
@@ -355,15 +348,15 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
     bounds = np.concatenate([one.bounds for one in parts])
     geo = geometry_metadata({kind for one in parts for kind in one.kinds}, bounds)
     geo["columns"][GEOMETRY]["covering"] = {"bbox": {edge: ["bbox", edge] for edge in _EDGES}}
-    about = {
+    metadata = {
         "geo": geo,
-        "stac-geoparquet": {"version": STAC_GEOPARQUET, "collections": {collection["id"]: collection}},
+        "stac-geoparquet": {"version": "1.0.0", "collections": {collection["id"]: collection}},
     }
-    return parquet_blocks(arrow, arrow.schema([*types.items()]), about, groups())
+    return parquet_blocks(arrow, arrow.schema([*types.items()]), metadata, groups())
 
 
 def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
-    """The collection, JSON-ready."""
+    """STAC collection, JSON-ready."""
     bounds = np.concatenate([one.bounds for one in parts])
     start, end = (np.concatenate(times) for times in zip(*((one.start, one.end) for one in parts)))
     known = not np.isnat(start).any()
@@ -371,11 +364,11 @@ def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
         pair for one in parts for pair in zip(one.images.table.source, one.images.table.attribution) if any(pair)
     )
     gsd = [np.asarray(one.columns[_GSD].values)[one.rows] for one in parts if _GSD in one.columns]
-    least, most = (float(of(np.concatenate(gsd))) if gsd else 0.0 for of in (np.nanmin, np.nanmax))
+    least, most = (float(extreme(np.concatenate(gsd))) if gsd else 0.0 for extreme in (np.nanmin, np.nanmax))
     count = sum(len(one.rows) for one in parts)
     return {
         "type": "Collection",
-        "stac_version": STAC,
+        "stac_version": STAC_VERSION,
         "stac_extensions": [],
         "id": dataset_name(dataset),
         "title": dataset_name(dataset),
@@ -404,7 +397,7 @@ def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
                 "href": f"./{ITEMS_FILE}",
                 "title": "All images, as GeoParquet",
                 "description": "STAC items in the order of the tables, one map type after the other.",
-                "type": _PARQUET,
+                "type": "application/vnd.apache.parquet",
                 "roles": ["collection-mirror"],
             }
         },

@@ -1,4 +1,4 @@
-"""Tables of a dataset as Parquet: columns with their types, and footprints as GeoParquet has them."""
+"""Tables of a dataset as Parquet: typed columns, and footprints as GeoParquet."""
 
 from __future__ import annotations
 
@@ -27,38 +27,38 @@ from ..text.safe_json import parse_json
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
-#: Beside ``meta_data.csv``, or in a folder of the same name elsewhere.
+#: File beside ``meta_data.csv``, or in a folder of the same name elsewhere.
 PARQUET_FILE = TABLE_FILE.replace(".csv", ".parquet")
-#: Column of the footprints, and the version of GeoParquet that tells of it.
-GEOMETRY, GEOPARQUET = "geometry", "1.1.0"
-#: Of well-known binary: the byte order of most machines, and kinds of geometries.
+#: Column of the footprints.
+GEOMETRY = "geometry"
+#: Codes of well-known binary: little-endian byte order, and geometry types.
 _LITTLE, _POLYGON, _MULTIPOLYGON = 1, 3, 6
-#: Rows of a row group: readers skip groups by the bounds of their columns, and writers hold one in memory.
+#: Rows of a row group: readers skip groups by the bounds of columns, and writers hold one in memory.
 _ROWS_A_GROUP = 1 << 16
 
 
 def write_parquet(
     folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
 ) -> list[Path]:
-    """Write the tables of a dataset as Parquet, one for each map type; returns the files.
+    """Write the tables of a dataset as Parquet, one for each map type; return the files.
 
-    They have the columns of ``meta_data.csv``, of whole numbers, numbers, times and texts, null where nothing is known.
-    A column ``geometry`` has the footprints, in longitude and latitude of WGS 84, where the capture has left them.
+    They have the columns of ``meta_data.csv`` as whole numbers, numbers, times and texts, null where unknown, and a
+    column ``geometry`` of the footprints in longitude and latitude of WGS 84, if the capture has written them.
 
     Parameters
     ----------
     target : path
-        A new or empty folder; or the dataset's own: files then lie beside ``meta_data.csv``, and those of earlier
-        exports are replaced.
+        A new or empty folder, or the dataset's folder: files are then written beside ``meta_data.csv`` and replace
+        those of earlier exports.
     map_type : str or None
-        One alone.
+        None for all.
 
     Raises
     ------
     InvalidInput
-        A folder that is no dataset, or has no such map type.
+        The folder is not a dataset, or lacks the map type.
     OutputError
-        A folder that cannot be written or is not empty, or no pyarrow.
+        The folder cannot be written or is not empty, or pyarrow is not installed.
     """
     arrow = import_pyarrow("parquet")
     dataset = read_dataset(folder)
@@ -74,14 +74,14 @@ def write_parquet(
 
 
 def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
-    """Images of one map type, or of all for None, by their names."""
+    """Images of one map type, or for None of all, by map type."""
     return dict(dataset.image_sets) if map_type is None else {map_type: dataset.image_set(map_type)}
 
 
 def relative_folder(dataset: Dataset, folder: Path) -> Path:
-    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own.
+    """Path of a folder relative to a dataset's, such as ``satellite``, ``2014/satellite`` or ``.``.
 
-    It goes by its name there: links, as of a map type that lies on another disk, are not followed.
+    Links, such as a map type on another disk, are not followed.
     """
     if is_address(folder):
         return folder.relative_to(dataset.folder)
@@ -89,7 +89,7 @@ def relative_folder(dataset: Dataset, folder: Path) -> Path:
 
 
 def described_folder(dataset: Dataset, folder: Path) -> Path:
-    """The same for a file that describes others, which is UTF-8; raises InvalidInput of a name that is not."""
+    """Relative folder for a description in UTF-8; raises InvalidInput for another name."""
     found = relative_folder(dataset, folder)
     if writable(str(found)) != str(found):
         raise InvalidInput("folder {0}: its name is not UTF-8, as a description of files needs it", folder)
@@ -97,17 +97,17 @@ def described_folder(dataset: Dataset, folder: Path) -> Path:
 
 
 def is_same(folder: Path, other: Address) -> bool:
-    """Whether two places are one folder."""
+    """Whether two paths or addresses are the same folder."""
     return resolved(folder) == resolved(store_path(other))
 
 
 def image_stem(name: str) -> str:
-    """Name of an image without its ending: what `Path.stem` gives, in a fraction of its time."""
+    """Name of an image without its ending, as `Path.stem`, but much faster."""
     return name.rpartition(".")[0] or name
 
 
 def import_pyarrow(kind: str) -> Any:
-    """Return pyarrow with its Parquet; raises OutputError where it is not installed."""
+    """Return pyarrow with its Parquet module; raises OutputError if it is not installed."""
     try:
         import pyarrow as pa
         import pyarrow.compute
@@ -123,26 +123,26 @@ def import_pyarrow(kind: str) -> Any:
 
 
 def row_groups(count: int) -> Iterator[slice]:
-    """Rows of each row group of a table; one without rows has one of none."""
+    """Rows of each row group of a table; an empty table has one empty group."""
     for start in range(0, max(count, 1), _ROWS_A_GROUP):
         yield slice(start, min(start + _ROWS_A_GROUP, count))
 
 
 def parquet_blocks(
-    arrow: Any, schema: Any, about: Mapping[str, Any], groups: Iterator[Mapping[str, Any]]
+    arrow: Any, schema: Any, metadata: Mapping[str, Any], groups: Iterator[Mapping[str, Any]]
 ) -> Iterator[bytes]:
-    """File of Parquet, a row group at a time.
+    """Parquet file in blocks, one per row group.
 
     Parameters
     ----------
     schema : pyarrow.Schema
-    about : mapping
-        What the file says of itself, by key, JSON-ready.
+    metadata : mapping
+        Metadata of the file by key, JSON-ready.
     groups : iterator of mapping
         Arrays of each row group, by column.
     """
     sink = _Sink()
-    schema = schema.with_metadata({key: json.dumps(value, ensure_ascii=False) for key, value in about.items()})
+    schema = schema.with_metadata({key: json.dumps(value, ensure_ascii=False) for key, value in metadata.items()})
     with arrow.parquet.ParquetWriter(arrow.PythonFile(sink, "w"), schema, compression="zstd") as writer:
         for columns in groups:
             writer.write_table(arrow.table([columns[name] for name in schema.names], schema=schema))
@@ -151,7 +151,7 @@ def parquet_blocks(
 
 
 class _Sink(io.RawIOBase):
-    """File that is written to, and whose content is taken as it comes."""
+    """Writable file whose content is taken in blocks."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -170,20 +170,20 @@ class _Sink(io.RawIOBase):
         return len(self._blocks[-1])
 
     def taken(self) -> bytes:
-        """What has been written since it was last taken."""
+        """Return the bytes written since the last call."""
         data, self._blocks = b"".join(self._blocks), []
         return data
 
 
 def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
-    """File of a map type's table."""
+    """Parquet file of the table of a map type, in blocks."""
     columns = written_columns(images.table)
     fields = [(one.header, arrow_type(arrow, one.kind)) for one in columns]
     shown = FootprintGeometries.read(images.folder.parent)
-    about: dict[str, Any] = {}
+    metadata: dict[str, Any] = {}
     places = None if shown is None else shown.places(images.table.img_names)
     if shown is not None and places is not None:
-        about["geo"] = shown.about(places)
+        metadata["geo"] = shown.metadata(places)
         if GEOMETRY not in dict(fields):
             fields.append((GEOMETRY, arrow.binary()))
 
@@ -194,17 +194,17 @@ def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
                 found[GEOMETRY] = shown.shapes(arrow, places[rows])
             yield {**found, **{one.header: arrow_array(arrow, one, rows) for one in columns}}
 
-    return parquet_blocks(arrow, arrow.schema(fields), about, groups())
+    return parquet_blocks(arrow, arrow.schema(fields), metadata, groups())
 
 
 def arrow_type(arrow: Any, kind: str) -> Any:
-    """Arrow's type of a kind of columns."""
+    """Arrow type of a kind of columns."""
     types = {TEXT: arrow.string(), NUMBER: arrow.float64(), TIME: arrow.timestamp("us", tz="UTC")}
     return types.get(kind, arrow.int64())
 
 
 def arrow_array(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
-    """Arrow array of some rows of a column, null for what is not known."""
+    """Arrow array of some rows of a column, null where unknown."""
     if isinstance(column.values, tuple):
         at = range(len(column.values))[rows] if isinstance(rows, slice) else rows.tolist()
         return arrow.array([column.values[row] or None for row in at], arrow.string())
@@ -218,22 +218,22 @@ def arrow_array(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> A
 
 
 class FootprintGeometries(NamedTuple):
-    """Footprints that a capture has left, as well-known binary, one after the other.
+    """Footprints (m) that a capture has written, as consecutive well-known binary.
 
     Parameters
     ----------
-    place_of : mapping of str to int
-        Which of them is an image's, by its name without ending.
+    by_name : mapping of str to int
+        Index of a footprint by the image's name without ending.
     data, ends : bytes, array (m + 1,) of int64
-        The footprints, and where in the data each ends and the next begins.
+        The binary, and the offsets of footprints in it.
     kinds : array (m,)
-        3 for a polygon, 6 for several.
+        Geometry types: 3 for a polygon, 6 for several.
     bounds : array (m, 4)
-        West, south, east, north. Those that cross the antimeridian have a polygon on either side and reach from -180 to
-        180 degrees.
+        West, south, east, north. A footprint across the antimeridian has a polygon on either side, and bounds of -180
+        and 180 degrees.
     """
 
-    place_of: dict[str, int]
+    by_name: dict[str, int]
     data: bytes
     ends: NDArray[np.int64]
     kinds: NDArray[np.uint8]
@@ -241,25 +241,25 @@ class FootprintGeometries(NamedTuple):
 
     @classmethod
     def read(cls, folder: Path) -> FootprintGeometries | None:
-        """Those of the capture in a folder; None where it has left none.
+        """Footprints of the capture in a folder; None if it has none.
 
         Raises
         ------
         InvalidInput
-            A file that is none of a capture's.
+            The file is not one of a capture.
         OutputError
-            A store that refuses.
+            The store refuses access.
         """
         path = folder / FOOTPRINTS_FILE
         if not is_file(path):
             return None
-        place_of: dict[str, int] = {}
+        by_name: dict[str, int] = {}
         data, ends, kinds, bounds = bytearray(), array("q", [0]), bytearray(), array("d")
         try:
             for feature in _features(path):
                 name, shape = feature["properties"]["name"], feature["geometry"]
                 if shape is not None:
-                    place_of[name] = len(kinds)
+                    by_name[name] = len(kinds)
                     binary, edges = _packed(shape["type"], shape["coordinates"])
                     data += binary
                     ends.append(len(data))
@@ -268,7 +268,7 @@ class FootprintGeometries(NamedTuple):
         except (OSError, InvalidInput, KeyError, TypeError, ValueError, struct.error) as wrong:
             raise InvalidInput("{0}: cannot be read ({1})", path, wrong) from wrong
         return cls(
-            place_of,
+            by_name,
             bytes(data),
             np.frombuffer(ends, np.int64),
             np.frombuffer(bytes(kinds), np.uint8),
@@ -276,8 +276,8 @@ class FootprintGeometries(NamedTuple):
         )
 
     def places(self, img_names: Sequence[str]) -> NDArray[np.intp]:
-        """Footprints (n,) of images by their names; -1 where there is none."""
-        found = (self.place_of.get(image_stem(name), -1) for name in img_names)
+        """Indices (n,) of the footprints of images by name; -1 where there is none."""
+        found = (self.by_name.get(image_stem(name), -1) for name in img_names)
         return np.fromiter(found, np.intp, len(img_names))
 
     def shapes(self, arrow: Any, places: NDArray[np.intp]) -> Any:
@@ -286,18 +286,18 @@ class FootprintGeometries(NamedTuple):
         whole = arrow.Array.from_buffers(arrow.large_binary(), len(self.kinds), buffers)
         return whole.take(arrow.array(places, mask=places < 0)).cast(arrow.binary())
 
-    def about(self, places: NDArray[np.intp]) -> dict[str, Any]:
-        """What GeoParquet has to say of a column of them."""
-        return geometry_metadata(self.names_of(places), self.bounds[places[places >= 0]])
+    def metadata(self, places: NDArray[np.intp]) -> dict[str, Any]:
+        """GeoParquet metadata of a column of footprints."""
+        return geometry_metadata(self.geometry_types(places), self.bounds[places[places >= 0]])
 
-    def names_of(self, places: NDArray[np.intp]) -> set[str]:
-        """Kinds of some footprints, by GeoJSON's names."""
+    def geometry_types(self, places: NDArray[np.intp]) -> set[str]:
+        """GeoJSON types of some footprints."""
         kinds = np.unique(self.kinds[places[places >= 0]]).tolist()
         return {"MultiPolygon" if kind == _MULTIPOLYGON else "Polygon" for kind in kinds}
 
 
 def geometry_metadata(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, Any]:
-    """What GeoParquet has to say of a column of geometries of some kinds, with their bounds (n, 4)."""
+    """GeoParquet metadata of a column of geometries of some types, with bounds (n, 4)."""
     whole = [*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0)] if len(bounds) else [0.0] * 4
     column = {
         "encoding": "WKB",
@@ -305,20 +305,20 @@ def geometry_metadata(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str,
         "orientation": "counterclockwise",
         "bbox": [float(edge) for edge in whole],
     }
-    return {"version": GEOPARQUET, "primary_column": GEOMETRY, "columns": {GEOMETRY: column}}
+    return {"version": "1.1.0", "primary_column": GEOMETRY, "columns": {GEOMETRY: column}}
 
 
 def _features(path: Path) -> Iterator[Any]:
-    """Features of a capture's GeoJSON, which has each in a line."""
+    """Features of a capture's GeoJSON, one per line."""
     with open_foreign(path, MAX_TABLE_BYTES, 1 << 20) as file:
         while line := read_line(file):
-            # Lines of features begin so in the GeoJSON of a capture.
+            # Other lines open and close the collection.
             if line.startswith(b'{"type": "Feature",'):
                 yield parse_json(line.rstrip().rstrip(b","))
 
 
 def _packed(kind: str, coordinates: Any) -> tuple[bytes, tuple[float, float, float, float]]:
-    """Well-known binary of a GeoJSON polygon or several, and their bounds: west, south, east, north."""
+    """Well-known binary of a GeoJSON polygon or several, and bounds: west, south, east, north."""
     polygons = coordinates if kind == "MultiPolygon" else [coordinates]
     parts, lons, lats = [], [], []
     for rings in polygons:

@@ -1,4 +1,4 @@
-"""Camera frames of a dataset as photogrammetry sees them: intrinsics, and poses in one frame of metres."""
+"""Camera frames of a dataset for photogrammetry: intrinsics, and poses in one local frame in metres."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ ORIGIN_FILE = "origin.json"
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """Camera frames, n of them, without those that failed or are rejected.
+    """Camera frames (n), without those that failed or are rejected.
 
     Parameters
     ----------
     folder : Path
-        In which the images lie.
+        Folder of the images.
     names : tuple of str
-        Their files' names.
+        File names.
     width_px, height_px, fx_px, fy_px : array (n,)
-        The principal point is the middle; (0, 0) is the upper left corner of the image, and the centre of its first
-        pixel (0.5, 0.5).
+        The principal point is the image's middle; (0, 0) is the upper left corner of the image, and (0.5, 0.5) the
+        centre of the first pixel.
     lat_deg, lon_deg, height_m : array (n,)
-        Cameras, above the WGS 84 ellipsoid.
+        Positions of the cameras; heights are above the WGS 84 ellipsoid.
     yaw_deg, tilt_deg, roll_deg : array (n,)
-        As `Camera.rays_enu` has them.
+        As for `Camera.rays_enu`.
     times_s : array (n,) or None
-        Unix seconds; None where the table does not have the times of all.
+        Unix seconds; None unless the table has all times.
     """
 
     folder: Path
@@ -63,36 +63,35 @@ class Views:
 
     @cached_property
     def frame(self) -> LocalFrame:
-        """Metres east, north and up of the cameras' middle on the ellipsoid, in which all are stated."""
+        """Local frame in metres, with its origin on the ellipsoid in the middle of the cameras."""
         lat, lon = middle_position(self.lat_deg, self.lon_deg)
         return LocalFrame(round(lat, 6), round(lon, 6))
 
     @cached_property
     def centres_m(self) -> Floats:
-        """Cameras in the frame, (n, 3)."""
+        """Positions of the cameras in the frame, (n, 3)."""
         return self.frame.enu(self.lat_deg, self.lon_deg, self.height_m)
 
     @cached_property
     def rotations(self) -> Floats:
-        """Rotations (n, 3, 3) that take vectors of the frame to a camera's right, down and view (OpenCV's axes)."""
+        """Rotations (n, 3, 3) from the frame to the camera's right, down and view (OpenCV's axes)."""
         attitude = self.yaw_deg, self.tilt_deg, self.roll_deg
         return camera_rotations(self.frame, self.lat_deg, self.lon_deg, *attitude)
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
-        """Views of a dataset's map type; of its first one for None.
+        """Views of a map type of a dataset; None for the first.
 
         Raises
         ------
         InvalidInput
-            A folder that is no capture, has no such map type or no image, or whose images are windows of the map and
-            no camera's.
+            The folder is not a capture, lacks the map type, has no image, or has map frames only.
         """
         path = Path(folder)
         dataset = read_dataset(path)
         images = dataset.image_set(map_type or next(iter(dataset.image_sets)))
         if not (path / MISSION_FILE).is_file():
-            raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
+            raise InvalidInput("folder {0}: has no {1}, which describes the camera", folder, MISSION_FILE)
         mission = Mission.load(path / MISSION_FILE)
         table = images.table
         rows = np.flatnonzero(usable_rows(table))
@@ -130,17 +129,17 @@ class Views:
 def camera_rotations(
     frame: LocalFrame, lat_deg: Floats, lon_deg: Floats, yaw_deg: Floats, tilt_deg: Floats, roll_deg: Floats
 ) -> Floats:
-    """Rotations (n, 3, 3) from a frame's east, north and up to cameras' right, down and view, of arrays (n,)."""
+    """Rotations (n, 3, 3) from a frame's east, north and up to the right, down and view of cameras (n,)."""
     right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
-    own = np.stack([right, -image_up, axis], axis=1)
-    # Attitudes count from the north and the up of where the camera is.
+    local = np.stack([right, -image_up, axis], axis=1)
+    # Attitudes refer to north and up at the camera.
     turns = [frame.rotations(lat, lon) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist())]
-    found: Floats = own @ np.array(turns).reshape(-1, 3, 3)
+    found: Floats = local @ np.array(turns).reshape(-1, 3, 3)
     return found
 
 
 def origin_record(frame: LocalFrame) -> dict[str, object]:
-    """What `ORIGIN_FILE` says of a frame, JSON-ready."""
+    """Content of `ORIGIN_FILE` for a frame, JSON-ready."""
     return {
         "lat_deg": frame.lat_deg,
         "lon_deg": frame.lon_deg,

@@ -509,7 +509,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
         Heights that cannot be had.
     """
     if not (folder / MISSION_FILE).is_file():
-        raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
+        raise InvalidInput("folder {0}: has no {1}, which describes the camera", folder, MISSION_FILE)
     check_poses(images, rows, needed=True)
     mission, table = Mission.load(folder / MISSION_FILE), images.table
     lat, agl = table.pose_lat_deg[rows], table.agl_m[rows]

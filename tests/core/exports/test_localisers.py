@@ -431,7 +431,7 @@ def test_refusals_and_the_command(level, tmp_path, monkeypatch, capsys):
     with pytest.raises(OutputError, match="is not empty; choose another folder"):
         export_benchmark(level, tmp_path / "mine", "denseuav")
     (tmp_path / "b.part").mkdir()
-    with pytest.raises(OutputError, match="is left of an export that was stopped; remove it"):
+    with pytest.raises(OutputError, match="left over from an interrupted export; remove it"):
         export_benchmark(level, tmp_path / "b", "denseuav")
     monkeypatch.setattr(localisers, "_SCENES", 3)
     with pytest.raises(InvalidInput, match="6 scenes: AnyVisLoc's names have room for 3"):
