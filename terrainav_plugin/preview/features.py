@@ -185,7 +185,7 @@ class SortieLines:
         return self.whole()
 
     def _line(self, number: int) -> QgsFeature:
-        path = self._plan.path.of(number)
+        path = self._plan.path.sortie_path(number)
         kept = self._kept[self._plan.path.sortie == number]
         lines = flight_lines(self._plan.grid.plane, [(path.lon_deg[kept], path.lat_deg[kept])])
         begin, end = (moment(self._clock.start_ms + 1000.0 * float(path.time_s[at])) for at in (0, -1))

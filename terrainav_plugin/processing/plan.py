@@ -229,7 +229,7 @@ def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
         yield make_feature(lines, (len(plan), plan.direct.distance_m, plan.direct.duration_s, 1))
         return
     for number, seconds in enumerate(path.sorties_s.tolist()):
-        one = path.of(number)
+        one = path.sortie_path(number)
         lines = flight_lines(plan.grid.plane, [(one.lon_deg, one.lat_deg)])
         images = sum(capture >= 0 for capture in one.capture.tolist())
         yield make_feature(lines, (images, one.distance_m, seconds, number + 1))

@@ -34,7 +34,7 @@ def test_each_sortie_is_drawn_by_itself_with_its_ways_there_and_back(routed, wai
     assert [line["sortie"] for line in lines] == list(range(1, path.sorties + 1))
     assert sum(line["images"] for line in lines) == len(planned)
     for number, line in enumerate(lines):
-        one = path.of(number)
+        one = path.sortie_path(number)
         (drawn,) = line.geometry().asMultiPolyline()
         assert len(drawn) == len(one)
         assert drawn[0] == drawn[-1]

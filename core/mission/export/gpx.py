@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from ...errors import Message
 from ..plan import Plan
 from .rows import parts
-from .waypoints import Waypoint, waypoint_notes, takeoff_deg, waypoints
+from .waypoints import Waypoint, takeoff_deg, waypoint_notes, waypoints
 
 #: XML namespace of the extensions; it is not a page.
 NAMESPACE = "https://github.com/terrainav/terrainav/gpx/1"

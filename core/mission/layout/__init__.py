@@ -1,15 +1,15 @@
-"""Where the captures stand, how their pictures lie on the map, and what those show of the area.
+"""Positions of captures, frames of pictures on the map, and coverage of the area.
 
 In reading order:
 
-- `rows`: captures in flight order, and what all layouts have in common; single points
+- `rows`: captures in flight order, and functions of all layouts; single points
 - `parallels`: rows along parallels
-- `paper`: the published datasets' grid in UTM
-- `entry`: where a flight enters its layout
-- `rotated`: rows that are turned from east, or crossed
+- `paper`: the UTM grid of the published datasets
+- `entry`: the entry of a flight into its rows
+- `rotated`: rows in a plane: rotated, crossed, or in the source's CRS
 - `polygons`: several polygons as one flight
-- `no_fly`: captures over no-fly areas, which are left out
-- `frames`: the two kinds of frames: rectangles of the map, or what the camera sees
-- `framing`: the frames of the captures, their zoom and their size
-- `coverage`: what the pictures show, what neighbours share, and where the source has no imagery
+- `no_fly`: removal of captures over no-fly areas
+- `frames`: map frames and camera frames
+- `framing`: frames of the captures, with zoom and size
+- `coverage`: coverage of the area, overlap of neighbours, and the extent of the imagery
 """

@@ -24,9 +24,9 @@ from ..areas.area import (
     shared_rings,
 )
 
-#: Strips looked at in one go, to bound memory however many rectangles there are.
+#: Strips per chunk, which bounds the memory for any number of rectangles.
 _CHUNK = 2_000_000
-#: Share of the area below which nothing is missing: the noise of areas worked out along two ways.
+#: Missing shares of the area below this are rounding between two ways to compute areas.
 _NOTHING_MISSING = 1e-9
 
 
@@ -39,7 +39,7 @@ class Coverage:
     area_m2 : float
         Ground of the area outside no-fly areas.
     uncovered_m2 : float
-        Ground of that which no picture shows.
+        Ground of that shown by no picture.
     complete : bool
     no_fly_m2 : float
         Ground of the area inside no-fly areas, whether pictures show it or not.
@@ -51,14 +51,14 @@ class Coverage:
     no_fly_m2: float = 0.0
 
     def without(self, held: Sequence[Coverage]) -> Coverage:
-        """The same but for parts of the area that no-fly areas hold, which share no ground."""
+        """Coverage without disjoint parts ``held`` by no-fly areas."""
         if not held:
             return self
         inside = summed(held)
         area_m2 = max(self.area_m2 - inside.area_m2, 0.0)
         uncovered_m2 = min(self.uncovered_m2 - inside.uncovered_m2, area_m2)
         complete = self.complete or uncovered_m2 <= _NOTHING_MISSING * self.area_m2
-        # Sides of what no-fly areas hold are bent on a plane otherwise than those of the whole.
+        # In a plane, sides of the parts bend differently from those of the whole area.
         complete |= area_m2 <= 1e-8 * self.area_m2
         return Coverage(area_m2, 0.0 if complete else uncovered_m2, complete, inside.area_m2)
 
@@ -87,9 +87,9 @@ def summed(found: Sequence[Coverage]) -> Coverage:
 
 @dataclass(frozen=True)
 class Overlap:
-    """Shares that neighbours show again, negative for a gap; None where there are no neighbours.
+    """Shared parts of neighbours, negative for gaps; None without neighbours.
 
-    Along: from one picture to the next of its row; across: from one row to the next.
+    Along: from picture to picture in a row; across: from row to row.
     """
 
     least_along: float | None
@@ -108,7 +108,7 @@ class Rectangles(NamedTuple):
 
 
 def joined(rectangles: Rectangles) -> Rectangles:
-    """Rectangles (n,), n >= 1, those made one that touch side by side in sequence."""
+    """Rectangles (n,), n >= 1, with consecutive ones merged where they touch side by side."""
     left, top, right, bottom = rectangles
     neighbours = np.zeros(len(left), bool)
     neighbours[1:] = (
@@ -119,9 +119,9 @@ def joined(rectangles: Rectangles) -> Rectangles:
 
 
 def _reached(strip: Numbers, end: Floats) -> Floats:
-    """How far the pieces before each one reach in its strip (-inf for the first); sorted by strip.
+    """Greatest end of the previous pieces in each piece's strip (-inf for the first); pieces are sorted by strip.
 
-    A running maximum of ranks, lifted strip by strip: comparing ranks keeps the edges exact.
+    This is a running maximum of ranks, offset by strip: ranks keep the edges exact.
     """
     values, rank = np.unique(end, return_inverse=True)
     lift = strip * len(values)
@@ -150,8 +150,8 @@ def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]
 def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
     """Gaps that rectangles leave in ``within`` (x0, y0, x1, y1), as rectangles.
 
-    Found cell by cell of a grid whose cells are as large as the rectangles are on average, so that the work grows with
-    their number where no place is in more than some of them. Nothing is rounded: the cells' own edges are cuts.
+    They are found cell by cell in a grid of about the rectangles' average size, so that the work is linear in their
+    number unless many overlap. Nothing is rounded: edges of cells are additional cuts.
     """
     west, north, east, south = within
     x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
@@ -168,15 +168,15 @@ def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> R
 
 
 class _Cells(NamedTuple):
-    """A grid over rectangles: its lines, and in each cell those that share ground with it, by cells.
+    """Grid over rectangles, with the pairs of cells and rectangles that overlap, sorted by cell.
 
     Attributes
     ----------
     x, y : array (columns + 1,), (rows + 1,)
     column, row : array (m,)
-        Cell of each pair of a cell and a rectangle.
+        Cell of each pair.
     owner : array (m,)
-        Index of the rectangle.
+        Index of the rectangle of each pair.
     """
 
     x: Floats
@@ -198,11 +198,11 @@ class _Cells(NamedTuple):
         return cls(x, y, column[order], row[order], owner[order])
 
     def unoccupied(self) -> Rectangles:
-        """Cells without a rectangle; those side by side, and rows of nothing else, are one."""
+        """Cells without a rectangle, merged along rows, and empty rows."""
         columns, rows = len(self.x) - 1, len(self.y) - 1
         new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
         column, row = self.column[new], self.row[new]
-        # Between each occupied cell and the next one of its row, before a row's first one, and after its last.
+        # Cells before each occupied cell of a row, and after the last.
         begins = np.append(True, row[1:] != row[:-1])
         ends = np.append(begins[1:], True)
         first = np.concatenate([np.where(begins, 0, np.append(0, column[:-1] + 1)), column[ends] + 1])
@@ -220,7 +220,7 @@ class _Cells(NamedTuple):
         )
 
     def gaps(self, rectangles: Rectangles) -> Iterator[Rectangles]:
-        """Gaps that rectangles leave in the cells that they meet, some cells at a time."""
+        """Gaps that rectangles leave in occupied cells, in blocks of cells."""
         new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
         cell = np.cumsum(new) - 1
         column, row = self.column[new], self.row[new]
@@ -256,45 +256,44 @@ class _Cells(NamedTuple):
 
 def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats, Numbers, Numbers]:
     """Lines of a grid along one axis, and the first and last cell (excluded) of spans between them."""
-    # As wide as the spans on average; where these are few in a wide field, no more than some for each.
-    # At most four grid lines for each rectangle along each axis.
+    # Cells as wide as the average span, but at most four cells per span.
     count = min(math.ceil((most - least) / float(np.mean(high - low))), 4 * len(low))
     lines = np.linspace(least, most, count + 1)
     return lines, np.searchsorted(lines, low, "right") - 1, np.searchsorted(lines, high, "left")
 
 
 def _spread(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
-    """Index of each range ``first`` to ``last`` (excluded) for each of its numbers, and the number."""
+    """Numbers in the ranges ``first`` to ``last`` (excluded), with the index of the range of each."""
     counts = np.maximum(last - first, 0)
     owner = np.repeat(np.arange(len(counts)), counts)
     return owner, first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: Numbers) -> Rectangles:
-    """Gaps that parts leave in their cells, each cell cut into strips at the tops and bottoms of its parts.
+    """Gaps that parts leave in their cells, found in strips between the tops and bottoms of the parts.
 
     Parameters
     ----------
     parts : Rectangles
-        (m,), each inside its cell.
+        Rectangles (m,) inside their cells.
     cell : array (m,)
-        Number of the cell of each.
+        Cell number of each part.
     bounds : Rectangles
-        (k,) of the cells.
+        Bounds (k,) of the cells.
     cells : array (k,)
-        Their numbers.
+        Cell numbers.
     """
     y = np.concatenate([parts.y0, parts.y1, bounds.y0, bounds.y1])
-    of = np.concatenate([cell, cell, cells, cells])
-    order = np.lexsort((y, of))
-    y, of = y[order], of[order]
-    new = np.append(True, (of[1:] != of[:-1]) | (y[1:] != y[:-1]))
+    owner = np.concatenate([cell, cell, cells, cells])
+    order = np.lexsort((y, owner))
+    y, owner = y[order], owner[order]
+    new = np.append(True, (owner[1:] != owner[:-1]) | (y[1:] != y[:-1]))
     rank = np.empty(len(order), np.int64)
     rank[order] = np.cumsum(new) - 1
-    y, of = y[new], of[new]
-    # A strip is named by its upper line; the last line of a cell has none below it.
-    is_strip = np.append(of[1:] == of[:-1], False)
-    at = np.searchsorted(cells, of)
+    y, owner = y[new], owner[new]
+    # A strip has the number of its upper line; the last line of a cell is not one.
+    is_strip = np.append(owner[1:] == owner[:-1], False)
+    at = np.searchsorted(cells, owner)
     west, east, below = bounds.x0[at], bounds.x1[at], np.append(y[1:], np.inf)
     count = len(parts.y0)
     strip, begin, end = _pieces(parts, rank[:count], rank[count : 2 * count])
@@ -325,7 +324,7 @@ def coverage(
 ) -> Coverage:
     """Coverage of an area outside no-fly areas by windows; exact on the pixel grid for a box.
 
-    Images over a polygon count for others, too.
+    Images of one polygon also count for the others.
     """
     shown, world = Rectangles(*windows.bounds_px), grid.world_px(zoom)
     several = isinstance(area, Polygons)
@@ -365,7 +364,7 @@ def _polygon_coverage(
 ) -> Coverage:
     """Coverage of a box or polygon, in longitudes continuous with those of the windows, by rectangles of pixels.
 
-    ``others`` says that most of them may lie elsewhere.
+    ``others`` states that most rectangles may be elsewhere.
     """
     west_deg, south_deg, east_deg, north_deg = edges_deg
     west, east = (lon_to_u(np.array([west_deg, east_deg])) * world).tolist()
@@ -383,13 +382,13 @@ def _polygon_coverage(
         u_to_lon(missing.x1 / world),
         v_to_lat(missing.y0 / world),
     )
-    # Less than 1 mm² is rounding of clipping in degrees (1e-14 deg along a kilometre of edge).
+    # Less than 1 mm² is rounding of clipping in degrees: 1e-14 degrees along a kilometre of edge.
     ground = ground[ground > 1e-6]
     return Coverage(total_m2, float(ground.sum()), complete=not len(ground))
 
 
 def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
-    """Tiles that windows need, each counted once, without listing them."""
+    """Number of different tiles in windows, without listing them."""
     size, columns = grid.tile_px, 1 << zoom
     pixels = joined(Rectangles(*windows.bounds_px))
     x0, y0 = pixels.x0 // size, pixels.y0 // size
@@ -418,17 +417,17 @@ def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
 def overlap(
     column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool, parts: tuple[int, ...] = ()
 ) -> Overlap:
-    """Shares of width and of height that neighbouring windows have in common; parameters as of `shares`.
+    """Overlap of neighbouring windows; parameters are as for `shares`.
 
-    Of several polygons, whose first captures have the indices ``parts``, neighbours are those of the same one.
+    Windows of several polygons, with first captures ``parts``, are neighbours only within a polygon.
     """
     rectangles = Rectangles(*windows.bounds_px)
     found = []
     for first, end in zip(parts or (0,), (*parts[1:], len(row))):
         if end > first:
-            own = slice(first, end)
-            own_rectangles = Rectangles(*(edge[own] for edge in rectangles))
-            found.append(shares(column[own], row[own], own_rectangles, rows_are_level))
+            part = slice(first, end)
+            inside = Rectangles(*(edge[part] for edge in rectangles))
+            found.append(shares(column[part], row[part], inside, rows_are_level))
     return summarize_overlap(*(np.concatenate(values) for values in zip(*found)))
 
 
@@ -438,7 +437,7 @@ def summarize_overlap(along: Floats, across: Floats) -> Overlap:
 
 
 def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool) -> tuple[Floats, Floats]:
-    """Shares of width, along rows, and of height, across them, that neighbours have in common, of the smaller of both.
+    """Shared widths of neighbours along rows, and heights across rows, as shares of the smaller neighbour.
 
     Parameters
     ----------
@@ -447,8 +446,8 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
     rectangles : Rectangles
         (n,).
     rows_are_level : bool
-        Whether rows run along the rectangles' sides, so that the nearest one of the next row is the neighbour;
-        otherwise it is the one of the same column.
+        Whether rows run along the sides of rectangles: the neighbour is then the nearest in the next row, otherwise
+        that of the same column.
     """
     left, top, right, bottom = rectangles
     width, height = right - left, bottom - top
@@ -456,7 +455,7 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
     shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(left[neighbours], left[neighbours + 1])
     along = _smaller_shares(shared, width[neighbours], width[neighbours + 1])
 
-    # Where in its row each one is: its column, or its middle as a share of what all of them span.
+    # Position in the row: the column, or the middle as a share of the span of all.
     place = column.astype(np.float64)
     if rows_are_level:
         place = left + right
@@ -478,8 +477,8 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
 def _smaller_shares(shared: Floats, one: Floats, other: Floats) -> Floats:
     """Shares of the smaller of two extents, (n,).
 
-    Gusts may turn an image so far that no rectangle lies in it: its gap is a share of the other one, and a whole one
-    where neither has any.
+    Gusts may turn an image so far that it holds no rectangle: the gap is then a share of the other one, or -1 if
+    neither holds one.
     """
     smaller, larger = np.minimum(one, other), np.maximum(one, other)
     extent = np.where(smaller > 0.0, smaller, larger)
@@ -491,14 +490,14 @@ def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:
 
 
 class ImageryShare(NamedTuple):
-    """How much of a mission lies on the imagery of its source.
+    """Part of a mission that lies on the imagery of the source.
 
     Attributes
     ----------
     share : float or None
-        Of the mission's area; None for points.
+        Share of the area; None for points.
     outside, partly : int
-        Pictures that show nothing of it, and that show also ground without it.
+        Numbers of pictures outside the imagery, and partly outside.
     """
 
     share: float | None
@@ -516,29 +515,29 @@ def imagery_share(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> I
         return ImageryShare(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
-    outside, partly = _count_beyond(windows, extent, grid, zoom)
+    outside, partly = _outside_counts(windows, extent, grid, zoom)
     share = _share(area, extent) if area.covers_ground and grid.plane.wraps else None
     return ImageryShare(share, outside, partly)
 
 
 def twice_area(ring: Floats) -> float:
-    """Twice the area of a ring (n, 2), negative where it runs the other way round."""
+    """Twice the signed area of a ring (n, 2)."""
     following = np.roll(ring, -1, axis=0)
     return float(np.sum(ring[:, 0] * following[:, 1] - following[:, 0] * ring[:, 1]))
 
 
 def _turns(u: Floats, extent: Floats) -> Floats:
-    """Extents that may be under world fractions, whole turns of the world apart: their moves."""
+    """Whole turns of the world by which an extent may be shifted to meet world fractions ``u``."""
     first = np.floor(float(u.min()) - float(extent[:, 0].max()))
     last = np.ceil(float(u.max()) - float(extent[:, 0].min()))
     return np.arange(first, last + 1.0)
 
 
-def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) -> tuple[int, int]:
-    """Pictures outside an extent (positively oriented), and partly so."""
+def _outside_counts(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) -> tuple[int, int]:
+    """Numbers of pictures outside an extent (positively oriented), and partly outside."""
     world_px = grid.world_px(zoom)
     left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
-    # An image that reaches beyond the imagery by the rounding of its edge lies inside.
+    # Rounding may move the edge of an image beyond the imagery by half a pixel.
     room = 0.5 / world_px
     inside, touched = np.zeros(len(left), bool), np.zeros(len(left), bool)
     for turn in [0.0] if not grid.plane.wraps else _turns(np.concatenate([left, right]), extent):
@@ -547,7 +546,7 @@ def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) 
         held = np.ones(len(left), bool)
         meets = (left < east - room) & (right > west + room) & (top < south - room) & (bottom > north + room)
         for (u, v), (next_u, next_v) in zip(corners, np.roll(corners, -1, axis=0)):
-            # Distance inward of a side, at the corners of each picture that lie farthest in and farthest out.
+            # Inward distances from a side of the corners farthest in and farthest out.
             inward_u, inward_v = np.array([v - next_v, next_u - u]) / max(np.hypot(next_u - u, next_v - v), 1e-300)
             ends_u = np.sort([inward_u * (left - u), inward_u * (right - u)], axis=0)
             ends_v = np.sort([inward_v * (top - v), inward_v * (bottom - v)], axis=0)
@@ -559,7 +558,7 @@ def _count_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) 
 
 
 def _share(area: Area, extent: Floats) -> float:
-    """Share of an area that lies on an extent (positively oriented)."""
+    """Share of an area on an extent (positively oriented)."""
     total = held = 0.0
     signed = [(-1.0 if number else 1.0, ring) for part in area.parts for number, ring in enumerate(part.arrays())]
     for sign, (lon, lat) in signed:
@@ -574,7 +573,7 @@ def _share(area: Area, extent: Floats) -> float:
 
 
 def clip_ring(ring: Floats, convex: Floats) -> Floats:
-    """Ring inside a convex one that is positively oriented (Sutherland and Hodgman's clipping)."""
+    """Ring clipped to a convex, positively oriented ring (Sutherland–Hodgman)."""
     for corner, following in zip(convex, np.roll(convex, -1, axis=0)):
         along = following - corner
         depth = along[0] * (ring[:, 1] - corner[1]) - along[1] * (ring[:, 0] - corner[0])

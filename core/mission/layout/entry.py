@@ -1,4 +1,4 @@
-"""Where a flight enters a layout: the order of its passes, and the way that their rows are flown."""
+"""Entry of a flight into its rows: the order of rows, and the direction in which they are flown."""
 
 from __future__ import annotations
 
@@ -19,17 +19,16 @@ from .rows import (
 
 
 def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
-    """Captures in the order in which a flight takes them that enters their rows where the mission's route says.
+    """Captures in the order of a flight that enters the rows at the corner which the route of the mission names.
 
-    The rows are those of the layout, flown from their other end, in the opposite order, or both. Of the four captures
-    that a flight may begin with each belongs to the corner of the compass that, all together, they are nearest to. A
-    further pass begins where it is nearest to the end of the one before. Points keep their order.
+    Rows are flown as laid out, from the other end, in reverse order, or both. The four possible first captures are
+    assigned to the corners of the compass so that the sum of squared distances is least. A further pass begins nearest
+    to the end of the previous one. Points keep their order.
 
     Parameters
     ----------
     firsts : tuple of int
-        Index of the first capture of each pass, and of each of several polygons, which keep their order; none for a
-        single one.
+        Indices of the first captures of passes and polygons, which keep their order; empty for a single pass.
     """
     route = mission.route
     if not mission.area.covers_ground or route.entry == FIRST:
@@ -42,7 +41,7 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
     yaw = layout.yaw_deg
     for start, end in zip(starts, [*starts[1:], len(layout.row)]):
         found = _ways(layout, slice(start, end), mission.flight.order)
-        # Captures of cameras that look aside along the track are placed for the way that the row is flown.
+        # Oblique views along the track were placed for the direction of flight.
         found = [one for one in found if not (one.turned and keeps_ways(mission))]
         ways = [one.order + start for one in found]
         begins = place[[one[0] for one in ways]]
@@ -63,13 +62,13 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
 
 
 def keeps_ways(mission: Mission) -> bool:
-    """Whether rows are to be flown the way that they are laid out: images see aside, and along their track."""
+    """Whether rows must be flown in the direction of the layout: oblique views along the track."""
     sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
     return sees_aside and mission.flight.facing == TRACK
 
 
 def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
-    """Yaws of captures (n,), of which some are flown the other way."""
+    """Yaws of captures (n,), with those of ``which`` flown in the other direction."""
     if mission.flight.facing != TRACK:
         return yaw_deg
     turned = np.array(yaw_deg)
@@ -78,23 +77,23 @@ def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
 
 
 class _RowOrder(NamedTuple):
-    """An order of a pass, and whether each of its rows is flown the other way than it is laid out."""
+    """Order of the captures of a pass, and whether its rows are flown against the layout."""
 
     order: Numbers
     turned: bool
 
 
 def _ways(layout: Layout, part: slice, order: str) -> list[_RowOrder]:
-    """Orders of a pass: from its first row or its last, and along its first row or back."""
+    """Orders of a pass: from the first or the last row, and from either end of that row."""
     _, row = np.unique(layout.row[part], return_inverse=True)
     last, column = int(row.max()), layout.column[part]
     found = []
     for rows, from_last in ((row, False), (last - row, True)):
         back = np.zeros_like(rows) if order == ONE_WAY else rows % 2
-        # Of an even number of rows the last one is laid out backwards.
+        # With an even number of rows the last one is laid out backwards.
         is_other = from_last and order != ONE_WAY and last % 2 == 1
-        for own, turned in ((column, is_other), (-column, not is_other)):
-            found.append(_RowOrder(np.lexsort((np.where(back, -own, own), rows)), turned))
+        for along, turned in ((column, is_other), (-column, not is_other)):
+            found.append(_RowOrder(np.lexsort((np.where(back, -along, along), rows)), turned))
     return found
 
 
@@ -103,9 +102,9 @@ def _nearest(places: Floats, to: Floats) -> int:
 
 
 def _corner_pass(begins: Floats, places: Floats, entry: str) -> int:
-    """Which of places (v, 2) belongs to a corner of the box around places (n, 2).
+    """Index of the first capture (v, 2) that belongs to a corner of the box around captures (n, 2).
 
-    Of four each belongs to one: as those lie nearest to them, all together.
+    Four first captures are assigned to the four corners so that the sum of squared distances is least.
     """
     low, high = places.min(axis=0), places.max(axis=0)
     corners = np.array(

@@ -1,4 +1,4 @@
-"""The two kinds of frames that pictures have: rectangles of the source's pixels, and what a camera sees."""
+"""The two kinds of frames of pictures: map frames, rectangles of the source's pixels, and camera frames."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class SeenGround(Protocol):
 
     @property
     def poles(self) -> NDArray[np.int64]:
-        """For each capture 1 or -1 where it sees a pole, else 0; (n,)."""
+        """1 or -1 for captures that see a pole, else 0, (n,)."""
         ...
 
     def centres(self) -> tuple[Floats, Floats]:
@@ -37,12 +37,12 @@ class SeenGround(Protocol):
         ...
 
     def tile_count(self, passes: tuple[Pass, ...]) -> int:
-        """Tiles that the camera frames see, each counted once."""
+        """Number of different tiles in the camera frames."""
         ...
 
 
 class FramedPlan(Protocol):
-    """A plan, as far as its frames ask for it; `plan.Plan` says what the attributes are."""
+    """Attributes of a `plan.Plan` that frames use."""
 
     @property
     def mission(self) -> Mission:
@@ -62,15 +62,15 @@ class FramedPlan(Protocol):
 
     @property
     def poses(self) -> Poses:
-        """Poses as they are flown, (n,)."""
+        """Poses as flown, (n,)."""
 
     @property
     def meant(self) -> Poses:
-        """Poses as they were meant to be, (n,)."""
+        """Planned poses, (n,)."""
 
     @property
     def nominal(self) -> Poses | None:
-        """The same where wind has moved them."""
+        """Planned poses if wind has moved them; else None."""
 
     @property
     def windows(self) -> Windows:
@@ -86,19 +86,19 @@ class FramedPlan(Protocol):
 
     @property
     def ground(self) -> Ellipsoid:
-        """Level ground that captures are planned over."""
+        """Level ground below captures."""
 
     @property
     def relief(self) -> Relief:
-        """Ground that they are flown over."""
+        """Ground below captures."""
 
     @property
     def flown(self) -> Flown | None:
-        """Heights over the relief, if any."""
+        """Heights over relief; None over level ground."""
 
     @property
     def passes(self) -> tuple[Pass, ...]:
-        """Passes of turned or crossed rows."""
+        """Passes of rows in a plane."""
 
     @property
     def views(self) -> SeenGround:
@@ -117,7 +117,7 @@ class MapFrames:
         Clockwise quarter turns from the map's north to the tops of the pictures, 0 to 3.
     """
 
-    #: Whether the pictures are rectangles of the map: files state their edges, and nothing is resampled.
+    #: Whether pictures are rectangles of the map, stated by their edges and not resampled.
     on_map: ClassVar[bool] = True
 
     width_px: Numbers
@@ -126,7 +126,7 @@ class MapFrames:
 
     @classmethod
     def from_windows(cls, windows: Windows, poses: Poses, grid: PixelGrid) -> MapFrames:
-        """Frames of windows (n,), turned as their cameras are."""
+        """Frames of windows (n,), turned like the cameras."""
         turns = quarter_turns(poses, grid.plane)
         wide, high = windows.width_px, windows.height_px
         if turns.any():
@@ -153,15 +153,15 @@ class MapFrames:
         return runs
 
     def scene_sizes_px(self, windows: Windows, first: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Widths and heights of the pictures of runs that begin at ``first``, (k,), at most.
+        """Greatest widths and heights of the pictures of runs that begin at ``first``, (k,).
 
-        Rounding of the edges makes pictures of one row differ by a pixel.
+        Rounded edges make pictures of one row differ by a pixel.
         """
         sizes = (np.asarray(size[first], np.float64) + 1.0 for size in (windows.width_px, windows.height_px))
         return swapped(self.quarter_turns[first], *sizes)
 
     def resampled_px(self) -> float:
-        """Pixels that are resampled: none."""
+        """Number of resampled pixels: 0."""
         return 0.0
 
     def kernel(self, _mission: Mission, /) -> str:
@@ -169,7 +169,7 @@ class MapFrames:
         return "none"
 
     def has_masks(self, _plan: FramedPlan, /) -> bool:
-        """Whether pictures may have pixels without imagery: never."""
+        """Whether pictures may have pixels without imagery: no."""
         return False
 
     def centres(self, plan: FramedPlan) -> tuple[Floats, Floats]:
@@ -181,19 +181,19 @@ class MapFrames:
         return np.broadcast_to(np.int64(plan.zoom), self.width_px.shape)
 
     def finest_zoom(self, plan: FramedPlan) -> int:
-        """Highest zoom that pictures take pixels from."""
+        """Highest zoom of sampled pixels."""
         return plan.zoom
 
     def gsd_m_per_px(self, _mission: Mission, poses: Poses, grid: PixelGrid, zoom: int, /) -> float:
-        """Ground sample distance of the pictures: that of the zoom's pixels, median."""
+        """Median ground sample distance of the pictures: that of the pixels at the zoom."""
         return float(np.median(grid.ground_m_per_px(poses.lat_deg, poses.lon_deg, zoom)))
 
     def tile_count(self, plan: FramedPlan) -> int:
-        """Tiles that the pictures need, each counted once."""
+        """Number of different tiles in the pictures."""
         return unique_tiles(plan.windows, plan.grid, plan.zoom)
 
     def rectangles(self, plan: FramedPlan, part: Pass, at: slice) -> Rectangles:
-        """Windows of a pass, in the plane of its rows, whose axes are those of the map but for quarter turns."""
+        """Windows of a pass in the plane of its rows, which is the map turned by quarter turns."""
         plane = part.plane
         if not isinstance(plane, TurnedPlane):
             world = plan.grid.world_px(plan.zoom)
@@ -206,7 +206,7 @@ class MapFrames:
 
 @dataclass(frozen=True, eq=False)
 class CameraFrames:
-    """Pictures as the camera sees them, resampled; on the map they count for a rectangle inside."""
+    """Pictures as the camera sees them, resampled; for coverage they count as a rectangle inside."""
 
     on_map: ClassVar[bool] = False
     is_north_up: ClassVar[bool] = False
@@ -230,7 +230,7 @@ class CameraFrames:
 
     @property
     def quarter_turns(self) -> Numbers:
-        """0 for each picture, (n,): the view has its attitude."""
+        """Zeros, (n,)."""
         return np.broadcast_to(np.int64(0), self.width_px.shape)
 
     def take(self, which: NDArray[Any] | slice) -> CameraFrames:
@@ -247,7 +247,7 @@ class CameraFrames:
         return width, height
 
     def resampled_px(self) -> float:
-        """Pixels that are resampled: all."""
+        """Number of resampled pixels: all."""
         return float(np.sum(self.width_px * self.height_px))
 
     def kernel(self, mission: Mission) -> str:
@@ -255,7 +255,7 @@ class CameraFrames:
         return mission.accuracy.resampling
 
     def has_masks(self, plan: FramedPlan) -> bool:
-        """Whether pictures may have pixels without ground, or with ground that the source's map does not reach."""
+        """Whether pictures may have pixels without ground, or with ground outside the map of the source."""
         corners = plan.corners
         if plan.relief.has_holes:
             return True
@@ -267,14 +267,14 @@ class CameraFrames:
     def centres(self, plan: FramedPlan) -> tuple[Floats, Floats]:
         """Latitude and longitude (wrapped) where the cameras' axes meet the ground, degrees, (n,) each.
 
-        `image_centres` has those of cameras whose axis misses it.
+        See `image_centres` for axes that miss the ground.
         """
         return plan.views.centres()
 
     def named_zooms(self, plan: FramedPlan) -> Numbers:
-        """Zooms in the names of the pictures, (n,): the one asked for, or that of the camera's own pixels on the map.
+        """Zooms in the names of the pictures, (n,): the requested one, or that of the camera's pixels on the map.
 
-        They do not depend on the source: a pose has one name in all imageries.
+        They do not depend on the source, so a pose has the same name in all imageries.
         """
         pixels = plan.mission.pixels
         if pixels.zoom is not None:
@@ -285,24 +285,24 @@ class CameraFrames:
         return zooms
 
     def finest_zoom(self, plan: FramedPlan) -> int:
-        """Highest zoom that pictures take pixels from."""
+        """Highest zoom of sampled pixels."""
         return sampled_zooms(plan.mission, plan.grid)[1]
 
     def gsd_m_per_px(self, mission: Mission, poses: Poses, _grid: PixelGrid, _zoom: int, /) -> float:
-        """Ground sample distance of the pictures straight down, median."""
+        """Median ground sample distance of the pictures straight down."""
         return camera_gsd_m_per_px(mission, poses, self)
 
     def tile_count(self, plan: FramedPlan) -> int:
-        """Tiles of all zooms that the pictures need, each counted once: see `CameraViews.tile_count`."""
+        """Number of different tiles of all zooms in the pictures: see `CameraViews.tile_count`."""
         return plan.views.tile_count(plan.passes)
 
     def rectangles(self, plan: FramedPlan, part: Pass, at: slice) -> Rectangles:
         """Rectangles of ground inside the pictures of a pass, in the plane of its rows."""
         poses, moved = plan.poses, plan.nominal is not None or plan.flown is not None
         if plan.flown is not None:
-            # From there the level ground is seen as much as captures see of the relief at least.
+            # From this height cameras see as much level ground as they see of the relief at least.
             poses = poses._replace(agl_m=plan.flown.seen_agl_m)
-        return rotated_rectangles(plan.mission, part, poses.take(at), plan.row[at], plan.ground, own=moved)
+        return rotated_rectangles(plan.mission, part, poses.take(at), plan.row[at], plan.ground, moved=moved)
 
 
 #: Frames of a plan, of one kind.
@@ -310,17 +310,17 @@ Frames = Union[MapFrames, CameraFrames]
 
 
 def camera_gsd_m_per_px(mission: Mission, poses: Poses, frames: Frames) -> float:
-    """Ground sample distance of the exact camera with as many pixels as its picture, median."""
+    """Median ground sample distance of the exact camera with the pixels of its picture."""
     width_m, _ = mission.camera.ground_size_m(1.0)
     return float(np.median(width_m * poses.agl_m / frames.width_px))
 
 
 def highest_zoom(mission: Mission, grid: PixelGrid) -> int:
-    """Highest zoom that a mission may show: that of the source's own pixels, unless it allows enlarged ones."""
+    """Highest zoom of a mission: that of the native pixels, unless upsampling is allowed."""
     return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
 
 
 def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
-    """Lowest and highest zoom that camera frames take their pixels from."""
+    """Lowest and highest zoom of pixels sampled by camera frames."""
     highest = highest_zoom(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
     return grid.min_zoom, max(highest, grid.min_zoom)

@@ -1,4 +1,4 @@
-"""How a mission's pictures lie on the map: the frames of its captures, their zoom and their size."""
+"""Frames of the captures of a mission: their zoom, windows and sizes."""
 
 from __future__ import annotations
 
@@ -36,27 +36,24 @@ from ..parts import FIRST, TRACK
 from ..relief.ground import Flown, Relief
 from .entry import from_entry
 from .frames import CameraFrames, Frames, MapFrames, highest_zoom
-from .no_fly import left_out
+from .no_fly import remove_no_fly
 from .parallels import lay_out
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, bounds_with_margin, lay_out_points, point_angles_deg, row_yaws_deg, sees_below
 
-#: Places and nominal poses to the poses that are flown.
+#: Flown poses of captures, from their layout and nominal poses.
 Disturbed = Callable[[Layout, Poses], Poses]
 
-#: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
-#: stretching a frame may move it by beyond their first order.
-_NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
-#: Most that rounding its edges changes the side of a picture.
+#: Greatest change of the side of a picture when its edges are rounded.
 _ROUNDED_PX = 1.0
 
 
 class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
-    ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are. ``parts`` are
-    the indices of the first captures of several polygons, and ``left_out`` is how many captures no-fly areas have cost.
+    ``passes`` are those of rows in a plane, and ``flown`` has the heights of captures over relief. ``parts`` are the
+    indices of the first captures of several polygons, and ``left_out`` counts captures removed by no-fly areas.
     """
 
     layout: Layout
@@ -75,11 +72,11 @@ class Framing(Protocol):
 
     @property
     def resamples(self) -> bool:
-        """Whether pictures are resampled: windows on the map only lie inside them."""
+        """Whether pictures are resampled: their windows are then rectangles inside."""
         ...
 
     def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
-        """Edges of the frames of poses, for pixels of this world fraction."""
+        """Edges of the frames of poses, for pixels of a size as a world fraction."""
         ...
 
     def zoom(self, layout: Layout) -> int:
@@ -87,12 +84,12 @@ class Framing(Protocol):
         ...
 
     def frames(self, layout: Layout, windows: Windows, poses: Poses, /) -> Frames:
-        """Frames of the pictures, whose sizes follow from a layout or from their windows."""
+        """Frames of the pictures, with sizes from their layout or windows."""
         ...
 
 
 def ground_ellipsoid(mission: Mission) -> Ellipsoid:
-    """The ground of a mission, as an ellipsoid."""
+    """Level ground of a mission as an ellipsoid."""
     return WGS84.raised(mission.flight.ground_height_m) if mission.flight.ground_height_m else WGS84
 
 
@@ -105,26 +102,26 @@ def framed(
 ) -> Framed:
     """Lay a mission out in frames of one kind.
 
-    Over relief frames are those of what each capture sees at least, as from over the highest of it: so rows are tighter
-    where the ground is higher, and images share no less than was asked for.
+    Over relief, frames are those over the highest ground that each capture sees: rows are closer where the ground is
+    higher, and images overlap no less than requested.
 
     Raises
     ------
     InvalidInput
-        As `plan` does.
+        As for `plan`.
     """
-    zoom_of = partial(_zoom, framing, relief)
+    choose_zoom = partial(_zoom, framing, relief)
     rows = _placing(mission, grid, framing, relief)
     placed = rows.first
-    zoom = zoom_of(placed.layout)
+    zoom = choose_zoom(placed.layout)
     if rows.needs_room:
         placed = rows.place(zoom)
-        lower = zoom_of(placed.layout)
+        lower = choose_zoom(placed.layout)
         if lower < zoom:
-            # The room, a share of a pixel, may take the lower of two zooms, whose pixels are larger.
+            # The room for rounding may lower the zoom, whose larger pixels need more room.
             zoom = lower
             placed = rows.place(zoom)
-    layout, passes, parts, lost = left_out(mission.no_fly, *placed)
+    layout, passes, parts, lost = remove_no_fly(mission.no_fly, *placed)
     layout = from_entry(mission, layout, (*parts, *(one.first for one in passes)))
     flown = relief.flown(layout)
     if flown is not None:
@@ -146,7 +143,7 @@ class PlacedCaptures(NamedTuple):
 
 
 class Placing(Protocol):
-    """A way of placing a mission's captures."""
+    """Method of placing the captures of a mission."""
 
     @property
     def first(self) -> PlacedCaptures:
@@ -174,17 +171,17 @@ class _SinglePoints:
 
     @cached_property
     def first(self) -> PlacedCaptures:
-        """Captures at the points; yaws that the mission gives them count from grid north."""
+        """Captures at the points; yaws of the mission are from grid north."""
         return PlacedCaptures(_grid_north_yaws(self.mission, self.grid.plane, lay_out_points(self.mission)))
 
     def place(self, _zoom: int, /) -> PlacedCaptures:
-        """The same at every zoom."""
+        """Return the same captures at every zoom."""
         return self.first
 
 
 @dataclass(frozen=True)
 class _RowsAlongParallels:
-    """Rows along parallels of the map, of the frames at their latitudes."""
+    """Rows along parallels, with frames for each latitude."""
 
     mission: Mission
     grid: PixelGrid
@@ -199,7 +196,7 @@ class _RowsAlongParallels:
         return self._placed(0.0)
 
     def place(self, zoom: int, /) -> PlacedCaptures:
-        """Captures whose outermost frames leave room for the rounding of their edges."""
+        """Captures with room for the rounding of the outermost frames."""
         return self._placed(1.0 / self.grid.world_px(zoom))
 
     def _placed(self, pixel: float) -> PlacedCaptures:
@@ -215,7 +212,7 @@ class _RowsAlongParallels:
         return PlacedCaptures(*lay_out_polygons(self.mission, lay_out_part))
 
     def _common_frames(self, pixel: float, lat_deg: Floats, agl_m: Floats) -> FrameEdges:
-        """Edges that frames of rows flown to and fro have in common, (n,)."""
+        """Edges of the common part of frames of rows flown in both directions, (n,)."""
         leans = (self.mission.attitude.tilt_deg, self.mission.attitude.roll_deg)
         poses = (
             Poses.from_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans)
@@ -227,7 +224,7 @@ class _RowsAlongParallels:
 
 @dataclass(frozen=True)
 class _RowsInPlane:
-    """Rows in a plane about the area, or in that of the source's CRS."""
+    """Rows in a plane around the area, or of the source's CRS."""
 
     mission: Mission
     grid: PixelGrid
@@ -236,7 +233,7 @@ class _RowsInPlane:
 
     @property
     def needs_room(self) -> bool:
-        """Whether frames are rounded to pixels; those of cameras about an area lie where they are."""
+        """Whether frames are rounded to pixels, as all are but camera frames on the map."""
         return not (self.grid.plane.wraps and self.framing.resamples)
 
     @cached_property
@@ -245,18 +242,18 @@ class _RowsInPlane:
         return self._placed()
 
     def place(self, zoom: int, /) -> PlacedCaptures:
-        """Captures whose outermost frames, or all, leave room for the rounding of their edges."""
+        """Captures with room for the rounding of all frames, or of the outermost."""
         grid = self.grid
         if not grid.plane.wraps:
             return self._placed(room_m=_ROUNDED_PX * grid.plane.unit_m * max(grid.pixel_size(zoom)))
-        # Map frames have rounded edges, and lie a little across the axes of a plane about the area.
+        # Edges of map frames are rounded, and not quite parallel to the axes of the plane.
         off_px = _ROUNDED_PX + self.mission.accuracy.error_budget_px
         layout = self.first.layout
         pixels_m = grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom)
         return self._placed(narrowed_m=off_px * float(np.max(pixels_m)))
 
     def _placed(self, **room: float) -> PlacedCaptures:
-        # Turned rows are all alike, as tight as the highest ground needs.
+        # Rows in a plane all have the spacing that the highest ground needs.
         least = _highest_mission(self.mission, self.relief)
         lower, ground = _deepest_share(least, self.relief), ground_ellipsoid(self.mission)
         return PlacedCaptures(
@@ -265,7 +262,7 @@ class _RowsInPlane:
 
 
 def _placing(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief) -> Placing:
-    """Way of placing a mission's captures."""
+    """Placing of the captures of a mission."""
     if isinstance(mission.area, Points):
         return _SinglePoints(mission, grid)
     if is_rotated(mission) or not grid.plane.wraps:
@@ -274,12 +271,12 @@ def _placing(mission: Mission, grid: PixelGrid, framing: Framing, relief: Relief
 
 
 def _laid_out_first(mission: Mission, layout: Layout) -> int:
-    """Index of the first capture as laid out, whose frame is the reference wherever the flight begins."""
+    """Index of the first capture as laid out, whose frame is the reference for any entry of the flight."""
     return 0 if mission.route.entry == FIRST else int(np.lexsort((layout.column, layout.row))[0])
 
 
 def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: int | None) -> Windows:
-    """Windows of captures; captures nearly like the one with the index ``alike`` share theirs."""
+    """Windows of captures; if ``alike`` is the index of a reference, nearly equal poses share theirs."""
     pixel = 1.0 / grid.world_px(zoom)
     if alike is not None:
         edges, run = _rounded_edges(framing, poses, pixel, alike), np.arange(len(poses.lat_deg))
@@ -290,7 +287,7 @@ def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: 
 
 
 def _grid_north_yaws(mission: Mission, plane: Plane, layout: Layout) -> Layout:
-    """Points whose yaw counts from the plane's north, as in rows; yaws of a table and of a track are true."""
+    """Points with the mission's yaw from grid north, as in rows; yaws of a table or track are from true north."""
     north_deg = plane.north_deg(layout.lat_deg, layout.lon_deg)
     with np.errstate(invalid="ignore"):
         beyond = ~np.isfinite(north_deg + plane.forward(layout.lat_deg, layout.lon_deg)[0])
@@ -309,7 +306,7 @@ def _zoom(framing: Framing, relief: Relief, layout: Layout) -> int:
 
 
 def _highest_mission(mission: Mission, relief: Relief) -> Mission:
-    """A mission as high above level ground as it is above the highest that it sees of the relief."""
+    """Mission over level ground, at the least height above the highest relief that its captures see."""
     if relief.is_level:
         return mission
     box = bounds_with_margin(mission, mission.area)
@@ -318,19 +315,17 @@ def _highest_mission(mission: Mission, relief: Relief) -> Mission:
 
 
 def _deepest_share(least: Mission, relief: Relief) -> float:
-    """How many times as high as over the highest a mission is over the lowest ground that cameras look aside at."""
+    """Ratio of the greatest to the least height above ground that oblique views see; 1 for other views."""
     if sees_below(least):
         return 1.0
     return max(relief.deepest_m / least.flight.agl_m, 1.0)
 
 
 def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int) -> FrameEdges:
-    """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
+    """Edges of frames of rotated rows, (n,), shared by poses of nearly the same latitude and yaw.
 
-    The frame of one of them decides how nearly.
-
-    A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
-    stretched by a share, where it is smaller by r times that angle or share on every side.
+    The frame of the ``reference`` determines the tolerance. A frame within r of the camera, turned by an angle or
+    stretched by a share, still contains the frame reduced on every side by r times that angle or share.
     """
 
     def extents(edges: FrameEdges, lat_deg: Floats) -> tuple[Floats, Floats]:
@@ -341,9 +336,10 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int)
 
     one = slice(reference, reference + 1)
     (far,), (near,) = extents(framing.edges(poses.take(one), pixel), poses.lat_deg[one])
-    # World fraction that stands for frames without extent: far below a pixel.
+    # World fraction for frames without extent, far below a pixel.
     least = 1e-12
-    turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), least) / max(float(far), least))
+    # Shared frames may be smaller by a thousandth.
+    turn_deg = math.degrees(2.0 * 1e-3 * max(float(near), least) / max(float(far), least))
     step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
     lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)
     cells, cell = np.unique(lat + 1j * yaw, return_inverse=True)
@@ -351,8 +347,8 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int)
     shared = same._replace(lat_deg=cells.real * step_deg, yaw_deg=cells.imag * turn_deg)
     west, east, top, bottom = edges = framing.edges(shared, pixel)
     far, _ = extents(edges, shared.lat_deg)
-    # Half a step of latitude stretches, and half a step of yaw turns.
-    room = far * math.radians(turn_deg) * _BEYOND_FIRST_ORDER
+    # Poses differ by half a step of latitude and of yaw; 10 % more allows for second-order terms.
+    room = far * math.radians(turn_deg) * 1.1
     across, down = (np.minimum(room, size / 2.0) for size in edges.size)
     moved = lat_to_v(poses.lat_deg) - lat_to_v(shared.lat_deg)[cell]
     return FrameEdges(
@@ -364,13 +360,11 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int)
 
 
 def nominal_poses(mission: Mission, layout: Layout) -> Poses:
-    """Poses of captures as they are meant to be."""
+    """Planned poses of captures."""
     area = mission.area
     if isinstance(area, Points):
-        # Points are their columns; those over no-fly areas are left out.
-        tilt, roll = (
-            select_by_column(point_angles_deg(mission, area, name), layout.column) for name in ("tilt", "roll")
-        )
+        # Columns are indices of points, as some may be removed by no-fly areas.
+        tilt, roll = (select_columns(point_angles_deg(mission, area, name), layout.column) for name in ("tilt", "roll"))
     else:
         tilt, roll = (
             np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
@@ -379,50 +373,50 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
 
-def select_by_column(values: Floats, column: Numbers) -> Floats:
-    """Values of some of the points, by their columns; what is the same for all takes no memory."""
+def select_columns(values: Floats, column: Numbers) -> Floats:
+    """Values of points, by column; a value common to all takes no memory."""
     return values[column] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
 
 
 def _limit_px(mission: Mission, grid: PixelGrid) -> int:
-    """Longest side of a picture that a mission, its source and memory allow, px."""
+    """Greatest side of a picture that mission, source and memory allow."""
     limits = [limit * grid.scale for limit in (mission.limit_px, grid.max_size_px) if limit is not None]
     return min([MAX_PICTURE_SIDE_PX, *limits])
 
 
 def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
-    """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
+    """Refuse pictures that are too large; ``coarsest`` states that no coarser pixels exist."""
     limit, longest_px = _limit_px(mission, grid), max(width_px, height_px)
-    way_out = Message("fly lower")
+    advice = Message("fly lower")
     if not coarsest:
         coarser = Message("choose a lower zoom"), Message("choose a larger ground sample distance")
-        way_out = coarser[mission.pixels.gsd_m_per_px is not None]
+        advice = coarser[mission.pixels.gsd_m_per_px is not None]
     if longest_px <= limit:
         if width_px * height_px <= MAX_PICTURE_PX:
             return
         if not coarsest and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
-            way_out = Message("{0}, or make them smaller ({1})", way_out, OptionName("max_px"))
+            advice = Message("{0}, or make them smaller ({1})", advice, OptionName("max_px"))
         raise InvalidInput(
             "images of {0:,} x {1:,} px: {2:,} px in all are allowed",
             width_px,
             height_px,
             MAX_PICTURE_PX,
             field="max_px",
-            remedy=way_out,
+            remedy=advice,
         )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
-        way_out = Message("{0}, or allow larger images ({1})", way_out, OptionName("max_px"))
+        advice = Message("{0}, or allow larger images ({1})", advice, OptionName("max_px"))
     raise InvalidInput(
         "images of {0:,} px: the longest side allowed here is {1:,} px",
         longest_px,
         limit,
         field="max_px",
-        remedy=way_out,
+        remedy=advice,
     )
 
 
 def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
-    """Zoom whose pixels come nearest in ratio to those of an image, which show ``px_m`` right below each capture."""
+    """Zoom with the pixel size closest in ratio to ``px_m``, that of images straight below each capture."""
     stretch = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
         if grid.plane.wraps
@@ -433,7 +427,7 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
 
 
 def _some(*values: Floats) -> tuple[Floats, ...]:
-    """Every n-th value of arrays (n,), a thousand at most: their median hardly differs."""
+    """Every k-th value of arrays (n,), at most 1000, which hardly changes the median."""
     return tuple(value[:: -(-len(value) // 1000)] for value in values)
 
 
@@ -453,7 +447,7 @@ def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
 
 @dataclass(frozen=True)
 class MapFraming:
-    """Pictures that are rectangles of the map."""
+    """Framing of pictures that are rectangles of the map."""
 
     resamples: ClassVar[bool] = False
 
@@ -461,15 +455,15 @@ class MapFraming:
     grid: PixelGrid
 
     def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
-        """Edges through the midpoints of the images' edges, whatever the pixel."""
+        """Edges through the midpoints of image edges."""
         return map_frame_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), self.grid.plane)
 
     def frames(self, _layout: Layout, windows: Windows, poses: Poses, /) -> MapFrames:
-        """Frames as large as their windows."""
+        """Frames of the size of their windows."""
         return MapFrames.from_windows(windows, poses, self.grid)
 
     def zoom(self, layout: Layout) -> int:
-        """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
+        """Return the requested zoom, or the closest to the camera's pixels within size and limits."""
         mission, grid = self.mission, self.grid
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
@@ -487,12 +481,9 @@ class MapFraming:
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
     def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
-        """Return the highest zoom, from one down, at which no picture is larger than allowed (the paper's eq. 8).
-
-        Where none is, the lowest.
-        """
+        """Highest zoom up to ``zoom`` at which no picture is too large (the paper's eq. 8), or the lowest zoom."""
         grid, limit = self.grid, _limit_px(self.mission, self.grid)
-        # Edges are rounded one by one: a picture has at most one pixel more than its frame.
+        # Rounding of the edges adds at most one pixel to a picture.
         most = max(float(size.max()) for size in edges.size)
 
         def fits(zoom: int) -> bool:
@@ -508,7 +499,7 @@ class MapFraming:
 
 @dataclass(frozen=True)
 class CameraFraming:
-    """Pictures as the camera sees them; on the map they count for the north-up rectangle inside."""
+    """Framing of pictures as the camera sees them, which count as the north-up rectangle inside."""
 
     resamples: ClassVar[bool] = True
 
@@ -516,18 +507,17 @@ class CameraFraming:
     grid: PixelGrid
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
-        """Edges of the rectangles inside, with room for their rounding."""
+        """Edges of the rectangles inside, with room for rounding."""
         return inscribed_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane)
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
-        """Frames of `sizes`."""
+        """Frames of the sizes of `sizes`."""
         return CameraFrames(self.sizes(layout))
 
     def sizes(self, layout: Layout) -> Sizes:
-        """Sizes of images: as fine as the zoom or the distance asked for, else the camera's as far as allowed.
+        """Sizes of images: for the requested zoom or ground sample distance, else the camera's, within limits.
 
-        Those of one flight over an area are all alike; that of a point depends on its own pose alone, and on no others
-        of its table.
+        Images of an area are all of one size; that of a point depends on no other points.
         """
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
@@ -539,7 +529,7 @@ class CameraFraming:
         ground_m = mission.camera.ground_size_m(1.0)[0] * self._each_or_median(layout.agl_m)
         if mission.pixels.gsd_m_per_px is not None:
             finest_m = float(np.median(self._pixels_m(layout, highest_zoom(mission, grid))))
-            if mission.pixels.gsd_m_per_px < finest_m * 0.995:  # people give three digits
+            if mission.pixels.gsd_m_per_px < finest_m * 0.995:  # people enter three digits
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
         elif mission.pixels.zoom is not None:
@@ -556,11 +546,11 @@ class CameraFraming:
         return sizes
 
     def _pixels_m(self, layout: Layout, zoom: int) -> Floats:
-        """Sizes of the source's pixels that captures count with, metres, (n,)."""
+        """Pixel sizes of the source at captures, in metres, (n,), see `_each_or_median`."""
         return self._each_or_median(self.grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom))
 
     def _each_or_median(self, values: Floats) -> Floats:
-        """Values of captures (n,) as they are for points, and their median for a flight over an area."""
+        """Values of captures (n,) for points; their median for an area."""
         if self.mission.area.covers_ground:
             return np.broadcast_to(np.median(values), values.shape)
         return values
@@ -587,7 +577,7 @@ class CameraFraming:
         )
 
     def zoom(self, layout: Layout) -> int:
-        """Return the zoom asked for, or the one that suits the ground right below the camera."""
+        """Return the requested zoom, or the closest to the pixels straight below the camera."""
         mission, grid = self.mission, self.grid
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
@@ -598,21 +588,21 @@ class CameraFraming:
 
 
 def _zoom_for_size(size: tuple[int, int, int], sizes: tuple[Floats, Floats], grid: PixelGrid) -> int:
-    """Return the lowest zoom at which no picture, of widths and heights in world fractions, is enlarged to a size."""
+    """Return the lowest zoom at which no picture (sides in world fractions) is enlarged to a size."""
     width, height = (float(np.min(side)) for side in sizes)
     times = max(size[0] / width, size[1] / height) / grid.world_px(0)
-    # The exponent that just fits the inverse, taken down, is this one taken up.
+    # Rounding up is rounding down of the negative exponent.
     return -fitting_zoom(times, 256.0)
 
 
 def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest: int) -> int:
-    """Return the lowest zoom whose pixels are nowhere larger than asked for.
+    """Return the lowest zoom with pixels nowhere larger than requested.
 
-    In another CRS than Web Mercator pixels count with their nominal size, whatever the scale of the projection.
+    In another CRS than Web Mercator, pixels have their nominal size, whatever the scale of the projection.
     """
     for zoom in range(grid.min_zoom, highest + 1):
         pixel_m = grid.pixel_size(zoom)[0] * grid.plane.unit_m
-        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + 1e-9):  # the rounding of a file
+        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + 1e-9):  # files round it
             return zoom
         if float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom).max()) <= gsd_m_per_px:
             return zoom
@@ -621,7 +611,7 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest:
 
 
 def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
-    # Three digits, rounded up: what is advised is to be right.
+    # Rounded up to three digits, so that the advice works.
     unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
     finest_m = math.ceil(finest_m / unit) * unit
     return InvalidInput(
@@ -634,7 +624,7 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
 
 
 def _sees_the_map(mission: Mission, poses: Poses) -> NDArray[np.bool_]:
-    """Whether images show any ground of the map, (n,), as far as points spread over them tell."""
+    """Whether images show ground of the map at any of 33 by 33 points, (n,)."""
     steps = np.linspace(-1.0, 1.0, 33)
     points = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     rays = mission.camera.rays_enu(points, *poses.attitude)
@@ -648,14 +638,14 @@ def _largest_px(windows: Windows) -> int:
 
 
 def check_sizes(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
-    """Refuse map frames that are larger than allowed."""
+    """Refuse map frames that are too large."""
     windows = framed.windows
     coarsest = framed.zoom == grid.min_zoom
     _check_size(int(windows.width_px.max()), int(windows.height_px.max()), mission, grid, coarsest=coarsest)
 
 
 def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
-    """Refuse map frames that reach beyond the map or are under one pixel, and camera frames that see nothing of it."""
+    """Refuse map frames outside the map or under one pixel, and camera frames that do not see the map."""
     windows, poses, zoom = framed.windows, framed.poses, framed.zoom
     world = grid.world_px(zoom)
     _, top, _, bottom = windows.bounds_px

@@ -1,4 +1,4 @@
-"""No-fly polygons: captures whose camera would stand inside one are left out."""
+"""Removal of captures in no-fly polygons."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from .rows import Layout, picked
 
 
 def in_no_fly(polygons: tuple[Polygon, ...], lat_deg: Floats, lon_deg: Floats) -> Flags:
-    """Which places (n,) are inside any of the polygons."""
+    """Which positions (n,) are inside any of the polygons."""
     found = np.zeros(np.shape(lat_deg), bool)
     for polygon in polygons:
         found |= inside(polygon, lat_deg, lon_deg)
     return found
 
 
-def left_out(
+def remove_no_fly(
     polygons: tuple[Polygon, ...], layout: Layout, passes: tuple[Pass, ...], parts: tuple[int, ...]
 ) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...], int]:
-    """Captures that stand outside all polygons, in their order and with their indices.
+    """Captures outside all polygons, in order and with their indices.
 
     Parameters
     ----------
     parts : tuple of int
-        Indices of the first captures of the area's polygons.
+        Indices of the first captures of the polygons of the area.
 
     Returns
     -------
     layout, passes, parts
-        Without passes that have lost all captures; parts are kept, and may be empty.
+        Passes without captures are removed; parts are kept, and may be empty.
     int
-        How many were left out.
+        Number of captures removed.
 
     Raises
     ------
     InvalidInput
-        None is left.
+        No capture is left.
     """
     forbidden = in_no_fly(polygons, layout.lat_deg, layout.lon_deg)
     count = int(forbidden.sum())

@@ -1,4 +1,4 @@
-"""The layout of the published datasets: a grid of equal steps in UTM."""
+"""Layout of the published datasets: a grid of equal steps in UTM."""
 
 from __future__ import annotations
 
@@ -18,39 +18,34 @@ from .rows import (
     refuse_too_many,
 )
 
-#: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
-_UTM_REACH_DEG = 30.0
-
 
 def lay_out_paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
-    """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
-    if mission.flight.margin_m:
+    """Grid in the UTM zone of the box's centre, from its top-left corner (the paper's raster mission)."""
+    flight = mission.flight
+    unsupported = Message("margin {0:g} m", flight.margin_m) if flight.margin_m else ""
+    if flight.facing != NORTH:
+        unsupported = Message("camera facing {0}", flight.facing)
+    if unsupported:
         raise InvalidInput(
-            "margin {0:g} m: the layout {1} has none",
-            mission.flight.margin_m,
-            mission.flight.layout,
-            field="layout",
-            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
-        )
-    if mission.flight.facing != NORTH:
-        raise InvalidInput(
-            "camera faces {0}: the layout {1} is north-up",
-            mission.flight.facing,
-            mission.flight.layout,
+            "{0}: the layout {1} does not support it",
+            unsupported,
+            flight.layout,
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     box = area.bounds
     middle_lon = box.west_deg + box.span_deg / 2.0
     zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
-    # Longitudes are taken from the central meridian's turn of the world, and given back to the box's.
+    # The zone computes with longitudes near its central meridian, which may be a turn away from the box's.
     turn = 360.0 * round((middle_lon - zone.central_meridian_deg) / 360.0)
     reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
-    if reach > _UTM_REACH_DEG:
+    # Farther from the meridian the UTM grid is no longer a grid.
+    limit_deg = 30.0
+    if reach > limit_deg:
         raise InvalidInput(
             "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's meridian",
             box.span_deg,
-            _UTM_REACH_DEG,
+            limit_deg,
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
@@ -76,6 +71,6 @@ def lay_out_paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> L
 
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
-    """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
-    # Rounding of UTM metres must not add a column or row to the paper's counts.
+    """Number of images until one contains the far corner, ``extent_m`` from the first centre."""
+    # Rounding in UTM metres must not add a column or row.
     return max(float(np.ceil((extent_m - size_m / 2.0) / step_m - 1e-9)), 0.0) + 1.0

@@ -1,4 +1,4 @@
-"""Rows along parallels whose frames cover an area: overlap becomes the spacing of rows, and of images along rows."""
+"""Rows along parallels that cover an area: overlap becomes the spacing of rows, and of images along rows."""
 
 from __future__ import annotations
 
@@ -33,27 +33,23 @@ from .rows import (
     sees_below,
 )
 
-#: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
-#: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
+#: Overlap of neighbours, far above the noise of float64 positions at zoom 22 (1e-7 px), so that rounding never opens a
+#: gap, and far below anything that costs a picture.
 _MEETING_PX = 1e-3
-#: Rows are settled when no centre moves by more than this share of the world in a pass (0.4 µm of ground), or
-#: by more than the noise of adding so many of them up: this times the root of their number.
-_SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
-#: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
-_FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
-#: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
-_COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
-#: Rows from which their images are counted beforehand; the share of those that are needed in any case, and what there
-#: are at most, so that a limit that is raised to the number named is enough.
-_MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
-#: Over relief, heights from which frames of a row are worked out, and stretches of rows that are looked at together.
-_HEIGHTS, _STRETCHES = 5, 2_000_000
+#: Rows have converged when no centre moves by more than this share of the world in a pass: 0.4 µm of ground.
+_CONVERGED = 1e-14
+#: Latitudes tried for cameras that look far aside.
+_TRIED = 257
+#: Share and number of rows by which their count may be off.
+_COUNT_SHARE, _COUNT_MORE = 1e-3, 3
+#: From this number of rows on, images are estimated before rows are placed; the share is certain to be needed.
+_MANY_ROWS, _CERTAIN_SHARE = 1000, 0.95
 #: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
 Frames = Callable[[Floats, Floats], FrameEdges]
 
 
 class Below(Protocol):
-    """Relief below a mission: how high captures are over the highest of what they see."""
+    """Heights of captures above the ground that they see: the part of `Relief` that rows use."""
 
     @property
     def is_level(self) -> bool:
@@ -62,46 +58,44 @@ class Below(Protocol):
 
     @property
     def merge_distance_m(self) -> float:
-        """Distance within which places count as one."""
+        """Distance below which positions count as one."""
         ...
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """Of captures at latitudes (n,), wherever in the area, the least."""
+        """Least height of captures at latitudes (n,) above the highest ground that they see."""
         ...
 
     def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """And the greatest."""
+        """Greatest height of captures at latitudes (n,) above the highest ground that they see."""
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Of captures within `merge_distance_m` of places (n,), at least; NaN where there is no ground."""
+        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
         ...
 
     @property
     def deepest_m(self) -> float:
-        """Greatest height of a capture over the lowest of what it sees."""
+        """Greatest height of a capture above the lowest ground that it sees."""
         ...
 
 
 def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> Layout:
-    """Places of a mission's captures.
+    """Positions of the captures of a mission.
 
     Parameters
     ----------
     frames : callable
-        Edges of the mission's frames at given latitudes and heights of the camera; what is covered lies in them, not
-        below the camera, where that looks aside.
+        Edges of frames at latitudes and heights of the camera.
     pixel : float
-        Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
-        leave room for the rounding of their edges.
+        Size of a pixel as a fraction of the world, >= 0: the outermost frames leave room for rounding.
     relief : Below
-        Ground below: rows are tighter where it is higher.
+        Ground below: rows are closer where it is higher.
 
     Raises
     ------
     InvalidInput
-        More captures than ``mission.max_images``; an area beyond Web Mercator's latitudes; a camera that
-        sees past the horizon.
+        There are more captures than ``mission.max_images``, the area is outside Web Mercator, or the camera sees past
+        the horizon.
     """
     area = mission.area
     if isinstance(area, (Points, Polygons)):
@@ -114,7 +108,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> La
         least = frames(lat_deg, relief.least_seen_agl_m(lat_deg))
         if relief.is_level or not aside:
             return least
-        # What is seen aside lies farther away from higher up: what images from all heights hold.
+        # Oblique views shift with height: use the common part of images from all heights.
         most = frames(lat_deg, relief.most_seen_agl_m(lat_deg))
         west, top = (np.maximum(*edges) for edges in ((least.west_u, most.west_u), (least.top_v, most.top_v)))
         east, bottom = (np.minimum(*edges) for edges in ((least.east_u, most.east_u), (least.bottom_v, most.bottom_v)))
@@ -134,7 +128,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below) -> La
         )
     if relief.is_level or aside:
         return _cover(mission, area, row_frames, pixel)
-    return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
+    return _cover(mission, area, row_frames, pixel, _ReliefRows(mission, frames, relief, _MEETING_PX * pixel))
 
 
 def _cover(
@@ -142,26 +136,26 @@ def _cover(
     area: Box | Polygon,
     frames: RowFrames,
     pixel: float,
-    along: _Along | None = None,
+    along: _ReliefRows | None = None,
     deepest: RowFrames | None = None,
 ) -> Layout:
-    """Rows whose frames cover an area, and whose frames over the lowest ground, ``deepest``, reach its edges, too.
+    """Rows whose frames cover an area, and still reach its edges over the lowest ground (``deepest``).
 
-    Those over the ground between lie between both.
+    Frames over ground between are between both.
     """
     box = bounds_with_margin(mission, area)
     if deepest is not None:
-        box = _reaching(box, frames, deepest)
+        box = _enlarged(box, frames, deepest)
     rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
     rounding = ROUNDING_PX * pixel
     lower = edges if deepest is None else deepest(v_to_lat(rows_v))
     either = _united(edges, lower)
     top_v, bottom_v, beside_deg = edges_with_margin(mission, either.top_v - rounding, either.bottom_v + rounding)
     if along is None and len(rows_v) > _MANY_ROWS:
-        # Following a polygon through many rows takes a while: images show the whole of it at least.
+        # Spans of many rows take a while: images need at least the area of the polygon.
         one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
         most_m2 = float(np.max(one_m2 * 360.0 * edges.size[0]))
-        refuse_too_many(_SURELY * area.area_m2() / most_m2, mission.output.max_images)
+        refuse_too_many(_CERTAIN_SHARE * area.area_m2() / most_m2, mission.output.max_images)
     spans = row_spans(area, top_v, bottom_v)
     if mission.flight.margin_m:
         spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])
@@ -176,7 +170,7 @@ def _cover(
     east_u = lon_to_u(spans[:, 1]) + rounding + np.maximum(edges.east_u - lower.east_u, 0.0)
     counts = np.maximum(np.ceil((east_u - west_u - width) / step), 0.0) + 1.0
     if along is not None:
-        # Far more captures than allowed need no exact count.
+        # Far more captures than allowed are not counted exactly.
         if float(counts.sum()) > 20.0 * mission.output.max_images:
             refuse_too_many(float(counts.sum()), mission.output.max_images)
         row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
@@ -193,8 +187,8 @@ def _cover(
     return in_order(images_touching(mission, area, layout, either, rounding), mission.flight.order)
 
 
-def _reaching(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
-    """Box so much higher that rows whose frames cover it cover what was asked for on the lowest ground, too."""
+def _enlarged(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
+    """Box enlarged north and south so that rows that cover it also cover the area on the lowest ground."""
     ends = np.array([box.north_deg, box.south_deg])
     high, low = frames(ends), deepest(ends)
     north = np.maximum(low.top_v - high.top_v, 0.0).max()
@@ -205,7 +199,7 @@ def _reaching(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
 
 
 def _united(frames: FrameEdges, others: FrameEdges) -> FrameEdges:
-    """Frames about each two of some."""
+    """Smallest frames around two frames each."""
     return FrameEdges(
         np.minimum(frames.west_u, others.west_u),
         np.maximum(frames.east_u, others.east_u),
@@ -217,12 +211,12 @@ def _united(frames: FrameEdges, others: FrameEdges) -> FrameEdges:
 def _row_centres(
     mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
 ) -> tuple[Floats, FrameEdges]:
-    """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
+    """World fractions of the cameras of rows, north to south, and edges of their frames."""
     rows = _ParallelRows(mission, box, frames, pixel, refuse_early=refuse_early)
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     while count > len(centres):
-        # Rows share a part of the higher one, and so come nearer to each other than their number was counted for.
+        # Overlap is a share of the higher row, so rows may be closer than estimated.
         refuse_too_many(count, mission.output.max_images)
         missing, step = rows.last_bottom - edges.bottom_v[-1], edges.bottom_v[-1] - edges.bottom_v[-2]
         centres, edges = rows.settle(rows.first_top, len(centres) + math.ceil(missing / step) + _COUNT_MORE)
@@ -241,31 +235,32 @@ class _ParallelRows:
         self._mission, self._frames = mission, frames
         self._north, self._south = (float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg))
         self._meeting = _MEETING_PX * pixel
-        # Of rows as wide as the box it is known beforehand how many images they have.
+        # Rows as wide as the box have a known number of images.
         known = refuse_early and isinstance(mission.area, Box)
         self._across = box.span_deg / 360.0 if known else 0.0
         self.first_top = max(self._north - ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + ROUNDING_PX * pixel, 1.0)
         self._least, self._most = self._cameras()
-        # The shift that centres them is tried before it is taken, and takes as long as all else.
+        # Centring tries rows that are placed afterwards, at the cost of all other steps together.
         self._settled: dict[tuple[float, int], tuple[Floats, FrameEdges]] = {}
 
     def _cameras(self) -> tuple[float, float]:
-        """Where cameras may stand to have their frames in the area, by half a frame or more."""
+        """Range of cameras with frames that overlap the area."""
         places = np.array([self._north, self._south])
         edges = self._frames(v_to_lat(places))
         aside = (edges.top_v + edges.bottom_v) / 2.0 - places
-        if float(np.abs(aside).max()) > _FAR_ASIDE:
-            return self._cameras_by_trying()
-        # The centre of a frame that is symmetric about the camera's place differs from it by Mercator's stretch alone.
+        # The shift of frames farther aside than a thousandth of the world depends on latitude.
+        if float(np.abs(aside).max()) > 1e-3:
+            return self._try_cameras()
+        # The centre of a symmetric frame differs from the camera's position only by Mercator's stretch.
         level = np.abs(aside) < edges.size[1] / 4.0
         half = edges.size[1] / 2.0
         cameras = np.where(level, places + np.array([-1.0, 1.0]) * half, places - 1.5 * aside)
         return max(min(self._north, float(cameras.min())), 0.0), min(max(self._south, float(cameras.max())), 1.0)
 
-    def _cameras_by_trying(self) -> tuple[float, float]:
-        """Where cameras may stand whose frames lie so far aside that how far changes with their latitude."""
-        tried = np.linspace(0.0, 1.0, _TRIED_PLACES)
+    def _try_cameras(self) -> tuple[float, float]:
+        """Range of cameras with frames so far aside that the shift depends on latitude."""
+        tried = np.linspace(0.0, 1.0, _TRIED)
         edges = self._frames(v_to_lat(tried))
         sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
         if not sees.any():
@@ -282,11 +277,11 @@ class _ParallelRows:
         return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
 
     def _out_of_sight(self, missing: Floats) -> bool:
-        """Whether frames of cameras at the tried places all end so far before a side of the area."""
+        """Whether frames of all tried cameras end before a side of the area."""
         nearest = int(np.argmin(missing))
-        # Between places a frame may reach further than at them, but not beyond the first and the last.
-        between = 0 < nearest < _TRIED_PLACES - 1
-        return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
+        # Cameras between the tried ones may reach farther, but not beyond the first and last.
+        between = 0 < nearest < _TRIED - 1
+        return float(missing[nearest]) > (2.0 / _TRIED if between else 0.0)
 
     def _gaps(self) -> InvalidInput:
         if self._mission.attitude.tilt_deg or self._mission.attitude.roll_deg:
@@ -302,14 +297,14 @@ class _ParallelRows:
         )
 
     def refuse_gaps(self, centres: Floats) -> None:
-        """Refuse rows that were not settled where cameras may stand: their frames are elsewhere."""
-        if bool(((centres < self._least - _SETTLED) | (centres > self._most + _SETTLED)).any()):
+        """Refuse rows outside the range of cameras, whose frames are elsewhere."""
+        if bool(((centres < self._least - _CONVERGED) | (centres > self._most + _CONVERGED)).any()):
             raise self._gaps()
 
     def _edges(self, centres: Floats) -> FrameEdges:
-        """Edges of frames at the centres, each centre taken as its nearest where cameras may stand.
+        """Edges of frames at the centres, extrapolated outside the range of cameras.
 
-        A settled row's centre lies there; the ones beyond are only on their way.
+        Centres are outside only while rows converge.
         """
         inside = np.clip(centres, self._least, self._most)
         edges = self._frames(v_to_lat(inside))
@@ -317,7 +312,7 @@ class _ParallelRows:
         return edges._replace(top_v=edges.top_v + moved, bottom_v=edges.bottom_v + moved)
 
     def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
-        """Distance of each row from the one before, for rows at these centres."""
+        """Distances between consecutive rows at centres."""
         height = edges.bottom_v - edges.top_v
         shared = self._mission.flight.overlap_across * np.maximum(height[1:], height[:-1])
         below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
@@ -326,8 +321,8 @@ class _ParallelRows:
         return steps
 
     def most(self) -> int:
-        """Rows that surely reach from north to south: the integral of rows per height, and some."""
-        nodes, weights = gauss_legendre(_COUNT_NODES)
+        """Number of rows that certainly reach from north to south: the integral of rows per height, and some."""
+        nodes, weights = gauss_legendre(64)
         half = (self._south - self._north) / 2.0
         edges = self._edges(self._north + half * (1.0 + nodes))
         step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.flight.overlap_across) - self._meeting
@@ -335,38 +330,39 @@ class _ParallelRows:
         count = half * float(np.sum(weights / step))
         refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.output.max_images)
         if count > _MANY_ROWS:
-            # Rows are placed in seconds then: what is beyond the limit in any case is refused before.
+            # Placing many rows takes seconds: refuse what certainly exceeds the limit first.
             width, _ = edges.size
             columns = np.ceil(
                 np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.flight.overlap_along))
             )
             images = half * float(np.sum(weights / step * (columns + 1.0)))
-            # The last row ends with the area: rows that fit only its height are not flown.
+            # The last row ends with the area, so the overlap beyond it is not flown.
             images *= max(
                 1.0 - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,
                 0.0,
             )
-            if images * _SURELY > self._mission.output.max_images:
-                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.output.max_images)
+            if images * _CERTAIN_SHARE > self._mission.output.max_images:
+                # 1 % more, so that a limit raised to this number is enough.
+                refuse_too_many(math.ceil(images * 1.01), self._mission.output.max_images)
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
-        """Centres of rows that follow each other from a first top edge, and their edges; kept for the next time."""
+        """Centres and edges of ``count`` consecutive rows from a first top edge; the last result is cached."""
         if (top, count) not in self._settled:
             self._settled = {(top, count): self._settle(top, count)}
         return self._settled[top, count]
 
     def _settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
-        """Settle rows.
+        """Place rows by Picard iteration.
 
-        A row's place depends on its own height and those before: all are placed at once, again and again
-        with the heights of the last pass (Picard iteration), until none moves.
+        The position of a row depends on the heights of all rows before, which depend on their positions: all are placed
+        at once, again and again with the heights of the last pass.
         """
         centres = np.linspace(max(top, self._north), self._south, count)
-        settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
+        # Sums of many steps have more noise.
+        settled = max(_CONVERGED, 1e-15 * math.sqrt(count))
         nearest, stalled = math.inf, 0
-        # Picard iteration gains digits faster than geometrically (under 40 passes
-        # from limit to limit); only frames that all but hold a pole take longer.
+        # Convergence is faster than geometric, in under 40 passes unless frames almost contain a pole.
         for _ in range(500):
             edges = self._edges(centres)
             placed = np.cumsum(np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)]))
@@ -375,7 +371,7 @@ class _ParallelRows:
             if moved <= settled:
                 return centres, self._edges(centres)
             nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
-            # Rows that settle come nearer within ten passes.
+            # Rows that converge improve within ten passes.
             if stalled == 50:
                 break
         raise InvalidInput(
@@ -385,7 +381,7 @@ class _ParallelRows:
         )
 
     def centring_shift(self, count: int, spare: float) -> float:
-        """Distance northward that makes the rows reach as far beyond the area's north as beyond its south."""
+        """Shift to the north with which rows extend equally beyond the north and the south of the area."""
         if spare <= 0.0:
             return 0.0
 
@@ -394,17 +390,17 @@ class _ParallelRows:
 
         guess = min(spare / 2.0, self.first_top)
         unequal = below(guess) - guess
-        # One secant step: heights change so slowly with latitude that what remains is of second order.
+        # One secant step: heights change slowly with latitude, so the rest is of second order.
         shift = guess * spare / (spare - unequal) if unequal < spare else guess
         shift = max(min(shift, self.first_top), min(spare - (1.0 - self.last_bottom), self.first_top), 0.0)
         return shift if below(shift) >= 0.0 else 0.0
 
     def lean(self, centres: Floats, edges: FrameEdges) -> tuple[Floats, FrameEdges]:
-        """Rows whose last one, where it would reach beyond the map's end, ends there instead."""
+        """Rows with the last one moved back to the end of the map."""
         if edges.bottom_v[-1] <= 1.0:
             return centres, edges
         inside, outside = 0.5, float(centres[-1])
-        while outside - inside > _SETTLED:
+        while outside - inside > _CONVERGED:
             middle = (inside + outside) / 2.0
             if self._edges(np.array([middle])).bottom_v[0] <= 1.0:
                 inside = middle
@@ -415,7 +411,7 @@ class _ParallelRows:
 
 
 class _Placed(NamedTuple):
-    """Captures along rows, arrays (n,), by rows: indices, world fractions, and edges of their frames from there."""
+    """Captures along rows, arrays (n,) sorted by row: indices, world fractions, and frame edges relative to these."""
 
     row: Numbers
     column: Numbers
@@ -425,22 +421,22 @@ class _Placed(NamedTuple):
 
     @classmethod
     def joined(cls, parts: list[_Placed]) -> _Placed:
-        """All of several parts, by rows."""
+        """Captures of several parts, sorted by row."""
         placed = cls(*(np.concatenate(values) for values in zip(*parts)))
-        return placed.taken(np.argsort(placed.row, kind="stable"))
+        return placed.take(np.argsort(placed.row, kind="stable"))
 
-    def taken(self, which: NDArray[Any]) -> _Placed:
-        """Some of them, by their indices or by whether they are taken."""
+    def take(self, which: NDArray[Any]) -> _Placed:
+        """Some of the captures, by index or mask."""
         row, column, *places = self
         return _Placed(row[which], column[which], *(values[which] for values in places))
 
-    def of(self, rows: NDArray[np.bool_]) -> _Placed:
-        """Those of some of the rows, which are told (r,)."""
-        return self.taken(rows[self.row])
+    def take_rows(self, rows: NDArray[np.bool_]) -> _Placed:
+        """Captures of some rows, by a mask (r,)."""
+        return self.take(rows[self.row])
 
 
 class _Stretches(NamedTuple):
-    """Rows (r,) in stretches (r, m) of one size, in world fractions: what captures show that stand in them."""
+    """Stretches (r, m) of rows (r,), in world fractions, with the frame edges of captures in them."""
 
     first_u: Floats
     size_u: Floats
@@ -448,34 +444,34 @@ class _Stretches(NamedTuple):
     east: Floats
 
     @classmethod
-    def of(
+    def measure(
         cls, lat_deg: Floats, first_u: Floats, size_u: Floats, count: int, frames: Frames, relief: Below
     ) -> _Stretches:
-        """Stretches of rows: frames in each are those from the least height over what is seen from anywhere in it."""
+        """Stretches of rows, with frames for the least height above the ground that is seen from a stretch."""
         u = first_u[:, np.newaxis] + (np.arange(count) + 0.5) * size_u[:, np.newaxis]
         seen = relief.seen_agl_m(np.repeat(lat_deg, count), u_to_lon(u.ravel())).reshape(u.shape)
         seen = np.fmax(seen, relief.least_seen_agl_m(lat_deg)[:, np.newaxis])
-        # Frames are nearly as large as their height: between a few of these, no smaller a share of it than at both.
+        # Frames are almost proportional to height, so a few heights are enough, with the smaller ratio between two.
+        heights_count = 5
         lowest, ratio = seen.min(axis=1), seen.max(axis=1) / seen.min(axis=1)
-        heights = lowest[:, np.newaxis] * ratio[:, np.newaxis] ** np.linspace(0.0, 1.0, _HEIGHTS)
-        edges = frames(np.repeat(lat_deg, _HEIGHTS), heights.ravel())
+        heights = lowest[:, np.newaxis] * ratio[:, np.newaxis] ** np.linspace(0.0, 1.0, heights_count)
+        edges = frames(np.repeat(lat_deg, heights_count), heights.ravel())
         with np.errstate(invalid="ignore"):
-            above = np.log(seen / lowest[:, np.newaxis]) / np.log(ratio)[:, np.newaxis] * (_HEIGHTS - 1)
-        at = np.clip(np.nan_to_num(above), 0, _HEIGHTS - 2).astype(np.intp)
+            above = np.log(seen / lowest[:, np.newaxis]) / np.log(ratio)[:, np.newaxis] * (heights_count - 1)
+        at = np.clip(np.nan_to_num(above), 0, heights_count - 2).astype(np.intp)
         west, east = (edge.reshape(heights.shape) / heights for edge in (edges.west_u, edges.east_u))
         west, east = np.maximum(west[:, :-1], west[:, 1:]), np.minimum(east[:, :-1], east[:, 1:])
         return cls(first_u, size_u, *(seen * np.take_along_axis(edge, at, axis=1) for edge in (west, east)))
 
     def walk(self, west_u: Floats, east_u: Floats, not_shared: float, meeting: float) -> _Placed:
-        """Captures from each row's west to its east, (r,), each as far from the one before as may be.
+        """Captures from west to east of each row, (r,), as far apart as overlap allows.
 
-        Its frame begins where the one before has left but a share ``1 - not_shared`` of both; they meet inside each
-        other by ``meeting``.
+        Consecutive frames share ``1 - not_shared`` of both, and ``meeting`` more.
         """
         ahead = np.arange(math.ceil(float(((self.east - self.west).max(axis=1) / self.size_u).max())) + 2)
         count = self.west.shape[1]
         rows = np.arange(len(west_u))
-        # How far frames may begin, and by what share of their part to the west captures may stand beyond that.
+        # Limit of the next frame, and share of its western part that counts.
         limit, share, u = west_u, 1.0, west_u
         found: list[_Placed] = []
         while len(rows):
@@ -485,7 +481,7 @@ class _Stretches(NamedTuple):
             west = self.west[rows[:, np.newaxis], at]
             farthest = limit[:, np.newaxis] - share * west
             begin = first + at * size
-            # The last of those stretches that a capture may stand in.
+            # The last stretch in which the capture may be.
             best = len(ahead) - 1 - np.argmax((farthest >= begin)[:, ::-1], axis=1)[:, np.newaxis]
             at, farthest, begin = (np.take_along_axis(values, best, axis=1) for values in (at, farthest, begin))
             u = np.minimum(farthest, begin + size)[:, 0]
@@ -497,8 +493,8 @@ class _Stretches(NamedTuple):
         return _Placed.joined(found)
 
 
-class _Along(NamedTuple):
-    """Captures along rows that are flown straight down over relief: as far from each other as what they show allows."""
+class _ReliefRows(NamedTuple):
+    """Captures along rows over relief with vertical views, as far apart as the ground allows."""
 
     mission: Mission
     frames: Frames
@@ -506,22 +502,23 @@ class _Along(NamedTuple):
     meeting: float
 
     def placed(self, lat_deg: Floats, west_u: Floats, east_u: Floats, least: FrameEdges) -> _Placed:
-        """Captures of rows (r,) that show what lies between two world fractions; ``least`` is what any of them shows.
+        """Captures of rows (r,) that cover the ground between world fractions; ``least`` are the smallest frames.
 
         Raises
         ------
         InvalidInput
-            More captures than the mission may have.
+            There are more captures than allowed.
         """
         limit = self.mission.output.max_images
         parallel_m = 2.0 * math.pi * WGS84.normal_radius_m(lat_deg) * np.cos(np.radians(lat_deg))
         size, (room, _) = self.relief.merge_distance_m / parallel_m, least.size
         stretches = np.ceil((east_u - west_u + 2.0 * room) / size)
-        blocks = np.flatnonzero(np.diff(np.floor(np.cumsum(stretches) / _STRETCHES))) + 1
+        # Blocks of 2 million stretches bound the memory.
+        blocks = np.flatnonzero(np.diff(np.floor(np.cumsum(stretches) / 2_000_000))) + 1
         found, images = [], 0
         for some in np.split(np.arange(len(lat_deg)), blocks):
             west, east = west_u[some], east_u[some]
-            row = _Stretches.of(
+            row = _Stretches.measure(
                 lat_deg[some],
                 west - room[some],
                 size[some],
@@ -531,12 +528,12 @@ class _Along(NamedTuple):
             )
             step = 1.0 - self.mission.flight.overlap_along, self.meeting
             placed = row.walk(west, east, *step)
-            # As far beyond one end as beyond the other, where that takes no more captures.
+            # Centre the row if that takes no more captures.
             last = np.append(np.diff(placed.row) > 0, True)
             beyond = (placed.u + placed.east)[last] - east
             centred = row.walk(west - np.minimum(beyond / 2.0, room[some]), east, *step)
             better = np.bincount(centred.row) <= np.bincount(placed.row)
-            both = placed.of(~better), centred.of(better)
+            both = placed.take_rows(~better), centred.take_rows(better)
             images += sum(len(part.row) for part in both)
             if images <= limit:
                 found += [part._replace(row=some[part.row]) for part in both]

@@ -1,4 +1,4 @@
-"""Several polygons as one flight: rows of each by themselves, in the order and from the corners that keep it short."""
+"""Several polygons as one flight, in an order and with entries that keep it short."""
 
 from __future__ import annotations
 
@@ -18,14 +18,11 @@ from .entry import keeps_ways, turned_yaws_deg
 from .rotated import Pass
 from .rows import Layout, picked, refuse_too_many
 
-#: Rows of one polygon, and their passes where they lie in planes.
+#: Lays out the rows of one polygon; passes are those of rows in a plane.
 LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]
 
-#: Polygons up to which the shortest order is found for sure, and up to which that from the nearest to the next nearest
-#: is made shorter by turning stretches of it round.
-_EXACT, _IMPROVED = 8, 400
-#: Polygons from which an order is begun, at most, and times that all its stretches are looked at.
-_BEGINNINGS, _ROUNDS = 16, 50
+#: Polygons up to which the shortest order is found exactly, and up to which 2-opt improves an order.
+_MAX_EXACT, _MAX_IMPROVED = 8, 400
 
 
 class _Ways(NamedTuple):
@@ -34,11 +31,11 @@ class _Ways(NamedTuple):
     Attributes
     ----------
     start, end : array (v, 3)
-        Geocentric places, metres.
+        Geocentric positions, metres.
     length : array (v,)
-        Of what is flown between rows, in steps.
+        Length of the flight between rows, in millimetres.
     turns : tuple of tuples
-        For each way which of `_TURNS` each pass is flown by.
+        For each way, the index in `_TURNS` of each pass.
     """
 
     start: Floats
@@ -47,15 +44,15 @@ class _Ways(NamedTuple):
     turns: tuple[tuple[int, ...], ...]
 
 
-#: Whether the captures of a pass are taken from the last to the first, and whether each row is turned round then: as
-#: laid out, from the other end of the first row, and from either end of the last row.
+#: Ways to fly a pass: whether captures are reversed, and whether rows are reversed after that. They are: as laid out,
+#: from the other end of the first row, and from either end of the last row.
 _TURNS = ((False, False), (False, True), (True, False), (True, True))
 
 
 def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
-    """Places of a mission's captures, those of one polygon after those of another.
+    """Positions of the captures of a mission, polygon by polygon.
 
-    Numbers of rows go on from polygon to polygon in flight order, so that pairs of column and row occur once.
+    Row numbers continue from polygon to polygon in flight order, so that pairs of column and row are unique.
 
     Parameters
     ----------
@@ -64,13 +61,12 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
 
     Returns
     -------
-    Layout, passes, and the index of the first capture of each polygon in flight order; without these last ones where
-    there is one polygon.
+    Layout, passes, and the indices of the first captures of polygons in flight order; none for a single polygon.
 
     Raises
     ------
     InvalidInput
-        As `rows.lay_out` does, of all captures together.
+        As for `parallels.lay_out`, for all captures together.
     """
     area = mission.area
     if not isinstance(area, Polygons):
@@ -86,9 +82,9 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     found = list(_laid_out(mission, area, laid_out))
-    # Captures of cameras that look aside along the track are placed for the way that the row is flown.
+    # Oblique views along the track were placed for the direction of flight.
     kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
-    # These two fly each row in the direction of its layout.
+    # Ways 0 and 3 fly each row in the direction of the layout.
     ways = [_ways(layout, passes, (0, 3) if kept else tuple(range(len(_TURNS)))) for layout, passes in found]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
@@ -104,14 +100,14 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
 
 
 def _laid_out(mission: Mission, area: Polygons, laid_out: LaidOut) -> Iterator[tuple[Layout, tuple[Pass, ...]]]:
-    """Each polygon's rows by themselves, longitudes in the turn of the world that the area's bounds begin."""
+    """Rows of each polygon, with longitudes continuous with those of the whole area."""
     count = 0
     for polygon, placed in zip(area.parts, area.placed()):
         layout, passes = laid_out(mission.replace(area=polygon))
         count += len(layout.row)
         refuse_too_many(count, mission.output.max_images)
         west, _, east, _ = placed.edges_deg
-        # On another CRS longitudes begin with another turn of the world.
+        # Longitudes of another CRS may be a turn away.
         turn = 360.0 * round(((west + east) / 2.0 - float(np.mean(layout.lon_deg))) / 360.0)
         yield (
             layout._replace(lon_deg=layout.lon_deg + turn) if turn else layout,
@@ -120,7 +116,7 @@ def _laid_out(mission: Mission, area: Polygons, laid_out: LaidOut) -> Iterator[t
 
 
 def _joined(layouts: Sequence[Layout]) -> Layout:
-    """All captures of layouts; what is the same for all takes no memory."""
+    """Captures of all layouts; a value common to all takes no memory."""
     column, row, lat, lon, *others = (list(values) for values in zip(*layouts))
     whole = [np.concatenate(values) for values in (column, row, lat, lon)]
     for values in others:
@@ -130,7 +126,7 @@ def _joined(layouts: Sequence[Layout]) -> Layout:
 
 
 def _slices(layout: Layout, passes: tuple[Pass, ...]) -> list[slice]:
-    """Captures of each pass; all captures where rows have no passes."""
+    """Captures of each pass; without passes, all captures."""
     firsts = [one.first for one in passes] or [0]
     return [slice(*ends) for ends in zip(firsts, [*firsts[1:], len(layout.row)])]
 
@@ -142,14 +138,14 @@ def _runs(row: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _Ways:
-    """Ways to fly the rows of a polygon: each of its passes from either end of its first row or its last."""
+    """Ways to fly the rows of a polygon: each pass from either end of its first or last row."""
     each: list[dict[int, tuple[Floats, Floats, int]]] = []
     for part in _slices(layout, passes):
         first, last = (_places(layout.lat_deg[part][at], layout.lon_deg[part][at]) for at in _runs(layout.row[part]))
         ends: dict[int, tuple[Floats, Floats, int]] = {}
         for turn in which:
             back, turned = _TURNS[turn]
-            # Where each row is begun and ended, in the order in which they are flown.
+            # Ends of rows in flight order.
             begin, end = (last, first) if back != turned else (first, last)
             begin, end = (begin[::-1], end[::-1]) if back else (begin, end)
             ends[turn] = begin[0], end[-1], int(_steps(end[:-1], begin[1:]).sum())
@@ -169,20 +165,19 @@ def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _
 
 
 def _places(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Geocentric places (n, 3) on a sphere, metres: near enough to tell which way is the shorter one."""
+    """Geocentric positions (n, 3) on a sphere, in metres, which is accurate enough to compare ways."""
     (sin_lat, cos_lat), (sin_lon, cos_lon) = sin_cos(lat_deg), sin_cos(lon_deg)
     places: Floats = WGS84.a_m * np.stack([cos_lat * cos_lon, cos_lat * sin_lon, sin_lat], axis=-1)
     return places
 
 
 def _steps(start: Floats, end: Floats) -> Numbers:
-    """Distances of places (..., 3) in whole steps."""
-    # To the millimetre, so that the rounding of sines does not decide between ways of equal length.
+    """Distances of positions (..., 3) in whole millimetres, so that rounding does not decide between equal ways."""
     return np.asarray(np.rint(np.linalg.norm(end - start, axis=-1) * 1000.0), np.int64)
 
 
 def _flown(mission: Mission, layout: Layout, passes: tuple[Pass, ...], turns: tuple[int, ...]) -> Layout:
-    """Layout of a polygon with its passes flown in some way."""
+    """Layout of a polygon with its passes flown by ``turns``."""
     if not any(turns):
         return layout
     order, yaw = [], layout.yaw_deg
@@ -204,15 +199,15 @@ def _flown(mission: Mission, layout: Layout, passes: tuple[Pass, ...], turns: tu
 
 
 def _shortest(ways: Sequence[_Ways]) -> list[tuple[int, int]]:
-    """Polygons in the order in which they are flown, each with the number of its way."""
-    if len(ways) <= _EXACT:
+    """Polygons in flight order, each with the index of its way."""
+    if len(ways) <= _MAX_EXACT:
         return _exact(ways)
-    order = _nearest_next(ways) if len(ways) > _IMPROVED else _improved(_gaps(ways))
+    order = _nearest_next(ways) if len(ways) > _MAX_IMPROVED else _improved(_gaps(ways))
     return _best_ways(ways, order)
 
 
 def _exact(ways: Sequence[_Ways]) -> list[tuple[int, int]]:
-    """Order and ways of the shortest flight, from those of all smaller sets of polygons (Held and Karp)."""
+    """Order and ways of the shortest flight, by dynamic programming (Held–Karp)."""
     count, each = len(ways), len(ways[0].length)
     lengths = np.stack([one.length for one in ways])
     starts, ends = (np.concatenate([getattr(one, name) for one in ways]) for name in ("start", "end"))
@@ -224,11 +219,11 @@ def _exact(ways: Sequence[_Ways]) -> list[tuple[int, int]]:
         best[1 << part, part * each : (part + 1) * each] = lengths[part]
     for flown in range(1, 1 << count):
         for part in (one for one in range(count) if not flown >> one & 1):
-            own = slice(part * each, (part + 1) * each)
-            through = best[flown][:, np.newaxis] + gaps[:, own]
+            states = slice(part * each, (part + 1) * each)
+            through = best[flown][:, np.newaxis] + gaps[:, states]
             nearest = through.argmin(axis=0)
-            best[flown | 1 << part, own] = np.minimum(through.min(axis=0) + lengths[part], far)
-            before[flown | 1 << part, own] = nearest
+            best[flown | 1 << part, states] = np.minimum(through.min(axis=0) + lengths[part], far)
+            before[flown | 1 << part, states] = nearest
     flown = (1 << count) - 1
     at = int(best[flown].argmin())
     chosen = []
@@ -242,18 +237,18 @@ def _exact(ways: Sequence[_Ways]) -> list[tuple[int, int]]:
 
 
 def _gaps(ways: Sequence[_Ways]) -> Numbers:
-    """Least distances (n, n) from the end of one polygon to the start of another, whichever of both comes first."""
+    """Least distances (n, n) between polygons, in either order."""
     starts = np.stack([one.start for one in ways])
     gaps = np.stack([_steps(one.end[:, np.newaxis, np.newaxis], starts[np.newaxis]).min(axis=(0, 2)) for one in ways])
     return np.asarray(np.minimum(gaps, gaps.T))
 
 
 def _improved(gaps: Numbers) -> list[int]:
-    """Order that begins with the nearest next, and has no stretch that would be shorter turned round (2-opt)."""
+    """Short order: the best of several nearest-neighbour orders, improved by 2-opt."""
     count = len(gaps)
     best: list[int] = []
     least = None
-    for beginning in np.unique(np.linspace(0, count - 1, _BEGINNINGS).astype(int)).tolist():
+    for beginning in np.unique(np.linspace(0, count - 1, 16).astype(int)).tolist():
         order, left = [beginning], set(range(count)) - {beginning}
         while left:
             here = order[-1]
@@ -267,13 +262,14 @@ def _improved(gaps: Numbers) -> list[int]:
 
 
 def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
-    """Order with stretches turned round as long as that makes it shorter."""
+    """Order improved by reversing stretches (2-opt)."""
     count = len(order)
     # Nothing is flown before the first polygon and after the last.
     wide = np.zeros((count + 1, count + 1), np.int64)
     wide[:count, :count] = gaps
     way = np.array([count, *order, count])
-    for _ in range(_ROUNDS):
+    # 50 rounds bound the time.
+    for _ in range(50):
         shorter = False
         for first in range(1, count):
             last = np.arange(first + 1, count + 1)
@@ -289,7 +285,7 @@ def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
 
 
 def _nearest_next(ways: Sequence[_Ways]) -> list[int]:
-    """Order from the first polygon to the nearest next, by where they are flown as they are laid out."""
+    """Nearest-neighbour order from the first polygon, for rows flown as laid out."""
     starts, ends = (np.stack([getattr(one, name)[0] for one in ways]) for name in ("start", "end"))
     left = np.ones(len(ways), bool)
     order = [0]
@@ -303,7 +299,7 @@ def _nearest_next(ways: Sequence[_Ways]) -> list[int]:
 
 
 def _best_ways(ways: Sequence[_Ways], order: Sequence[int]) -> list[tuple[int, int]]:
-    """Ways of the shortest flight over polygons in this order."""
+    """Ways of the shortest flight over polygons in an order."""
     length, before = ways[order[0]].length, []
     for part, next_ in zip(order, order[1:]):
         through = length[:, np.newaxis] + _steps(ways[part].end[:, np.newaxis], ways[next_].start[np.newaxis])

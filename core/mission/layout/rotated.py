@@ -1,4 +1,4 @@
-"""Rows in a plane, flown to and fro: those that are turned from east or crossed, and those on a source's own CRS."""
+"""Rows in a plane: rotated or crossed ones, and those in the CRS of a source."""
 
 from __future__ import annotations
 
@@ -53,36 +53,33 @@ from .rows import (
     refuse_too_many,
 )
 
-#: How far from its middle a plane is used, metres: it enlarges by 0.6 % there, and as many images more are flown.
+#: Greatest distance from the middle of a plane: there it enlarges by 0.6 %, which costs as many images more.
 _REACH_M = 1e6
-#: Neighbours meet inside each other by so much, far above the noise of positions: rounding opens no gap.
+#: Overlap of neighbours, far above the noise of positions, so that rounding opens no gap.
 _MEETING_M = 4.0 * NOISE_M
-#: What sides of the area may leave their chords by where only its extent is asked for, metres: little beside any plane.
+#: Accuracy of the sides of an area where only its extent matters.
 _EXTENT_M = 10.0
-#: Places along each side of the area's extent at which images are looked at to find what is common to all.
-_PLACES = 9
-#: Sides of the area bend between its corners, in the plane; they are cut into pieces that leave them by no more than
-#: this share of a rectangle, or have been halved so many times.
-_BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
+#: Sides of an area bend in a plane. They are divided into pieces accurate to this share of a rectangle.
+_BEND_SHARE = 1e-4
 
 
 class Pass(NamedTuple):
-    """Rows of one direction, in flight order one after the other.
+    """Rows of one direction, in flight order.
 
     Attributes
     ----------
     plane : LocalPlane or TurnedPlane
-        Its first axis is the direction of the rows, its second that of yaw 0.
+        Plane with its first axis along the rows, and its second along yaw 0.
     sides : Sides
-        The rectangle of ground, from the place of the camera, that every image of the pass shows.
+        Rectangle of ground, relative to the camera, that every image of the pass shows.
     first : int
-        Index of its first capture.
+        Index of the first capture.
     back : Sides or None
-        The same of rows that are flown back, where their images see the other way.
+        The same for rows flown back, if their images look in the other direction.
     first_row : int
-        Number of its first row.
+        Number of the first row.
     area : Polygon or None
-        What it covers of an area of several polygons; None for all of the area.
+        Polygon that the pass covers; None for the whole area.
     """
 
     plane: RowsPlane
@@ -93,26 +90,26 @@ class Pass(NamedTuple):
     area: Polygon | None = None
 
     def row_sides(self, row: Numbers) -> Sides:
-        """Rectangles of captures by the numbers of their rows (n,): one for all, or one for each."""
+        """Rectangles of captures by row (n,): one for all, or one each."""
         return self.sides if self.back is None else _alternating(self.sides, self.back, (row - self.first_row) % 2 == 1)
 
 
 class PlaneArea(NamedTuple):
-    """An area in a plane: its rings, outer one first, whose sides leave the true ones by ``bend_m`` at most."""
+    """Area in a plane: rings, the outer one first, with sides accurate to ``bend_m``."""
 
     rings: tuple[tuple[Floats, Floats], ...]
     bend_m: float
 
     def arrays(self) -> list[tuple[Floats, Floats]]:
-        """Positions of each ring's corners along the axes."""
+        """Coordinates of the corners of each ring along the axes."""
         return list(self.rings)
 
 
 def is_rotated(mission: Mission) -> bool:
-    """Whether the rows of a mission are turned, or crossed."""
+    """Whether the rows of a mission are rotated or crossed, or look to both sides."""
     if not mission.area.covers_ground:
         return False
-    # Rows along parallels are alike but for their latitude: those that see aside to both sides are not.
+    # Rows along parallels differ only in latitude, which rows with oblique views to both sides do not.
     sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
     return (
         mission.flight.row_azimuth_deg != EASTWARD_DEG
@@ -129,17 +126,22 @@ def lay_out_rotated(
     narrowed_m: float = 0.0,
     lower: float = 1.0,
 ) -> tuple[Layout, tuple[Pass, ...]]:
-    """Places of the captures of a mission whose rows lie in a plane.
+    """Positions of captures in rows in a plane: around the area, or of the source's CRS with rows along grid east.
 
-    That is one about the area, or the plane of the source's own CRS, where rows run along grid east. The area is taken
-    to be ``room_m`` larger on all sides, and what images have in common to be ``narrowed_m`` smaller. Some ground may
-    lie ``lower`` times as far below the cameras: what these see aside is farther away there, and the area larger.
+    Parameters
+    ----------
+    room_m : float
+        Enlarges the area on all sides.
+    narrowed_m : float
+        Reduces the common rectangle of images on all sides.
+    lower : float
+        Greatest ratio of heights above ground to the mission's: oblique views of lower ground are farther away, so the
+        area is enlarged.
 
     Raises
     ------
     InvalidInput
-        As `lay_out` does; where the plane or the frames do not hold: an area or images that reach too far, images that
-        see the sky; and for the layout ``paper``.
+        As for `lay_out`; or the area or images extend too far, images see the sky, or the layout is ``paper``.
     """
     area = mission.area
     if isinstance(area, (Points, Polygons)):
@@ -153,14 +155,14 @@ def lay_out_rotated(
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     if mission.flight.layout != "cover":
-        what = (
+        wanted = (
             Message("row azimuth {0:g} deg", mission.flight.row_azimuth_deg)
             if mission.flight.row_azimuth_deg != EASTWARD_DEG
             else Message("crosshatch")
         )
         raise InvalidInput(
             "{0}: the layout {1} is north-up",
-            what,
+            wanted,
             mission.flight.layout,
             field="layout",
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
@@ -187,22 +189,22 @@ def lay_out_rotated(
     return whole._replace(agl_m=np.broadcast_to(np.float64(mission.flight.agl_m), whole.row.shape)), tuple(passes)
 
 
-def _plane_middle(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
-    """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
+def _plane_middle(plane: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
+    """Latitude and longitude of the middle of an area's extent in a plane; around a pole, that is the pole."""
     lon, lat = (np.concatenate(values) for values in zip(*area.arrays()))
     ends = np.linspace(0.0, 1.0, 8, endpoint=False)
     lon, lat = ((part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel() for part in (lon, lat))
-    u, v = own.forward(lat, lon)
+    u, v = plane.forward(lat, lon)
     there = np.isfinite(u)
     if not there.all():
         raise InvalidInput(
             "area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}",
-            own.name,
+            plane.name,
             float(lat[~there][0]),
             float(lon[~there][0]),
             remedy="choose an area that the source shows",
         )
-    middle = own.inverse(*(np.array((float(part.min()) + float(part.max())) / 2.0) for part in (u, v)))
+    middle = plane.inverse(*(np.array((float(part.min()) + float(part.max())) / 2.0) for part in (u, v)))
     return float(middle[0]), float(middle[1])
 
 
@@ -215,9 +217,9 @@ def _laid_out(
     rooms_m: tuple[float, float],
     lower: float,
 ) -> tuple[Layout, Sides, Sides | None]:
-    """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
+    """One pass, after ``flown`` captures, and the common rectangles of images of rows flown out and back."""
     extent, out, back = _shape(area, plane, _EXTENT_M), False, None
-    # Images stand beyond the area by its margin, too.
+    # The margin is part of the extent of captures.
     extent = extent._replace(bend_m=extent.bend_m + _plane_margin(mission, area, plane))
     sides = _common(mission, extent, plane, ground, out)
     room_m, narrowed_m = rooms_m
@@ -230,7 +232,7 @@ def _laid_out(
     step_x, step_y = steps - _MEETING_M
     refuse_no_step(steps[:1] - _MEETING_M, mission.flight.overlap_along, mission)
     refuse_no_step(steps[1:] - _MEETING_M, mission.flight.overlap_across, mission)
-    # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
+    # Images without overlap sum to the area, apart from the enlargement of the plane.
     refuse_too_many(flown + 0.95 * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
     left_m, bottom_m, right_m, top_m = (float(side[0]) for side in sides)
@@ -259,15 +261,15 @@ def _laid_out(
     bottom = (tops - height)[row]
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
     is_back = is_flown_back(mission, row[keep])
-    own = sides if back is None else _alternating(sides, back, is_back)
-    lat, lon = plane.inverse(left[keep] - own.left_m, bottom[keep] - own.bottom_m)
+    shown = sides if back is None else _alternating(sides, back, is_back)
+    lat, lon = plane.inverse(left[keep] - shown.left_m, bottom[keep] - shown.bottom_m)
     yaw = _yaws_deg(mission, plane, lat, lon, is_back)
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
     return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides, back
 
 
 def _plane_margin(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float:
-    """Most that a mission's margin measures on a plane, which enlarges most far from its middle."""
+    """Greatest length of a mission's margin in a plane, which enlarges most at its rim."""
     margin = mission.flight.margin_m
     if not margin:
         return 0.0
@@ -277,23 +279,23 @@ def _plane_margin(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> fl
     to_lon = lon + wrap_lon_deg(to_lon - lon)
     ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
     (x, y), (to_x, to_y) = ends
-    return float(np.hypot(to_x - x, to_y - y).max()) * 1.001  # between the azimuths
+    return float(np.hypot(to_x - x, to_y - y).max()) * 1.001  # for azimuths between
 
 
 def _narrower(sides: Sides, by_m: float) -> Sides:
-    """Rectangles that are narrower on all sides; of no extent where that is all there is."""
+    """Rectangles reduced on all sides, at most to nothing."""
     across, up = (np.minimum(by_m, size / 2.0) for size in sides.size_m)
     left, bottom, right, top = sides
     return Sides(left + across, bottom + up, right - across, top - up)
 
 
 def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
-    """Rectangles of captures (n,), of which some are of rows that are flown back."""
+    """Rectangles of captures (n,), some of which are in rows flown back."""
     return Sides(*(np.where(is_back, there, here) for here, there in zip(sides, back)))
 
 
 def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
-    """Common part of the rectangles of rows flown out and, turned by half a turn, back; and that part turned."""
+    """Common part of the rectangles of rows flown out and, turned by 180 degrees, back; and that part turned."""
     left, bottom, right, top = (
         pick(here, -there)
         for pick, here, there in (
@@ -307,9 +309,9 @@ def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
 
 
 def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats, is_back: Flags | bool) -> Floats:
-    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence.
+    """Yaws of images as the mission demands, relative to the rows: less the convergence of the plane.
 
-    A fixed azimuth is a true one, and on a source's own plane one from its grid north.
+    A fixed azimuth is from true north, or in the plane of a source from grid north.
     """
     flight, yaw = mission.flight, mission.attitude.yaw_deg
     relative: Floats | float = yaw
@@ -330,7 +332,7 @@ def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back
 
 
 def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellipsoid, is_back: bool) -> Sides:
-    """Sides of the rectangle that images all over a shape show, from the camera's place, of rows flown one way."""
+    """Rectangle, relative to the camera, that all images over a shape show, for rows flown in one direction."""
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1), is_back)
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
@@ -386,34 +388,37 @@ def _common(mission: Mission, shape: PlaneArea, plane: RowsPlane, ground: Ellips
             field="row_azimuth_deg",
             remedy="take a smaller area or north-up rows",
         )
-    x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
+    # Images at a lattice of places stand for all others.
+    count = 9
+    x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, count) for end in ends)))
     poses = _posed(mission, plane, x, y, is_back)
     rings, _, whole = image_rings(mission.camera, poses, plane, ground)
     common = common_sides(mission.camera, poses, plane, ground)
-    # Between the places images differ from those there by what a curve leaves its chord: an eighth of its bend.
-    lattice = rings.reshape(_PLACES, _PLACES, -1)
+    # Between the places a curve deviates from its chord by an eighth of the second difference.
+    lattice = rings.reshape(count, count, -1)
     bend = max(float(np.abs(np.diff(lattice, n=2, axis=axis)).max()) for axis in (0, 1)) / 4.0
     return _narrower(common, bend)
 
 
 def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> PlaneArea:
-    """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
+    """Area in a plane, with its sides divided into pieces accurate to ``bend_m``."""
     found = [_cut(lon, lat, plane, bend_m) for lon, lat in area.arrays()]
-    # Twice what is seen, for pieces that bend unevenly.
+    # Twice the measured deviation, for pieces that bend unevenly.
     return PlaneArea(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
 
 
 def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> tuple[Floats, Floats, float]:
-    """Ring of a polygon in a plane, cut where its sides are bent; the most that its pieces are seen to leave chords."""
-    for halvings in range(_MOST_HALVINGS + 1):
+    """Ring of a polygon in a plane, divided where its sides bend, and the greatest deviation from chords."""
+    most_halvings = 12
+    for halvings in range(most_halvings + 1):
         x, y = plane.forward(lat_deg, lon_deg)
         off = np.zeros(len(x))
-        for share in (0.25, 0.5, 0.75):  # a side that bends both ways does not in its middle
+        for share in (0.25, 0.5, 0.75):  # an S-shaped side does not deviate in its middle
             lon, lat, *chord = (part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y))
             on = plane.forward(lat, lon)
             off = np.maximum(off, np.hypot(on[0] - chord[0], on[1] - chord[1]))
         bent = np.flatnonzero(off > bend_m)
-        if halvings == _MOST_HALVINGS or not len(bent):
+        if halvings == most_halvings or not len(bent):
             break
         lon_deg, lat_deg = (
             np.insert(part, bent + 1, ((part + np.roll(part, -1)) / 2.0)[bent]) for part in (lon_deg, lat_deg)
@@ -425,13 +430,13 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> t
 
 
 def rotated_rectangles(
-    mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, own: bool
+    mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, moved: bool
 ) -> Rectangles:
-    """Rectangles that the images of a pass show, in its plane; the images' own where wind has moved them."""
-    if own:
+    """Rectangles that images of a pass show, in its plane; measured one by one if captures have ``moved``."""
+    if moved:
         return _rounded(image_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
     x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
-    # A row is level but for the noise that the rectangles leave room for.
+    # The deviations of captures from a straight row are noise, which `_MEETING_M` allows for.
     new = np.append(True, row[1:] != row[:-1])
     y = y[new][np.cumsum(new) - 1]
     left, bottom, right, top = part.row_sides(row)
@@ -439,37 +444,37 @@ def rotated_rectangles(
 
 
 def inner_rectangles(plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats) -> Rectangles:
-    """Rectangles along a plane's axes inside those along the map's, by their edges in degrees, (n,) each.
+    """Rectangles along the axes of a plane inside those along the map's, with edges in degrees, (n,) each.
 
-    The two differ by quarter turns and by the plane's convergence.
+    The axes differ by quarter turns and by the convergence of the plane.
     """
     lon, lat = np.stack([west, east, east, west]), np.stack([south, south, north, north])
     x, y = (np.sort(part, axis=0) for part in plane.forward(lat, lon))
     return Rectangles(x[1], y[1], np.maximum(x[2], x[1]), np.maximum(y[2], y[1]))
 
 
-def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
-    """Rectangles on a lattice of pieces of a size, inside others."""
-    # About pixels of a picture: the sides of a million images in wind are too many to be counted as they are.
+def _rounded(sides: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
+    """Rectangles inside others, with edges on a lattice of 512 cells per ``size_m``."""
+    # Without a common lattice, the gaps between a million images in wind take too long.
     across, up = (size / 512 for size in size_m)
-    left, bottom = np.ceil(own.left_m / across) * across, np.ceil(own.bottom_m / up) * up
-    right, top = np.floor(own.right_m / across) * across, np.floor(own.top_m / up) * up
-    # Images that show no whole ground have none that lies between two lines of the lattice.
+    left, bottom = np.ceil(sides.left_m / across) * across, np.ceil(sides.bottom_m / up) * up
+    right, top = np.floor(sides.right_m / across) * across, np.floor(sides.top_m / up) * up
+    # Images may be smaller than a cell of the lattice.
     return Rectangles(left, bottom, np.maximum(right, left), np.maximum(top, bottom))
 
 
 def rotated_coverage(mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]) -> Coverage:
     """Coverage of the mission's area by rectangles, in m² of ground.
 
-    Each of several polygons counts with the rectangles of its passes.
+    Each polygon counts with the rectangles of its passes.
     """
     area = mission.area
     found = []
     for part in area.parts:
-        own = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
-        of_part = [passes[at] for at in own], [rectangles[at] for at in own]
+        which = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
+        shown = [passes[at] for at in which], [rectangles[at] for at in which]
         held = [Polygon((tuple(zip(lon.tolist(), lat.tolist())),)) for lon, lat in shared_rings(part, mission.no_fly)]
-        found.append(_pass_coverage(part, *of_part).without([_pass_coverage(one, *of_part) for one in held]))
+        found.append(_pass_coverage(part, *shown).without([_pass_coverage(one, *shown) for one in held]))
     return summed(found)
 
 
@@ -485,9 +490,9 @@ def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequ
     within = float(west), float(south), float(east), float(north)
     shown: tuple[Rectangles, ...] = ()
     missing = Rectangles(*np.empty((4, 0)))
-    for own in rectangles:
-        # Those of a second pass are turned back by its quarter turn.
-        shown = (*shown, Rectangles(own.y0, -own.x1, own.y1, -own.x0) if shown else joined(own))
+    for one in rectangles:
+        # A second pass is turned by a quarter turn.
+        shown = (*shown, Rectangles(one.y0, -one.x1, one.y1, -one.x0) if shown else joined(one))
         missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
         missing = _candidates(shape, missing)
         if not len(missing.x0):
@@ -500,20 +505,20 @@ def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequ
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
 
 
-def plane_share(area: Area, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
-    """Share of an area that lies on a rectangle (its corners as fractions) of a plane, measured in the plane."""
-    shares = [_part_share(part, own, extent) for part in area.parts]
+def plane_share(area: Area, plane: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+    """Share of an area in a rectangle of a plane (corners as fractions), measured in the plane."""
+    shares = [_part_share(part, plane, extent) for part in area.parts]
     if len(shares) == 1 or min(shares) == 1.0:
         return min(shares)
     sizes = [part.area_m2() for part in area.parts]
     return sum(size * share for size, share in zip(sizes, shares)) / sum(sizes)
 
 
-def _part_share(area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
-    plane = own.turned(*_plane_middle(own, area), 0.0)
+def _part_share(area: Box | Polygon, source: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+    plane = source.turned(*_plane_middle(source, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T
-    x, y = plane.from_crs(own.west + u * own.width, own.north - v * own.height)
+    x, y = plane.from_crs(source.west + u * source.width, source.north - v * source.height)
     rectangle = np.array([[x.min(), y.min()], [x.max(), y.min()], [x.max(), y.max()], [x.min(), y.max()]])
     points = np.concatenate([np.stack(ring, axis=1) for ring in shape.rings])
     if (points >= rectangle[0]).all() and (points <= rectangle[2]).all():
@@ -528,22 +533,22 @@ def _around(points: Floats) -> Floats:
 
 
 def _clipped_m2(shape: PlaneArea, rectangle: Floats) -> list[float]:
-    """Areas in the plane of a shape's rings inside a rectangle (4, 2), holes negative."""
+    """Areas, in the plane, of the rings of a shape inside a rectangle (4, 2); holes are negative."""
     parts = [clip_ring(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
     areas = [abs(twice_area(part)) / 2.0 for part in parts]
     return [area if number == 0 else -area for number, area in enumerate(areas)]
 
 
 def _plane_ground_m2(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) -> Floats:
-    """Square metres of ground of a shape inside rectangles, (n,): their areas in the plane by its scale there.
+    """Square metres of ground of a shape inside rectangles, (n,): areas in the plane times its scale there.
 
-    A plane may hold a pole, about which longitudes have no order that an area could be worked out by.
+    Longitudes would not do, as a plane may contain a pole.
     """
     x0, y0, x1, y1 = found
     lat, lon = plane.inverse((x0 + x1) / 2.0, (y0 + y1) / 2.0)
-    own = plane.plane
-    across, down = own.ground_m(lat, lon)
-    scale = across / (own.width * own.unit_m) * down / (own.height * own.unit_m)
+    source = plane.plane
+    across, down = source.ground_m(lat, lon)
+    scale = across / (source.width * source.unit_m) * down / (source.height * source.unit_m)
     corners = np.stack([x0, y0, x1, y0, x1, y1, x0, y1], axis=1).reshape(-1, 4, 2)
     inside = np.array([max(sum(_clipped_m2(shape, rectangle)), 0.0) for rectangle in corners])
     ground: Floats = inside * scale
@@ -551,7 +556,7 @@ def _plane_ground_m2(plane: TurnedPlane, shape: PlaneArea, found: Rectangles) ->
 
 
 def _candidates(shape: PlaneArea, found: Rectangles) -> Rectangles:
-    """Rectangles that may share ground with what a shape stands for."""
+    """Rectangles that may overlap a shape, given its accuracy."""
     x0, y0, x1, y1 = found
     bend = shape.bend_m
     crossed, held = crossed_and_held(shape, x0 - bend, y0 - bend, x1 + bend, y1 + bend)

@@ -1,4 +1,4 @@
-"""Captures in flight order, and their order, yaws and margins: what all layouts have in common."""
+"""Captures in flight order, with functions of all layouts: order, yaws and margins."""
 
 from __future__ import annotations
 
@@ -20,18 +20,17 @@ from ..flight.legs import legs
 from ..mission import Mission
 from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
-#: Edges of the frames that any capture has at least, at latitudes in degrees, (n,).
+#: Edges of the smallest frames at latitudes in degrees, (n,).
 RowFrames = Callable[[Floats], FrameEdges]
-#: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
-#: beyond the area.
+#: Greatest shift of a frame's edge by rounding, by which the outermost frames extend beyond the area.
 ROUNDING_PX = 0.5
 
 
 class Layout(NamedTuple):
-    """Captures in flight order: rows from north to south, flown to and fro or each from its first column.
+    """Captures in flight order: rows from north to south, flown to and fro or all in one direction.
 
-    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission. Yaws that are
-    all the same take no memory.
+    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission. Equal yaws take
+    no memory.
     """
 
     column: Numbers
@@ -43,10 +42,10 @@ class Layout(NamedTuple):
 
 
 def refuse_beyond_mercator(box: Box) -> None:
-    """Refuse areas that reach beyond Web Mercator's latitudes."""
+    """Refuse areas outside the latitudes of Web Mercator."""
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
-            # Polar stereographic CRSs of the Antarctic and the Arctic.
+            # Polar stereographic CRSs of Antarctica and the Arctic.
             raise InvalidInput(
                 "area reaches latitude {0}: images end at ±{1:.4f} (Web Mercator)",
                 lat,
@@ -60,7 +59,7 @@ def refuse_beyond_mercator(box: Box) -> None:
 
 
 def refuse_too_many(count: float, limit: int) -> None:
-    """Refuse more images than a mission may have."""
+    """Refuse more images than the limit."""
     if count > limit:
         raise InvalidInput(
             "mission of {0:,.0f} images: the limit is {1:,}",
@@ -72,7 +71,7 @@ def refuse_too_many(count: float, limit: int) -> None:
 
 
 def lay_out_points(mission: Mission) -> Layout:
-    """Captures at the points of a mission, in their order."""
+    """Captures at the points of a mission, in order."""
     area = mission.area
     if not isinstance(area, Points):
         raise InvalidInput("rows cover an area")
@@ -84,10 +83,10 @@ def lay_out_points(mission: Mission) -> Layout:
 
 
 def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
-    """Yaw, tilt or roll of each point, (n,): the table's, or the mission's; one value for all takes no memory."""
-    own = area.stated_deg(name)
-    if own:
-        return np.array(own, np.float64)
+    """Yaw, tilt or roll of each point, (n,), from the table or the mission; a common value takes no memory."""
+    stated = area.stated_deg(name)
+    if stated:
+        return np.array(stated, np.float64)
     angle = getattr(mission.attitude, f"{name}_deg")
     if name == "yaw" and mission.flight.facing == TRACK:
         return wrap_lon_deg(angle + _headings_deg(area))
@@ -97,7 +96,7 @@ def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
 
 
 def _headings_deg(area: Points) -> Floats:
-    """Azimuth from each point to the next that is elsewhere, (n,); of the last ones that of the leg they end."""
+    """Azimuth from each point to the next at another position, (n,); at the end that of the last leg."""
     lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
     way = legs(lat, lon)
     # Points within a micrometre are one position, without a heading to the next.
@@ -110,7 +109,7 @@ def _headings_deg(area: Points) -> Floats:
 
 
 def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
-    """Yaws of rows along parallels: of those flown east, and where others see the other way of those flown west."""
+    """Yaws of rows along parallels: of rows flown east and, if it differs, of rows flown west."""
     yaw, faced = mission.attitude.yaw_deg, mission.flight.faced_deg
     if mission.flight.facing == NORTH:
         return (yaw,)
@@ -125,9 +124,9 @@ def _wrapped(angle_deg: float) -> float:
 
 
 def sees_below(mission: Mission) -> bool:
-    """Whether images show the ground right below the camera: of those that do not what they show of lower ground moves.
+    """Whether images show the ground straight below the camera.
 
-    In the others it grows on all sides.
+    Over lower ground such images grow on all sides, while others show different ground.
     """
     attitude = mission.attitude
     below, in_front = mission.camera.image_xy(np.array([[0.0, 0.0, -1.0]]), 0.0, attitude.tilt_deg, attitude.roll_deg)
@@ -135,7 +134,7 @@ def sees_below(mission: Mission) -> bool:
 
 
 def bounds_with_margin(mission: Mission, area: Area) -> Box:
-    """Box around an area, that reaches so much farther north and south as its margin does."""
+    """Box around an area, enlarged by the margin to the north and south."""
     box = area.bounds
     if not mission.flight.margin_m:
         return box
@@ -144,15 +143,15 @@ def bounds_with_margin(mission: Mission, area: Area) -> Box:
 
 
 def _margin_angle(mission: Mission) -> float:
-    """Angle that a mission's margin is at most, whichever way it goes, radians."""
+    """Greatest angle of a mission's margin in any direction, radians."""
     # 1 % more, as margin angles are computed on a sphere.
     return 1.01 * mission.flight.margin_m * WGS84.a_m / WGS84.b_m**2
 
 
 def edges_with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Floats, Floats, Floats]:
-    """Bands (n,) as high as what of an area has its margin in them, and how far that may reach beside it, degrees.
+    """Bands (n,) enlarged by the margin, and greatest extent of the margin to the east and west, degrees.
 
-    On a sphere the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
+    On a sphere, ground within an angle d of a point at latitude φ extends asin(sin d / cos φ) to the east and west.
     """
     if not mission.flight.margin_m:
         return top_v, bottom_v, np.zeros(len(top_v))
@@ -165,7 +164,7 @@ def edges_with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tupl
 
 
 def level_layout(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
-    """Captures of the mission's height, of rows that are flown east or west."""
+    """Captures at the mission's height, in rows flown east or west."""
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), row.shape)
     out, *back = row_yaws_deg(mission)
     yaw = np.where(is_flown_back(mission, row), back[0], out) if back else np.broadcast_to(np.float64(out), row.shape)
@@ -173,12 +172,12 @@ def level_layout(mission: Mission, column: Numbers, row: Numbers, lat_deg: Float
 
 
 def is_flown_back(mission: Mission, row: Numbers) -> NDArray[np.bool_]:
-    """Which captures are of rows that are flown against the rows' azimuth, (n,)."""
+    """Which captures are in rows flown against the azimuth of rows, (n,)."""
     return np.asarray((row % 2 == 1) & (mission.flight.order != ONE_WAY))
 
 
 def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
-    """Refuse steps from capture to capture, or from row to row, that do not go on."""
+    """Refuse steps between captures or rows that are not positive."""
     if not (step > 0.0).all():
         if overlap == 0.0:
             turned = mission.attitude.tilt_deg or mission.attitude.roll_deg
@@ -191,17 +190,16 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
 
 
 def picked(layout: Layout, which: NDArray[Any]) -> Layout:
-    """Some of the captures, by their indices or by whether they are taken."""
+    """Some of the captures, by index or mask."""
     column, row, *poses = layout
     column = column[which]
-    # What is the same for all takes no memory.
+    # A value common to all takes no memory.
     kept = (values[which] if any(values.strides) else np.broadcast_to(values[:1], column.shape) for values in poses)
     return Layout(column, row[which], *kept)
 
 
 def in_order(layout: Layout, order: str) -> Layout:
-    """Rows one after the other: to and fro, or each from its first column."""
-    # As `is_flown_back` says.
+    """Captures row by row, to and fro or all in one direction; see `is_flown_back`."""
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
     return picked(layout, np.lexsort((column, layout.row)))
 
@@ -209,7 +207,7 @@ def in_order(layout: Layout, order: str) -> Layout:
 def images_touching(
     mission: Mission, area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float
 ) -> Layout:
-    """Captures whose frames, grown by what rounding and the margin may add, share ground with the area."""
+    """Captures whose frames, enlarged by rounding and the margin, overlap the area."""
     if isinstance(area, Box):
         return layout
     u = lon_to_u(layout.lon_deg)

@@ -634,7 +634,7 @@ def test_the_way_from_a_valley_is_flown_over_the_highest_ground_on_it(dem):
     x, y = TO_UTM.transform(takeoff[1], takeoff[0])
     assert path.base_m == pytest.approx(hills(x - WEST, NORTH - y), abs=0.05)
     assert path.height_m[[0, -1]] == pytest.approx(path.base_m)
-    ways = [path.of(0).kind.tolist().index(3), len(path) - 1 - path.kind[::-1].tolist().index(3)]
+    ways = [path.sortie_path(0).kind.tolist().index(3), len(path) - 1 - path.kind[::-1].tolist().index(3)]
     for way in (slice(0, ways[0]), slice(ways[1] + 1, None)):
         height = path.height_m[way]
         # One height from above the take-off to above the rows.

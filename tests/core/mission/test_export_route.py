@@ -35,7 +35,7 @@ FLOWN = worked_out(ROUTED)
 
 
 def in_air(path, sortie):
-    one = path.of(sortie)
+    one = path.sortie_path(sortie)
     return one.kind[~np.isin(one.kind, (TAKEOFF, LANDING))]
 
 
@@ -164,7 +164,7 @@ def test_google_earth_has_a_line_for_each_sortie_and_the_take_off(tmp_path):
     for number, mark in enumerate(folders["Flight line"][1:]):
         (text,) = (one.text for one in mark.iter(f"{space}coordinates"))
         places = [tuple(map(float, place.split(","))) for place in text.split()]
-        one = FLOWN.path.of(number)
+        one = FLOWN.path.sortie_path(number)
         assert places == list(zip(one.lon_deg.tolist(), one.lat_deg.tolist(), one.agl_m.tolist()))
 
 
@@ -181,7 +181,7 @@ def test_gpx_has_a_route_for_each_sortie(tmp_path):
     assert (float(root.find(f"{space}wpt").get("lat")), float(root.find(f"{space}wpt").get("lon"))) == HOME
     routes = root.findall(f"{space}rte")
     assert [len(route.findall(f"{space}rtept")) for route in routes] == [
-        len(path.of(sortie)) for sortie in range(path.sorties)
+        len(path.sortie_path(sortie)) for sortie in range(path.sorties)
     ]
     assert routes[1].find(f"{space}name").text == "TerrAInav flight, sortie 2"
 
@@ -202,7 +202,7 @@ def test_geopackage_has_a_line_for_each_sortie_and_the_take_off(tmp_path):
     lines, path = list(data.GetLayerByName("flight_line")), FLOWN.path
     assert [one.GetField("sortie") for one in lines] == list(range(1, path.sorties + 1))
     for number, line in enumerate(lines):
-        one = path.of(number)
+        one = path.sortie_path(number)
         assert line.GetField("length_m") == pytest.approx(one.distance_m)
         assert line.GetField("flight_s") == pytest.approx(path.sorties_s[number])
         places = line.GetGeometryRef().GetGeometryRef(0).GetPoints()

@@ -167,7 +167,7 @@ def test_every_drone_has_its_own_code(tmp_path, survey):
         kinds.append(Wpml(tmp_path / f"{drone}.kmz").kind)
     assert len(set(kinds)) == len(DRONES)
     # DJI's programs take 2 to 65,535 waypoints, though their indices would count one more.
-    assert max(drone.most_waypoints for drone in _DRONES.values()) == 65_535
+    assert max(drone.max_waypoints for drone in _DRONES.values()) == 65_535
 
 
 @pytest.mark.parametrize("mission", [HERE, ACROSS, IN_WIND], ids=["here", "antimeridian", "wind"])

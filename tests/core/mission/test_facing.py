@@ -154,7 +154,7 @@ def test_what_no_camera_faces_is_refused(facing, says):
 
 
 def test_the_published_grid_is_north_up():
-    with pytest.raises(InvalidInput, match=r"camera faces track: the layout paper is north-up; use --layout"):
+    with pytest.raises(InvalidInput, match=r"camera facing track: the layout paper does not support it; use --layout"):
         plan(Mission(FIELD, 120.0, facing="track", layout="paper"), GRID)
 
 

@@ -105,7 +105,7 @@ def test_points_have_no_margin():
 
 
 def test_the_published_grid_has_no_margin():
-    with pytest.raises(InvalidInput, match=r"margin 10 m: the layout paper has none; use --layout cover"):
+    with pytest.raises(InvalidInput, match=r"margin 10 m: the layout paper does not support it; use --layout cover"):
         plan(Mission(SMALL, 120.0, margin_m=10.0, layout="paper"), GRID)
 
 

@@ -243,7 +243,7 @@ def test_no_sortie_is_longer_than_a_battery_and_each_begins_and_ends_at_home(
     assert set(np.diff(path.sortie)) <= {0, 1}
     assert path.sorties_s.max() <= 60.0 * battery + 1e-6
     for number in range(path.sorties):
-        one = path.of(number)
+        one = path.sortie_path(number)
         assert (one.kind[0], one.kind[-1]) == (TAKEOFF, LANDING)
         assert one.time_s[-1] - one.time_s[0] == pytest.approx(path.sorties_s[number])
     assert (np.diff(path.time_s) >= -1e-9).all()

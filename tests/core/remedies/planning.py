@@ -327,18 +327,14 @@ planned(
     Mission(SMALL, 1e6, camera=Camera(60.0, 1.0), tilt_deg=40.0, facing="track"),
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
 )
-planned(
-    "layout/paper.py",
-    "camera faces {}: the layout {} is north-up; use --layout cover",
-    Mission(AREA, 120.0, facing="track", layout="paper"),
-    {"use --layout cover": {"layout": "cover"}},
-)
-planned(
-    "layout/paper.py",
-    "margin {} m: the layout {} has none; use --layout cover",
-    Mission(AREA, 120.0, margin_m=20.0, layout="paper"),
-    {"use --layout cover": {"layout": "cover"}},
-)
+
+
+@remedy("mission/layout/paper.py", "{}: the layout {} does not support it; use --layout cover")
+def _more_than_paper_has(case: Case) -> None:
+    for asked in ({"facing": "track"}, {"margin_m": 20.0}):
+        mission = Mission(AREA, 120.0, layout="paper", **asked)
+        case.refused(partial(plan, mission, GRID))
+        case.follow("use --layout cover", partial(plan, mission.with_(layout="cover"), GRID))
 
 
 @remedy("mission/flight/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
