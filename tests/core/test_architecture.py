@@ -318,7 +318,7 @@ OWN_READS = {
         "sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)": "of a file that open_foreign has opened"
     },
     "core/mission/areas/files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
-    "core/mission/export/flown.py": {"zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"},
+    "core/mission/export/clearance.py": {"zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"},
     "core/mission/export/wpml.py": {"zipfile.ZipFile(packed, 'w', zipfile.ZIP_DEFLATED)": "is written"},
     "core/report/machine.py": {"_CPUINFO.read_text(encoding='utf-8', errors='replace')": "the system's"},
     "core/report/pictures.py": {"Image.open(io.BytesIO(data))": "made by this program a moment ago"},
@@ -363,7 +363,7 @@ OWN_JSON = {
     "core/benchmark/making.py": 1,
     "core/capture/begun.py": 1,
     "core/cli/datasets.py": 1,
-    "core/mission/export/flown.py": 1,
+    "core/mission/export/clearance.py": 1,
     "terrainav_plugin/processing/datasets.py": 1,
     "terrainav_plugin/remote/geoparquet.py": 1,
 }

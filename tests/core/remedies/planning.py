@@ -334,7 +334,7 @@ def _more_than_paper_has(case: Case) -> None:
     for asked in ({"facing": "track"}, {"margin_m": 20.0}):
         mission = Mission(AREA, 120.0, layout="paper", **asked)
         case.refused(partial(plan, mission, GRID))
-        case.follow("use --layout cover", partial(plan, mission.with_(layout="cover"), GRID))
+        case.follow("use --layout cover", partial(plan, mission.replace(layout="cover"), GRID))
 
 
 @remedy("mission/flight/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
