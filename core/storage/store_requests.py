@@ -178,15 +178,23 @@ def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | N
 
 
 class _Watch:
-    """Raises StoreLimitError if too little arrives, or the request takes too long."""
+    """Raises StoreLimitError if too little arrives, or the request takes too long.
+
+    Time for which this process was stopped, and could not receive anything, does not count.
+    """
 
     def __init__(self, moved: Moved) -> None:
         self._moved, self._before = moved, 0
-        self._began_s = self._since_s = time.monotonic()
+        self._began_s = self._since_s = self._looked_s = time.monotonic()
 
     def look(self) -> None:
-        """Check the progress."""
+        """Check the progress; called several times a second."""
         moved, now_s = self._moved, time.monotonic()
+        # Even a busy machine gives a turn within this many seconds.
+        if (stopped_s := now_s - self._looked_s) > 5.0:
+            self._began_s += stopped_s
+            self._since_s += stopped_s
+        self._looked_s = now_s
         if now_s - self._began_s > MAX_STORE_S:
             raise StoreLimitError(Message("the answer has not ended within {0:,.0f} s", MAX_STORE_S))
         past_s = now_s - self._since_s

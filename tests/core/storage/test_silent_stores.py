@@ -11,8 +11,10 @@ import sys
 import threading
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from terrainav.core.storage import store_requests
 
 pytest.importorskip("s3fs", reason="needs s3fs")
 pytest.importorskip("upath", reason="needs universal_pathlib")
@@ -256,3 +258,16 @@ def test_ctrl_c_ends_what_waits(way, code):
         assert server.asked.wait(PATIENCE_S)
         process.send_signal(signal.SIGINT)
         assert printed_by(process) == ["terrainav: stopped", "ended 130"]
+
+
+def test_time_for_which_the_process_was_stopped_is_no_silence(monkeypatch):
+    """As by Ctrl-Z, or as the machine sleeps: the answer has had nobody to come to."""
+    now_s = 0.0
+    monkeypatch.setattr(store_requests, "time", SimpleNamespace(monotonic=lambda: now_s))
+    watch = store_requests._Watch(store_requests.Moved())
+    # Then it is silent, too.
+    for now_s in (1.0, *(86_400.0 + second for second in range(59))):  # noqa: B007  (read by the clock)
+        watch.look()
+    now_s += 4.0
+    with pytest.raises(store_requests.StoreLimitError, match="only 0 bytes have come within 6"):
+        watch.look()
