@@ -106,6 +106,7 @@ print(*sys.modules)
     assert not set(ended.stdout.split()) & {"pyproj", "terrainav.core.mission.flight.gusts"}
 
 
+@pytest.mark.thorough
 def test_a_source_on_the_network_has_what_it_needs(tmp_path):
     """A plan asks nobody for tiles; a capture does, and so the modules that the embedded world goes without do come."""
     codes, modules = run("plan --coords 35.14_-89.86_120 --source osm --accept-error", cwd=tmp_path)

@@ -16,6 +16,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.map.mission_group import saved_missions
 
 from tests.support.patterns import MODULUS, decode_position, encode_position
+from tests.support.thinning import sampled
 from tests.support.tileserver import TileServer
 
 RESULT_LAYERS = [
@@ -154,6 +155,7 @@ def test_mosaic_lies_exactly_where_it_came_from(prepared):
         assert np.abs((apart + MODULUS // 2) % MODULUS - MODULUS // 2).max() <= 1
 
 
+@pytest.mark.thorough
 def test_overviews_are_the_mean_of_the_pixels(prepared):
     capture(prepared)
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))
@@ -172,7 +174,7 @@ def test_overviews_are_the_mean_of_the_pixels(prepared):
         assert np.abs(got - means)[whole].max() <= 1.0
 
 
-@pytest.mark.parametrize("image_format", ["jpg", "png"])
+@pytest.mark.parametrize("image_format", sampled(["jpg", "png"], 2))
 def test_other_formats_make_a_mosaic_too(prepared, image_format):
     prepared.choose(prepared.form.image_format, image_format)
     planned = prepared.wait_planned()
@@ -460,6 +462,7 @@ def heights_of(desk):
     return {Path(one.folder).name: Mission.from_json(one.text).flight.agl_m for one in saved}
 
 
+@pytest.mark.thorough
 def test_captures_of_one_mission_stand_under_one_group(prepared):
     capture(prepared)
     prepared.choose(prepared.form.source, "world")
@@ -477,6 +480,7 @@ def test_mission_file_holds_no_more_than_the_mission(prepared):
     assert data["imagery"]["source"] == prepared.session.state().template
 
 
+@pytest.mark.thorough
 def test_mission_across_the_antimeridian_has_a_mosaic_on_either_side(desk):
     with TileServer() as server:
         desk.enter_box("0.004", "179.996", "-0.004", "-179.996")

@@ -16,6 +16,8 @@ from qgis.PyQt.QtWidgets import QApplication, QDockWidget, QFileDialog, QLabel
 from terrainav.terrainav_plugin.dataset_window import clean_tab as cleaning_panel
 from terrainav.terrainav_plugin.dataset_window import marks as cleaning_marks
 
+from tests.support.thinning import sampled
+
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 AREA = "35.14_-89.87_35.131_-89.856_120"
 
@@ -98,7 +100,7 @@ def items_on_map(desk):
 # --- the entropies are those that cleaning goes by
 
 
-@pytest.mark.parametrize("threshold", [0.0, 1.0, 2.1, 3.3, 5.0, 6.7, 8.0])
+@pytest.mark.parametrize("threshold", sampled([0.0, 1.0, 2.1, 3.3, 5.0, 6.7, 8.0], 3))
 def test_counts_are_those_of_cleaning(captured, threshold):
     from terrainav.terrainav_plugin.dataset_window.entropies import read_entropies
 
@@ -482,6 +484,7 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
     assert "Cleaned before" not in panel.notes.text()
 
 
+@pytest.mark.thorough
 def test_mosaic_is_offered_anew_where_images_have_moved(desk, dataset, opened):
     desk.session.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.session.missions.busy)
@@ -746,6 +749,7 @@ def test_examples_and_crosses_wait_until_the_threshold_rests(desk, dataset, open
     assert asked == [3.0]
 
 
+@pytest.mark.thorough
 def test_dark_theme(desk, dataset, opened, screenshot):
     """Axes and text stand out from what is behind them."""
     application, theme = QApplication.instance(), QgsApplication.themeName()

@@ -12,6 +12,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QScrollArea
 
 from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
+from tests.support.thinning import sampled
 
 ELSEWHERE = (-1_000_000.0, 5_000_000.0, -900_000.0, 5_100_000.0)
 
@@ -217,11 +218,14 @@ def type_number(spin, text):
 
 @pytest.mark.parametrize(
     ("title", "agl", "words"),
-    [
-        ("OpenStreetMap", "50", "but the provider allows 250"),
-        ("OpenStreetMap", "3000", "of the 250 requests that the provider allows"),
-        ("swisstopo SWISSIMAGE", "20", "requests require accepting the terms"),
-    ],
+    sampled(
+        [
+            ("OpenStreetMap", "50", "but the provider allows 250"),
+            ("OpenStreetMap", "3000", "of the 250 requests that the provider allows"),
+            ("swisstopo SWISSIMAGE", "20", "requests require accepting the terms"),
+        ],
+        2,
+    ),
 )
 def test_limit_of_the_provider_is_compared_with_the_plan(desk, screenshot, title, agl, words):
     where = ("46.96", "7.43", "46.94", "7.46") if "swiss" in title else SMALL_BOX.values()

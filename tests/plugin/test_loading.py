@@ -366,6 +366,7 @@ def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot)
     assert not [w for w in QApplication.topLevelWidgets() if w.objectName() == "terrainav_guide"]
 
 
+@pytest.mark.thorough
 def test_messages_still_shown_go_with_the_plugin(unloaded, iface, qtbot):
     """Nothing of the plugin is called by an item that the message bar deletes afterwards."""
     for _ in range(3):

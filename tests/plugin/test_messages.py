@@ -14,6 +14,7 @@ from terrainav.core.errors import PartError
 from terrainav.core.external.unexpected import UnexpectedErrors
 
 from tests.plugin.steps import PATIENCE_MS
+from tests.support.thinning import sampled
 
 SMALL_PX, WIDE_PX = (1280, 720), (1600, 950)
 TEXTS = (
@@ -42,7 +43,7 @@ def window(desk, iface, request):
     desk.wait_steady(lambda: widths(window))
 
 
-@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("text", sampled(TEXTS, 2))
 @pytest.mark.parametrize("buttons", [0, 1, 2])
 def test_message_is_whole_and_takes_no_room_from_the_panels(desk, window, iface, text, buttons):
     panels = [window.findChild(QDockWidget, "Layers"), desk.dock]

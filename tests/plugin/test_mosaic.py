@@ -121,6 +121,7 @@ def settle():
     QTest.qWait(100)
 
 
+@pytest.mark.thorough
 def test_images_captured_again_after_the_project_was_closed_are_in_the_file(one_of_nine, server):
     """The old layer goes while the run goes on, and nothing of it comes back."""
     desk = one_of_nine
@@ -134,6 +135,7 @@ def test_images_captured_again_after_the_project_was_closed_are_in_the_file(one_
     assert named(desk) == {path.name for path in images(desk)}
 
 
+@pytest.mark.thorough
 def test_algorithm_that_captures_again_renews_what_the_project_shows(one_of_nine):
     desk = one_of_nine
     result = processing.run("terrainav:capturefailed", {"DATASET": str(desk.folder), "LOAD": False})
@@ -156,6 +158,7 @@ def test_update_of_the_mosaic_shows_what_cleaning_has_left_and_put_back(desk):
     assert_shows_all(desk)
 
 
+@pytest.mark.thorough
 def test_update_of_the_mosaic_of_turned_images_shows_what_cleaning_has_left(desk):
     desk.enter_box(*PAIR)
     desk.form.set_state(replace(desk.session.state(), facing="track"))
@@ -199,6 +202,7 @@ def open_again(desk):
     desk.wait_for_tasks()
 
 
+@pytest.mark.thorough
 def test_old_mosaic_written_by_another_program_is_known_by_its_pictures(one_of_nine):
     """A QGIS beside this one closes its layer later: the file is newer than all images, and old."""
     desk = one_of_nine

@@ -163,6 +163,7 @@ def test_keys_are_ids_of_configurations(page, authcfg, screenshot):
     assert Settings().authcfgs() == {}
 
 
+@pytest.mark.thorough
 def test_dark_theme(page, screenshot):
     before = QApplication.instance().styleSheet()
     QgsApplication.setUITheme("Night Mapping")

@@ -39,6 +39,7 @@ from terrainav.terrainav_plugin.results.shots import Finder, FootprintLayer
 from tests.core.imagery.raster.test_own_pixels import about, noise
 from tests.plugin.test_capture import capture, drawn, images
 from tests.support import rasters
+from tests.support.thinning import sampled
 
 #: Orthophotos of 750 m about a place: EPSG code, latitude and longitude.
 UTM, POLE = (32616, 35.15, -89.9), (3031, -90.0, 0.0)
@@ -100,7 +101,9 @@ def layer_edges(layer, to):
     return found
 
 
-@pytest.mark.parametrize(("place", "kind"), [(UTM, "file"), (POLE, "file"), (UTM, "layer"), (POLE, "layer")])
+@pytest.mark.parametrize(
+    ("place", "kind"), sampled([(UTM, "file"), (POLE, "file"), (UTM, "layer"), (POLE, "layer")], 3)
+)
 def test_orthophoto_is_planned_previewed_and_captured_in_its_own_pixels(desk, tmp_path, place, kind):
     values, (west, pixel, _, north, _, _) = noise(tmp_path / "ortho.tif", *place)
     crs = f"EPSG:{place[0]}"
@@ -160,7 +163,7 @@ def test_orthophoto_is_planned_previewed_and_captured_in_its_own_pixels(desk, tm
             assert abs(geometry.area() / previewed[name].area() - 1.0) < 0.05
 
 
-@pytest.mark.parametrize("map_crs", ["EPSG:4326", "EPSG:3857", "EPSG:2163"])
+@pytest.mark.parametrize("map_crs", sampled(["EPSG:4326", "EPSG:3857", "EPSG:2163"], 3))
 def test_preview_in_a_project_of_another_crs(desk, tmp_path, map_crs):
     """What is in view is drawn, wherever the map is moved, and nothing when it is elsewhere."""
     noise(tmp_path / "ortho.tif", *UTM)
@@ -186,6 +189,7 @@ def test_preview_in_a_project_of_another_crs(desk, tmp_path, map_crs):
     assert not desk.session.preview.drawing.layers["density"]
 
 
+@pytest.mark.thorough
 def test_preview_goes_from_one_crs_to_another(desk, tmp_path):
     """The layers stay, with the style that the user has given them, and hold what belongs there."""
     noise(tmp_path / "ortho.tif", *UTM)
@@ -235,6 +239,7 @@ def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path)
         assert np.abs(shown.astype(int) - expected).max() <= 1
 
 
+@pytest.mark.thorough
 def test_test_shot_of_a_camera_frame_lies_on_the_map_in_the_raster_s_crs(desk, tmp_path):
     """Laid on the ground by the exact camera: positions of a raster whose colours tell them."""
     for number, (epsg, lat, lon) in enumerate((UTM, POLE)):
@@ -293,7 +298,7 @@ def test_dataset_whose_crs_no_thread_has_read_is_opened_at_its_place(desk, tmp_p
         assert (middle.x(), middle.y()) == pytest.approx((10.0, 88.0), abs=0.01)
 
 
-@pytest.mark.parametrize("place", [UTM, POLE])
+@pytest.mark.parametrize("place", sampled([UTM, POLE], 2))
 def test_algorithms_give_layers_in_the_raster_s_crs(plugin, tmp_path, place):
     """Planned and captured by Processing: footprints, captures and flight line lie where the files do."""
     noise(tmp_path / "ortho.tif", *place)
@@ -329,6 +334,7 @@ def test_algorithms_give_layers_in_the_raster_s_crs(plugin, tmp_path, place):
     assert QgsRasterLayer(made["MOSAIC"], "mosaic", "gdal").crs().authid() == crs
 
 
+@pytest.mark.thorough
 def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
     """Its outline on the map is the rectangle that was drawn, and the map goes there."""
     noise(tmp_path / "ortho.tif", *POLE)
@@ -347,6 +353,7 @@ def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
     assert desk.session.planned.mission == Mission.from_json(desk.session.planned.mission.to_json())
 
 
+@pytest.mark.thorough
 def test_captured_images_about_the_pole_are_drawn_as_rectangles(desk, tmp_path):
     """Their file cuts them at ±180°; on the map no line goes there, from the pole or through an image."""
     noise(tmp_path / "ortho.tif", *POLE)

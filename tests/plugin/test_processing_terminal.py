@@ -202,6 +202,7 @@ def test_capture_of_the_embedded_world_clean_and_back(terminal, tmp_path):
     assert len(list(out.glob("*/*.tif"))) == 2 * len(expected)
 
 
+@pytest.mark.thorough
 def test_capture_over_the_network_does_not_wait_for_itself(terminal, tmp_path):
     """Here the main thread runs the algorithm, and QGIS's network stack needs that thread for its events."""
     with TileServer() as server:

@@ -17,6 +17,7 @@ from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.mission import Mission
 
 from tests.plugin.test_loading import PLUGIN, census, differences, names_of_the_plugin, settle, unloaded
+from tests.support.thinning import sampled
 from tests.support.tileserver import TileServer
 
 # From this version on the project says whether extents are read from it, for all of its layers.
@@ -246,7 +247,7 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
     assert ids <= set(QgsProject.instance().mapLayers())
 
 
-@pytest.mark.parametrize("name", ["a|b", "50% & 'more' #1; ünï", "[x] {y}?z"])
+@pytest.mark.parametrize("name", sampled(["a|b", "50% & 'more' #1; ünï", "[x] {y}?z"], 3))
 def test_folders_may_have_any_name(desk, tmp_path, name):
     """Layers, the saved project and the viewer find what is in them."""
     folder = tmp_path / name / "mission"
@@ -335,6 +336,7 @@ def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
     assert desk.layer("Satellite images").isValid()
 
 
+@pytest.mark.thorough
 def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp_path):
     with TileServer() as server:
         desk.enter_coarse_mission()

@@ -171,6 +171,7 @@ def test_missions_over_relief_come_back_from_their_files(desk, dem, tmp_path):
     assert planned.mission.output.products == ("depth", "normals")
 
 
+@pytest.mark.thorough
 def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
     set_up(desk, tilt_deg=70.0, image_px=80, products=("depth",), elevation=(dem.source(),))
     draw(desk, UTM, 100.0)
@@ -327,6 +328,7 @@ def test_comma_between_sources_of_heights_is_said_at_the_field(desk, dem):
     assert "a semicolon between them in QGIS" in desk.message("elevation")
 
 
+@pytest.mark.thorough
 def test_mosaic_over_the_landscape_of_imagery_in_another_crs(desk, tmp_path):
     """The dataset states the imagery's CRS, which is none of the landscape that its relief is of."""
     noise(tmp_path / "ortho.tif", *UTM)

@@ -129,6 +129,7 @@ def test_a_source_of_one_s_own_has_them_as_well(desk, qtbot, screenshot):
     assert entry.placeholder.sha256 == (DIGEST,)
 
 
+@pytest.mark.thorough
 def test_processing_says_it_and_does_it(server, tmp_path):
     feedback, folder = Feedback(), tmp_path / "out"
     asked = {

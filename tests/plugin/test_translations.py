@@ -363,6 +363,7 @@ def test_processing_fails_in_spanish(spanish):
         algorithm.run(parameters, QgsProcessingContext(), QgsProcessingFeedback(), {}, False)
 
 
+@pytest.mark.thorough
 def test_a_terminal_is_spanish_too(tmp_path):
     program = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
     if program is None:

@@ -18,6 +18,7 @@ from qgis.PyQt.QtGui import QDesktopServices, QImage
 from qgis.PyQt.QtTest import QTest
 from terrainav.terrainav_plugin.units import METRES, gsd_text
 
+from tests.support.thinning import sampled
 from tests.support.tileserver import TileServer
 
 
@@ -84,7 +85,7 @@ def pixels(image: QImage):
     return lines.reshape(image.height(), image.bytesPerLine() // 4, 4)[:, : image.width()]
 
 
-@pytest.mark.parametrize("image_format", ["tif", "png", "jpg"])
+@pytest.mark.parametrize("image_format", sampled(["tif", "png", "jpg"], 3))
 def test_click_shows_the_image_and_what_is_known_of_it(desk, captured, viewing, image_format, screenshot):
     plan = captured(lambda: desk.choose(desk.form.image_format, image_format))
     index = len(plan) // 2
@@ -114,7 +115,7 @@ def test_click_shows_the_image_and_what_is_known_of_it(desk, captured, viewing, 
     assert "Missing" in viewing.viewer.details.text()
 
 
-@pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
+@pytest.mark.parametrize("tilt_deg", sampled([0.0, 20.0], 2))
 def test_the_gsd_is_that_of_the_panel_and_says_where_the_source_is_coarser(desk, captured, viewing, tilt_deg):
     def upsample():
         box = {"north": "35.1310", "west": "-89.8700", "south": "35.1309", "east": "-89.8699"}
@@ -157,6 +158,7 @@ def test_next_and_previous_follow_the_flight(desk, captured, viewing):
     assert (outline.xMaximum(), outline.yMinimum()) == pytest.approx((lon.max(), lat.min()), abs=1e-5)
 
 
+@pytest.mark.thorough
 def test_several_images_under_one_click_are_listed(desk, captured, viewing):
     def overlap():
         desk.enter_box("35.14", "-89.87", "35.137", "-89.865")
@@ -316,7 +318,7 @@ def test_the_tool_ends_with_the_window(desk, captured, viewing):
     assert viewing.tool.isActive()
 
 
-@pytest.mark.parametrize(("tilt_deg", "yaw_deg"), [(0.0, 0.0), (0.0, 270.0), (40.0, 20.0)])
+@pytest.mark.parametrize(("tilt_deg", "yaw_deg"), sampled([(0.0, 0.0), (0.0, 270.0), (40.0, 20.0)], 3))
 def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing, screenshot, tilt_deg, yaw_deg):
     def tilt():
         desk.enter_box("35.14", "-89.87", "35.138", "-89.867")

@@ -216,6 +216,7 @@ def test_cross_area_parts_share_no_ground(tmp_path):
     assert set(found.gallery("test")) == {at for at, part in enumerate(found.references.part) if part == "test"}
 
 
+@pytest.mark.thorough
 def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
     imagery = NamedImagery("world", "world")
     queries = Mission(Box(35.150, -89.900, 35.1455, -89.893), 60.0, image_px=48, image_format="png")
@@ -238,6 +239,7 @@ def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
         assert {name for name, queries in parts.items() if queries} - {"gap"} == asked
 
 
+@pytest.mark.thorough
 def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_path, dates, settings):
     # Of 75 m of ground at any yaw: half of them reach beyond a raster's edge.
     around = [*places(8), *places(8, seed=5, rim_m=-10.0), *places(8, seed=6, rim_m=20.0)]
@@ -288,6 +290,7 @@ def test_the_same_settings_leave_the_same_bytes_also_in_several_goes(tmp_path, s
             assert (folder / file).read_bytes() == (benchmark.folder / file).read_bytes(), file
 
 
+@pytest.mark.thorough
 def test_tiles_of_several_widths_are_one_gallery(tmp_path, settings):
     wide = replace(settings, tile_widths_m=(60.0, 120.0), tile_overlap=0.25)
     found = made(tmp_path / "benchmark", wide).benchmark

@@ -32,7 +32,7 @@ from tests.core.imagery.test_faults import BROKEN, PASSING, REFUSED, SPOILT
 from tests.support.caches import check_cache
 from tests.support.faults import FAULTS, flat_placeholder
 from tests.support.patterns import MODULUS, decode_position
-from tests.support.thinning import named, thinned
+from tests.support.thinning import named, sampled, thinned
 from tests.support.tileserver import TileServer
 from tests.support.waiting import PATIENCE_S, wait_until
 
@@ -234,11 +234,14 @@ def test_what_lasts_fails_the_pictures_it_concerns_until_it_is_over(server, tmp_
 
 @pytest.mark.parametrize(
     ("kind", "words"),
-    [
-        *REFUSED.items(),
-        ("429-seconds", "429 Too Many Requests: slow down"),
-        ("429-date", "429 Too Many Requests"),
-    ],
+    sampled(
+        [
+            *REFUSED.items(),
+            ("429-seconds", "429 Too Many Requests: slow down"),
+            ("429-date", "429 Too Many Requests"),
+        ],
+        3,
+    ),
     ids=[*REFUSED, "429-seconds", "429-date"],
 )
 def test_a_refusal_stops_the_run_with_the_provider_s_words(server, tmp_path, whole, kind, words):

@@ -129,6 +129,7 @@ def test_a_run_that_nobody_overtook_goes_on(tmp_path):
     assert "0 failed" in printed
 
 
+@pytest.mark.thorough
 def test_without_locks_a_second_run_is_refused_while_the_first_is_alive(tmp_path):
     (tmp_path / "signals").mkdir()
     with running("no-locks", tmp_path / "out", tmp_path / "signals") as first:
@@ -141,6 +142,7 @@ def test_without_locks_a_second_run_is_refused_while_the_first_is_alive(tmp_path
         assert ended(first)[0] == 0
 
 
+@pytest.mark.thorough
 def test_a_run_into_a_store_that_was_overtaken_ends(tmp_path, monkeypatch):
     pytest.importorskip("upath", reason="needs universal_pathlib")
     (tmp_path / "signals").mkdir()

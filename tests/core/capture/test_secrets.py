@@ -18,7 +18,7 @@ from PIL import Image
 
 from tests.support.faults import FAULTS
 from tests.support.forks import ROOT, Driver
-from tests.support.thinning import named, thinned
+from tests.support.thinning import named, sampled, thinned
 from tests.support.tileserver import TileServer
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no processes")
@@ -155,7 +155,7 @@ def test_the_search_finds_what_it_is_for(tmp_path):
             searched(folder)
 
 
-@pytest.mark.parametrize("image_format", ["tif", "jpg", "png"])
+@pytest.mark.parametrize("image_format", sampled(["tif", "jpg", "png"], 3))
 def test_a_capture_tells_no_key(driver, environment, server, tmp_path, image_format):
     argv = arguments("capture", server, tmp_path, "--format", image_format, "--json")
     assert run(driver, tmp_path, argv) == 0
@@ -171,6 +171,7 @@ def test_a_plan_and_its_files_tell_no_key(driver, server, tmp_path, more):
     assert len(list(tmp_path.iterdir())) == 5
 
 
+@pytest.mark.thorough
 def test_a_report_tells_no_key(driver, server, tmp_path):
     pytest.importorskip("matplotlib", reason="the report draws with matplotlib")
     argv = arguments("report", server, tmp_path, f"--output={tmp_path / 'report'}")
@@ -276,13 +277,16 @@ def test_no_server_no_name_and_no_folder_tell_no_key(driver, tmp_path):
 
 @pytest.mark.parametrize(
     "source",
-    [
-        "http://127.0.0.1:{port}/{{z}}/{{x}}/{{y}}.png?token={key}",
-        "http://127.0.0.1:{port}/{{z}}/{{x}}/{{oops}}.png?token={key}",
-        "http://user:{key}@127.0.0.1:{port}/{{z}}/{{x}}/{{y}}.png",
-        "wms:http://127.0.0.1:{port}/wms?apikey={key}",
-        "wmts:http://127.0.0.1:{port}/wmts?apikey={key}",
-    ],
+    sampled(
+        [
+            "http://127.0.0.1:{port}/{{z}}/{{x}}/{{y}}.png?token={key}",
+            "http://127.0.0.1:{port}/{{z}}/{{x}}/{{oops}}.png?token={key}",
+            "http://user:{key}@127.0.0.1:{port}/{{z}}/{{x}}/{{y}}.png",
+            "wms:http://127.0.0.1:{port}/wms?apikey={key}",
+            "wmts:http://127.0.0.1:{port}/wmts?apikey={key}",
+        ],
+        3,
+    ),
 )
 def test_a_key_written_into_the_address_is_refused_and_not_quoted(driver, server, tmp_path, source):
     text = source.format(port=server.port, key=quote(KEY, safe=""))
@@ -292,7 +296,7 @@ def test_a_key_written_into_the_address_is_refused_and_not_quoted(driver, server
         assert run(driver, tmp_path, argv) in (2, 3)
 
 
-@pytest.mark.parametrize("fault", [None, "403", "404", "html", "bomb"])
+@pytest.mark.parametrize("fault", sampled([None, "403", "404", "html", "bomb"], 4))
 def test_google_static_maps_tell_neither_key_nor_secret(driver, server, tmp_path, fault):
     server.key, server.secret = KEY, SECRET
     if fault:

@@ -28,6 +28,7 @@ from terrainav.core.picture.heights import heights_of
 
 from tests.support import rasters
 from tests.support.command import command
+from tests.support.thinning import sampled
 
 EPSG = 32616
 WEST, NORTH, SIDE = 230_000.0, 3_890_000.0, 420
@@ -137,7 +138,7 @@ def projected(points_m: np.ndarray, pose: np.ndarray, k: np.ndarray) -> np.ndarr
     return seen[..., :2] / seen[..., 2:]
 
 
-@pytest.mark.parametrize("ground", ["level", "relief"])
+@pytest.mark.parametrize("ground", sampled(["level", "relief"], 2))
 def test_ortholoc(ground, request, tmp_path):
     benchmark = request.getfixturevalue(ground)
     assert export_benchmark(benchmark, tmp_path / "out", "ortholoc") == 8

@@ -26,6 +26,7 @@ from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.faults import FAULTS, QUOTA_WORDS, flat_placeholder
 from tests.support.patterns import positions
+from tests.support.thinning import sampled
 from tests.support.tileserver import TileServer
 
 TILE = Window(12, 1000 * 256, 1500 * 256, 256, 256)
@@ -134,7 +135,7 @@ def test_what_passes_costs_no_picture(server, source_of, kind):
         assert time.monotonic() - began > (0.9 if kind == "429-seconds" else 0.0)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in PASSING if not kind.startswith("429")])
+@pytest.mark.parametrize("kind", sampled([kind for kind in PASSING if not kind.startswith("429")], 3))
 def test_what_does_not_pass_fails_the_part(server, source_of, kind):
     server.fail(kind)
     source = source_of(server, timeouts=IMPATIENT.get(kind, PATIENT))

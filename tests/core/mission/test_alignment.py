@@ -55,6 +55,7 @@ def test_the_longest_side_of_a_box_is_the_longer_one_on_the_ground(box, azimuth)
     assert longest_side_deg(box) == azimuth
 
 
+@pytest.mark.thorough
 def test_no_flight_is_shorter_than_the_shortest():
     field = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))
     mission = Mission(field, 220.0, WIDE, overlap_across=0.3)

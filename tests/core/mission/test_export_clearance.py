@@ -27,6 +27,7 @@ from terrainav.core.picture.heights import heights_of  # noqa: E402
 from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402
 from tests.core.mission.wpml_reader import Wpml  # noqa: E402
 from tests.support import rasters  # noqa: E402
+from tests.support.thinning import sampled  # noqa: E402
 
 WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 500, 2.0
 GRID, CAMERA = PixelGrid(max_zoom=20, native_zoom=20), Camera(78.8, 4 / 3)
@@ -126,7 +127,7 @@ def shortfalls(made, folder, endings=ENDINGS):
     return found
 
 
-@pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
+@pytest.mark.parametrize("trigger", sampled(["waypoint", "distance", "hover"], 2))
 def test_a_hill_of_60_m_is_flown_over_at_30_m_in_every_file(dem, tmp_path, trigger):
     mission = Mission(box(400.0, 570.0, 620.0, 430.0), 30.0, CAMERA, elevation=(dem["hill"],), trigger=trigger)
     made = worked_out(mission)
@@ -218,7 +219,7 @@ def refused(made, target):
     return [float(value) for value in re.findall(r"-?\d+\.\d+", str(wrong.value).replace(" of 50 m", ""))]
 
 
-@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("ending", sampled(ENDINGS, 3))
 def test_a_file_that_does_not_keep_the_clearance_is_refused_with_the_place(dem, tmp_path, ending):
     mission = Mission(box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0)
     made = without_lifts(worked_out(mission))

@@ -21,6 +21,7 @@ from terrainav.core.mission.plan import plan
 from tests.core.mission.qgc_survey import photos
 from tests.core.mission.test_export_wpml import along as places_along
 from tests.core.mission.wpml_reader import Wpml
+from tests.support.thinning import sampled
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 #: Diagonal field of view in degrees, and width over height.
@@ -166,7 +167,7 @@ def overlaps_in_flight(lat, lon, agl, heading):
     return [(float(values.min()), float(np.median(values))) for values in shares]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", sampled(KINDS, 4))
 @pytest.mark.parametrize("name", MISSIONS)
 def test_the_overlap_of_an_exported_flight_is_the_one_that_was_planned(name, kind, plans, tmp_path):
     made = plans[name]

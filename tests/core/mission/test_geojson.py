@@ -14,6 +14,7 @@ from terrainav.core.mission.areas.geojson import EDGE_TOLERANCE_M
 from terrainav.core.poses.line import read_lines
 
 from tests.support.command import command
+from tests.support.thinning import sampled
 
 run = pytest.fixture(command, name="run")
 
@@ -56,7 +57,7 @@ SYSTEMS = {
 }
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", sampled(SYSTEMS, 3))
 def test_areas_are_where_gdal_puts_them(tmp_path, name):
     warp = pytest.importorskip("rasterio.warp", reason="the places are GDAL's, by rasterio")
     x, y, off_m = SYSTEMS[name]

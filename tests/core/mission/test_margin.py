@@ -13,6 +13,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
 from tests.core.mission.test_rotated import CONCAVE, places_of, seen_by
+from tests.support.thinning import sampled
 
 ogr = pytest.importorskip("osgeo.ogr", reason="GDAL's Python module comes with QGIS")
 ogr.UseExceptions()
@@ -39,7 +40,7 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", sampled(SCENES, 3))
 def test_ground_within_the_margin_is_shown(name):
     mission = SCENES[name]
     made = plan(mission, GRID)

@@ -19,7 +19,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.shot import picture_tiles
 
 from tests.support.errors import refused
-from tests.support.thinning import examples
+from tests.support.thinning import examples, sampled
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -59,19 +59,22 @@ def test_bounds_in_words_are_never_less_than_they_are(bound):
 
 @pytest.mark.parametrize(
     ("changes", "picture", "pixels", "tolerance_px"),
-    [
-        ({}, "map", None, 0.0),
-        ({"error_budget_px": 0.009}, "map", None, 0.0),
-        ({"error_budget_px": 0.004}, "camera", "mesh", 0.004),
-        ({"error_budget_px": 1e-6}, "camera", "rays", 0.0),
-        ({"error_budget_px": 3.0, "yaw_deg": 1e-4}, "map", None, 0.0),
-        ({"error_budget_px": 3.0, "yaw_deg": 90.0}, "map", None, 0.0),
-        ({"error_budget_px": 3.0, "yaw_deg": 45.0}, "camera", "mesh", 1.0),
-        ({"tilt_deg": 85.0}, "camera", "mesh", 0.1),
-        ({"wind": Wind(5.0, 0.0, 0.2)}, "camera", "mesh", 0.1),
-        ({"wind": Wind(5.0, 0.0, 0.0)}, "map", None, 0.0),
-        ({"frame": "camera", "mesh": "rays"}, "camera", "rays", 0.0),
-    ],
+    sampled(
+        [
+            ({}, "map", None, 0.0),
+            ({"error_budget_px": 0.009}, "map", None, 0.0),
+            ({"error_budget_px": 0.004}, "camera", "mesh", 0.004),
+            ({"error_budget_px": 1e-6}, "camera", "rays", 0.0),
+            ({"error_budget_px": 3.0, "yaw_deg": 1e-4}, "map", None, 0.0),
+            ({"error_budget_px": 3.0, "yaw_deg": 90.0}, "map", None, 0.0),
+            ({"error_budget_px": 3.0, "yaw_deg": 45.0}, "camera", "mesh", 1.0),
+            ({"tilt_deg": 85.0}, "camera", "mesh", 0.1),
+            ({"wind": Wind(5.0, 0.0, 0.2)}, "camera", "mesh", 0.1),
+            ({"wind": Wind(5.0, 0.0, 0.0)}, "map", None, 0.0),
+            ({"frame": "camera", "mesh": "rays"}, "camera", "rays", 0.0),
+        ],
+        3,
+    ),
 )
 def test_the_agricenter_takes_what_it_needs(changes, picture, pixels, tolerance_px):
     chosen = plan(Mission(AGRICENTER, 120.0, **changes), PixelGrid()).accuracy
@@ -136,7 +139,7 @@ def test_rays_are_said_to_be_left_out_where_a_mesh_has_cells(agl_m, serves):
     assert ("rays for every pixel" in dict(made.accuracy.left_out)) is serves
 
 
-@pytest.mark.parametrize("lat_deg", [90.0, -90.0])
+@pytest.mark.parametrize("lat_deg", sampled([90.0, -90.0], 2))
 def test_a_plan_over_a_pole_is_worked_out_without_a_warning(lat_deg):
     made = plan(Mission(Points(((lat_deg, 0.0, 3e6), (lat_deg, 40.0, 3e6))), 3e6), PixelGrid())
     tiles = {(zoom, x % 2**zoom, y) for at in (0, 1) for zoom, x, y in picture_tiles(made, at)}

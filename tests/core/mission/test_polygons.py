@@ -173,7 +173,7 @@ def places_in(polygon, count, seed):
     return np.array(found[:count]).T
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", sampled(LAYOUTS, 3))
 def test_every_place_of_every_polygon_is_seen(layout):
     area = Polygons((*FAR_APART.parts, RING))
     found = planned(area, **LAYOUTS[layout])
@@ -184,7 +184,7 @@ def test_every_place_of_every_polygon_is_seen(layout):
             assert seen(found, *places_in(polygon, 60, 3)).all()
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", sampled(LAYOUTS, 3))
 def test_each_polygon_has_the_images_that_it_has_alone(layout):
     found = planned(FAR_APART, **LAYOUTS[layout])
     alone = [planned(part, **LAYOUTS[layout]) for part in FAR_APART.parts]
@@ -272,7 +272,7 @@ def test_a_flight_over_many_polygons_is_far_shorter_than_in_the_order_given():
     assert found.coverage.complete
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", sampled(LAYOUTS, 3))
 def test_polygons_on_both_sides_of_the_antimeridian_are_one_flight(layout):
     area = Polygons((square(179.99, 10.0), square(-179.998, 10.0), square(179.999, 10.01)))
     found = planned(area, **LAYOUTS[layout])
@@ -309,7 +309,9 @@ FORBIDDEN = square(-89.8990, 35.1008, 0.0015)
 
 
 @pytest.mark.parametrize("layout", sampled(LAYOUTS, 2))
-@pytest.mark.parametrize("area", [FAR_APART, FAR_APART.parts[0], FAR_APART.bounds], ids=["parts", "polygon", "box"])
+@pytest.mark.parametrize(
+    "area", sampled([FAR_APART, FAR_APART.parts[0], FAR_APART.bounds], 4), ids=["parts", "polygon", "box"]
+)
 def test_captures_inside_no_fly_polygons_are_left_out_and_no_others(layout, area):
     more = {"overlap_along": 0.5, "overlap_across": 0.5, **LAYOUTS[layout]}
     whole, found = planned(area, **more), planned(area, no_fly=(FORBIDDEN,), **more)
@@ -354,7 +356,7 @@ def shape_of(polygons):
     return union
 
 
-@pytest.mark.parametrize("layout", ["overlap", "rotated", "crosshatch"])
+@pytest.mark.parametrize("layout", sampled(["overlap", "rotated", "crosshatch"], 3))
 @pytest.mark.parametrize("part", sampled([RING, RING.bounds], 2), ids=["polygon", "box"])
 def test_ground_in_no_fly_polygons_is_that_of_their_union(layout, part):
     """Polygons that share ground, cross the area's sides and its hole, have a hole, and are there twice."""
@@ -434,7 +436,7 @@ def test_wind_blows_on_the_captures_that_are_left():
     assert len(found.nominal.lat_deg) == len(found) == len(found.times_s)
 
 
-@pytest.mark.parametrize("layout", ["cover", "rotated", "crosshatch"])
+@pytest.mark.parametrize("layout", sampled(["cover", "rotated", "crosshatch"], 3))
 def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout):
     grid = named_source("world", SourceOptions(crs="EPSG:3413")).grid
 
@@ -453,6 +455,7 @@ def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout
     assert left.coverage.no_fly_m2 == pytest.approx(field(179.99, 80.0).area_m2())
 
 
+@pytest.mark.thorough
 def test_polygons_over_relief_share_what_was_asked_for():
     area = Polygons((square(-89.9, 35.1, 0.001), square(-89.8985, 35.1005, 0.001)))
     mission = Mission(area, 60.0, overlap_along=0.5, overlap_across=0.4, elevation=("world",))

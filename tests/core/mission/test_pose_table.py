@@ -25,6 +25,7 @@ from terrainav.core.picture.heights import heights_of
 
 from tests.support.command import command
 from tests.support.sources import PatternSource
+from tests.support.thinning import sampled
 
 run = pytest.fixture(command, name="run")
 
@@ -109,11 +110,14 @@ OVER_RELIEF = {"elevation": ("world",)}
 # Over relief what looks far takes long.
 @pytest.mark.parametrize(
     ("points", "relief"),
-    [
-        (POINTS, {}),
-        (Points(*(column[:2] for column in astuple(POINTS))), OVER_RELIEF),
-        pytest.param(POINTS, OVER_RELIEF, marks=pytest.mark.thorough),
-    ],
+    sampled(
+        [
+            (POINTS, {}),
+            (Points(*(column[:2] for column in astuple(POINTS))), OVER_RELIEF),
+            pytest.param(POINTS, OVER_RELIEF, marks=pytest.mark.thorough),
+        ],
+        2,
+    ),
     ids=["level", "relief", "relief seen from afar"],
 )
 def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(points, relief):

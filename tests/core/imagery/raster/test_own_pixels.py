@@ -23,6 +23,7 @@ from terrainav.core.report import positions  # noqa: E402
 from tests.core.geodesy.reference import see  # noqa: E402
 from tests.support import rasters  # noqa: E402
 from tests.support.systems import NATIONAL  # noqa: E402
+from tests.support.thinning import sampled  # noqa: E402
 
 SIDE = 1500
 #: Orthophotos of 0.5 m about a place: their EPSG code, and the place.
@@ -340,7 +341,7 @@ def rational(lat, lon, x_px, y_px, width, height):
     return rpc, residual
 
 
-@pytest.mark.parametrize("place", ["UTM 16 N", "88° N", "89.9° S"])
+@pytest.mark.parametrize("place", sampled(["UTM 16 N", "88° N", "89.9° S"], 3))
 def test_gdalwarp_puts_a_tilted_picture_back_where_the_file_has_it(place, tmp_path):
     """By rational functions of the 50-digit camera's rays: each pixel of the file tells its own column and row."""
     epsg, lat, lon = PLACES[place]

@@ -607,6 +607,7 @@ def test_sets_that_make_no_sense_are_one_line(server, changed):
     assert len(refusal(server, **changed)) < 1000
 
 
+@pytest.mark.thorough
 def test_each_of_hundreds_of_systems_takes_as_long_as_one_of_a_few(server):
     codes = list(dict.fromkeys(info.code for info in query_crs_info("EPSG", PJType.PROJECTED_CRS)))
 
@@ -619,6 +620,7 @@ def test_each_of_hundreds_of_systems_takes_as_long_as_one_of_a_few(server):
     assert growth(read, 25) < PROPORTIONAL
 
 
+@pytest.mark.thorough
 def test_levels_without_number_are_read_in_time(server):
     def read(count):
         many = replace(DUTCH, resolutions={f"m{at}": 1.0 + at / 1e4 for at in range(count)})
