@@ -326,11 +326,11 @@ _PER_CENT = 0.01
 def integrators_text(flight: Flight) -> str:
     """Why flight in wind is discretised exactly."""
     return (
-        "Gusts and the aircraft that holds its place in them have time constants from "
+        "Gusts and the aircraft's position hold have time constants from "
         f"{flight.fastest_s * 1e3:.2g} ms to {flight.slowest_s:.3g} s, {flight.slowest_s / flight.fastest_s:,.0f} "
         "times as long: a stiff system. TerrAInav discretises it exactly, with one step from each exposure to the next "
-        f"({flight.interval_s:.3g} s); the usual integrators are shown beside it. A step is the same work for all, "
-        f"{seconds_text(flight.step)}."
+        f"({flight.interval_s:.3g} s); the usual integrators are shown for comparison. A step takes the same time for "
+        f"all, {seconds_text(flight.step)}."
     )
 
 

@@ -152,12 +152,12 @@ def document(results: list[Result], flight: Flight) -> str:
                 ),
                 (
                     "An error is the distance, in px of the planned image, between where a method puts a ground "
-                    "point and where the exact camera over the ellipsoid, worked out anew in long double, sees it. "
-                    "Every stage takes the cheapest method whose bound, summed with the others', fits the error "
-                    "budget of 0.1 px; bounds are worked out before anything is computed."
+                    "point and where the exact camera over the ellipsoid, computed independently in long double, sees "
+                    "it. Every stage uses the cheapest method whose bound, added to the others', fits the error "
+                    "budget of 0.1 px; bounds are known before anything is computed."
                 ),
                 markdown(summary(results)),
-                f"{sentences.TIMES} Relief is not in the bounds: the last column says what it may add.",
+                f"{sentences.TIMES} Relief is not in the bounds: the last column is its possible effect.",
                 sentences.DIAGRAM,
                 *(_scene_text(result) for result in results),
                 *_grey_text(results),
@@ -176,7 +176,7 @@ def _scene_text(result: Result) -> str:
     parts = [
         f"## {scene.title}",
         f"{sentences.mission_title(worked_out)}. {verdict}",
-        f"![Error in px against seconds a capture of every method](images/accuracy-{scene.name}.png)",
+        f"![Error in px against seconds per capture of every method](images/accuracy-{scene.name}.png)",
         markdown(methods_table(found)),
     ]
     parts += [
@@ -186,7 +186,7 @@ def _scene_text(result: Result) -> str:
     ]
     if found.left_out:
         parts += [
-            "Left out, and what that saves for the whole mission:",
+            "Left out, and savings for the whole mission:",
             markdown(savings_table(found.left_out)),
         ]
     if found.wind is not None:
@@ -206,7 +206,7 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
         return
     yield "## Grey levels"
     yield (
-        "What resampling does to an image is not a matter of position and not in the bounds. RMS errors of "
+        "Resampling affects grey levels, not positions, and is not in the bounds. RMS errors of "
         f"255 grey levels between the pixels of the first scene, against {found.resampling.truth}:"
     )
     yield "![RMS grey levels of error against spatial frequency of each kernel](images/accuracy-resampling.png)"
@@ -216,13 +216,13 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
 
 
 def _integrators_text(flight: Flight) -> Iterator[str]:
-    yield "## How flight in wind is worked out"
+    yield "## Computing flight in wind"
     yield (f"{integrators_text(flight)} In the last scene, by the covariance of the state at the next exposure:")
     yield "![Error against run time and against the step of four integrators](images/accuracy-integrators.png)"
     yield markdown(flight_table(flight))
     yield (
-        "The trapezoid settles at the right covariance whatever the step, but not at the right memory of "
-        "it, which the left diagram shows. Implicit Euler is stable at any step, and damps the gusts away."
+        "The trapezoid converges to the right covariance at any step, but not to the right correlation in time, as the "
+        "left diagram shows. Implicit Euler is stable at any step, but damps the gusts."
     )
 
 

@@ -96,20 +96,19 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
         element("h1", sentences.mission_title(plan)),
         element("p", sentence, class_="verdict kept" if kept else "verdict broken"),
         _section("The mission", pairs(sentences.mission_facts(plan, source, found.map_type))),
-        *([_section("What the wind does", *_wind(found.wind))] if found.wind is not None else []),
+        *([_section("Effect of the wind", *_wind(found.wind))] if found.wind is not None else []),
         _section(
-            "What was chosen",
+            "Chosen methods",
             element(
                 "p",
-                "Every stage takes the cheapest method whose bound, together with the others', fits the "
-                "error budget. Bounds are worked out before anything is computed; they hold for all of the "
-                "mission's captures.",
+                "Every stage uses the cheapest method whose bound, added to the others', fits the error budget. "
+                "Bounds are known before anything is computed, and hold for all captures of the mission.",
             ),
             table(*choices_table(plan, found)),
         ),
         _section("Error against run time", *_work_precision(plan, found)),
-        _section("What was left out, and what that saves", *_left_out(plan, found)),
-        _section("What is not in the bounds", *_conditioning(plan)),
+        _section("Left out, and time saved", *_left_out(plan, found)),
+        _section("Not in the bounds", *_conditioning(plan)),
         _section("Grey levels", *_greys(plan, found)),
     ]
     sections += [
@@ -134,7 +133,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
     content = [
         figure(
             WORK_PRECISION,
-            "Diagram: error in px against seconds a capture, one line for each stage through its methods",
+            "Diagram: error in px against seconds per capture, one line for each stage through its methods",
             sentences.DIAGRAM,
         ),
         table(*methods_table(found)),
@@ -144,8 +143,8 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
         content.append(
             element(
                 "p",
-                "Errors and bounds of the map frame are given here in pixels of the planned image; where it was "
-                "rejected, in pixels of the map frame that would have been, which is smaller.",
+                "Errors and bounds of the map frame are given here in pixels of the planned image; in the reason of "
+                "its rejection, in pixels of the rejected map frame, which is smaller.",
                 class_="note",
             )
         )
@@ -154,11 +153,11 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
 
 def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
     if not found.left_out:
-        return [element("p", "Nothing: this mission needs everything there is.")]
+        return [element("p", "Nothing: this mission needs every stage.")]
     pictures = len(plan) * len(plan.mission.imagery.map_types)
     lead = (
-        f"For the whole mission, {pictures:,} image{'s' if pictures > 1 else ''}, on one core: what the "
-        "left-out method takes beyond the chosen one, both measured here."
+        f"For the whole mission, {pictures:,} image{'s' if pictures > 1 else ''}, on one core: the extra "
+        "cost of the omitted method over the chosen one, both measured here."
     )
     return [
         element("p", lead),
@@ -184,20 +183,20 @@ def _greys(plan: Plan, found: Measurement) -> list[Markup]:
         content += [
             element(
                 "p",
-                "What resampling does to the image is not a matter of position and not in the bounds. "
+                "Resampling affects grey levels, not positions, and is not in the bounds. "
                 "Errors are RMS over points between the source's pixels, of 255 grey levels, against "
                 f"{found.resampling.truth}.",
             ),
             figure(
                 RESAMPLING,
                 "Diagram: RMS grey levels of error against spatial frequency, one line for each kernel",
-                "Error of each kernel in bands of spatial frequency; the grey area is the image's own "
-                "detail there. Where a line meets it, that detail is lost.",
+                "Error of each kernel in bands of spatial frequency; the grey area is the detail of the image "
+                "in each band. Where a line meets it, that detail is lost.",
             ),
             table(*kernels_table(found.kernels, found.resampling, used)),
         ]
     content += [
-        element("p", "What each kind of file keeps of one image of this mission, beside its size:"),
+        element("p", "Error and size of each file format, for one image of this mission:"),
         table(*encodings_table(found.encodings)),
     ]
     return content

@@ -311,7 +311,7 @@ def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
             errors[kernel].append(sample(image, x, y, kernel).astype(np.float64) - truth)
     return Resampling(
         plan.zoom,
-        "the embedded world's own continuous value"
+        "the embedded world's continuous value"
         if known
         else f"{_FINEST} resampling, as the source's truth between its pixels is not known",
         tuple(np.sqrt(np.mean(signals, axis=0)).tolist()),

@@ -1,4 +1,4 @@
-"""What a report says in sentences."""
+"""Sentences of a report."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
 #: Condition numbers up to which a scene is benign, and up to which it is only sensitive.
 _BENIGN, _SENSITIVE = 10.0, 1000.0
-#: What a work-precision diagram shows.
+#: Explanation of a work-precision diagram.
 DIAGRAM = (
-    "Each line is a stage, each marker one of its methods; left is more exact, down is cheaper. Filled markers are "
-    "measured, level whiskers reach to the bound that was known beforehand, upright ones span the quartiles of the "
-    "time, rings mark what was chosen, and the dashed line is the error budget. What has no error of its own stands at "
-    "the left."
+    "Each line is a stage, each marker one of its methods; methods further left are more exact, further down cheaper. "
+    "Filled markers are measurements, horizontal whiskers extend to the bound, vertical ones span the quartiles of the "
+    "time, rings mark the chosen methods, and the dashed line is the error budget. Methods without an error are at the "
+    "left edge."
 )
-#: What a time is.
+#: Explanation of the times.
 TIMES = (
-    "A time is processor time of one thread, without fetching and without writing files: the median and, in brackets, "
-    "the quartiles of several rounds. Methods of a stage take turns in each round, in any order, and are compared "
-    "round by round. They cannot be told apart where the quartiles of their ratio lie on either side of 1, or where "
-    "methods that take equally long would agree in as many rounds in more than one case of twenty."
+    "Times are processor times of one thread, without fetching tiles and writing files: the median of several rounds "
+    "and, in brackets, the quartiles. Methods of a stage take turns in each round, in random order, and are compared "
+    "round by round. They are not distinguishable if the quartiles of their ratio lie on either side of 1, or if two "
+    "equally fast methods would agree in as many rounds in more than one case of twenty."
 )
 
 
@@ -70,7 +70,7 @@ def _place(mission: Mission) -> str:
 
 
 def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, str]]:
-    """Label and value of what the mission asks for."""
+    """Label and value of the mission's main settings."""
     mission, camera = plan.mission, plan.mission.camera
     width, height = int(plan.frames.width_px.max()), int(plan.frames.height_px.max())
     frames = (
@@ -122,14 +122,14 @@ def _area(mission: Mission) -> str:
 
 
 def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
-    """Whether all that was measured kept its bounds, and the sentence that says so."""
+    """Whether all measurements are within their bounds, and a sentence with the result."""
     accuracy = plan.accuracy
     budget = f"budget of {accuracy.budget_px:g} px"
     if accuracy.bound_px <= accuracy.budget_px:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, within the {budget}."
     else:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, more than the {budget}: that was accepted."
-    error = f"Measured on this mission's own captures their errors sum to {px_text(found.error_px)}"
+    error = f"Measured on this mission's captures, their errors sum to {px_text(found.error_px)}"
     broken = [
         f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.method.bound_px)} were its bound"
         for one in found.chosen
@@ -144,55 +144,55 @@ def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
 
 
 def condition_text(condition: float) -> str:
-    """What the condition number of a scene means."""
+    """Meaning of the condition number of a scene."""
     if math.isinf(condition):
         return (
-            "The condition number is infinite: the horizon is in the image, where the least change of the camera's "
-            "attitude moves the ground that a pixel sees without limit. The arithmetic stays exact there; it is the "
-            "pose that no one knows that well."
+            "The condition number is infinite: the horizon is in the image, where the smallest change of the camera's "
+            "attitude moves the visible ground without limit. The arithmetic remains exact there, but no pose is known "
+            "that precisely."
         )
     effect = (
-        f"The condition number is {condition:.3g}: what goes in (height, angles, latitude) wrong by a millionth moves "
-        f"the ground seen by up to {condition:.3g} millionths of its distance."
+        f"The condition number is {condition:.3g}: an error of one millionth in the input (height, angles, latitude) "
+        f"moves the visible ground by up to {condition:.3g} millionths of its distance."
     )
     if condition <= _BENIGN:
-        return f"{effect} That is benign: errors of the pose are hardly enlarged."
+        return f"{effect} That is benign: errors of the pose are hardly amplified."
     if condition <= _SENSITIVE:
-        return f"{effect} That is sensitive: positions far from the camera need a well-known pose."
-    return f"{effect} That is ill-conditioned: positions near the horizon are no better than the pose."
+        return f"{effect} That is sensitive: positions far from the camera need an accurate pose."
+    return f"{effect} That is ill-conditioned: positions near the horizon depend strongly on the pose."
 
 
 def terrain_text(px_per_m: float, relief: str = "") -> str:
-    """What relief may add to the errors, or what may be wrong with the heights of it."""
+    """Effect of relief on the errors, or of errors in its heights."""
     if relief:
         about = "without limit at the horizon" if math.isinf(px_per_m) else f"up to {px_per_m:.2g} px"
         return (
-            f"The ground is {relief}. The bounds are those of the methods on these heights: every metre that the "
-            f"heights are off by adds {about}."
+            f"The ground is {relief}. The bounds are those of the methods for these heights: every metre of error in "
+            f"the heights adds {about}."
         )
     if math.isinf(px_per_m):
         return (
-            "The ground is taken as smooth, at one height. Relief is not in the bounds: at the horizon it "
-            "may move what is seen without limit."
+            "The ground is assumed to be smooth, at one height. Relief is not in the bounds: at the horizon it "
+            "may move the visible ground without limit."
         )
     return (
-        "The ground is taken as smooth, at one height. Relief is not in the bounds: every metre that the "
-        f"real ground is higher or lower may add up to {px_per_m:.2g} px, {10.0 * px_per_m:.2g} px for a "
+        "The ground is assumed to be smooth, at one height. Relief is not in the bounds: every metre by which "
+        f"the real ground is higher or lower may add up to {px_per_m:.2g} px, {10.0 * px_per_m:.2g} px for a "
         "house or a tree of 10 m."
     )
 
 
 def saving_notes(plan: Plan, found: Measurement) -> list[str]:
-    """What has to be said about what was left out."""
+    """Notes on the stages that were left out."""
     notes = []
     left = {one.what for one in found.left_out}
     if "resampling" in left:
         notes.append(
-            "Without resampling a map frame shows exactly the source's pixels; with it every image would "
-            "have been a camera frame, and its grey levels off by what the table of kernels says."
+            "Without resampling, a map frame shows exactly the source's pixels. With it, every image would be a camera "
+            "frame, and its grey levels would have the errors in the table of kernels."
         )
     if "wind" in left and plan.frames.on_map:
-        notes.append("Wind would also turn the camera, and so need camera frames; its own row counts the flight alone.")
+        notes.append("Wind would also turn the camera, and so need camera frames; its row counts only the flight.")
     return notes
 
 
@@ -202,17 +202,17 @@ def how_measured(found: Measurement) -> list[str]:
     notes = [
         (
             "An error is the distance in the image between where a method puts a ground point and where the "
-            "exact camera, worked out anew in long double, sees it. That reference is itself good to "
-            f"{px_text(found.floor_px)}; smaller ones are shown as below it."
+            "exact camera, computed independently in long double, sees it. The accuracy of this reference is "
+            f"{px_text(found.floor_px)}; smaller errors are shown as below it."
         ),
         (
-            "Errors are the greatest over captures spread over the mission's rows; pixels are those of the "
+            "Errors are the greatest of captures spread over the mission's rows; pixels are those of the "
             f"planned image, {width} × {height} px."
         ),
-        ("Rounding a map frame's edges to whole source pixels is not an error: the image says where it lies, exactly."),
+        ("Rounding a map frame's edges to whole source pixels is not an error: the image states its exact position."),
         (
-            f"{TIMES} Rounds after one to warm up: {_rounds(found)}. What the captures of a row share is counted "
-            f"once a row. The source's parts were fetched beforehand ({found.parts} of them) and kept in memory."
+            f"{TIMES} Rounds after one to warm up: {_rounds(found)}. Work shared by the captures of a row is counted "
+            f"once per row. The source's {found.parts} tiles were fetched beforehand and kept in memory."
         ),
     ]
     if found.timed_px != found.planned_px:
@@ -229,12 +229,12 @@ def _rounds(found: Measurement) -> str:
 
 
 def wind_effect_text(effect: WindEffect) -> list[str]:
-    """What wind does to the camera, and to what the images show of the area."""
+    """Effect of wind on the camera and on coverage."""
     text = []
     if not effect.displacements:
         text.append(
-            "Steady wind neither moves nor turns the camera: the aircraft holds its place in it, and the mount of the "
-            "camera takes out the lean and the crab. It changes the time of the flight alone."
+            "Steady wind neither moves nor turns the camera: the aircraft holds its position, and the camera mount "
+            "compensates tilt and crab. It changes only the flight time."
         )
     else:
         moved, turned, together = (
@@ -244,8 +244,8 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
             f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the image by "
             f"{_spread_text(moved.px)}. They turn it by {_spread_text(turned.size, 'deg')}, which shifts the ground by "
             f"{_spread_text(turned.px)}. Both together shift it by {_spread_text(together.px)}. "
-            "The images show what the camera sees from where it really is, and state that pose: the shift is no error "
-            "of their places, but it changes which ground they show."
+            "The images show what the camera sees from its real pose, and state that pose: the shift does not affect "
+            "their georeference, but it changes which ground they show."
         )
     figures = effect.figures
     if "coverage" in figures:
@@ -261,26 +261,26 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
 
 def _spread_text(found: Spread | None, unit: str = "px") -> str:
     if found is None:
-        return "an amount that no corner tells, as none shows ground"
+        return "an unknown amount, because no corner shows ground"
     rms, usual, most = (displaced_text(size, unit) for size in found)
     return f"{rms} (rms; {usual} for 95 % of the captures, {most} at most)"
 
 
 def wind_notes(effect: WindEffect) -> list[str]:
-    """What has to be said about the figures of wind."""
+    """Notes on the figures of wind."""
     notes = []
     if effect.displacements:
         notes.append(
-            "The shift in the image is that of the ground that the camera was meant to see in its corners and its "
-            "middle, the most of the five."
+            "The shift in the image is the largest of five: for the ground points that the nominal camera sees in its "
+            "corners and its middle."
         )
         if effect.compared < len(effect.flown):
             notes[0] += (
-                f" It is of {effect.compared:,} captures, spread over the mission; metres and degrees are of all."
+                f" It is that of {effect.compared:,} captures, spread over the mission; metres and degrees are from all."
             )
     if effect.calm.frames.on_map != effect.flown.frames.on_map:
         notes.append(
             "In still air the images are map frames, in wind camera frames, which cover the largest north-up rectangle "
-            "inside what they see."
+            "inside their footprints."
         )
     return notes

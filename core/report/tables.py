@@ -125,14 +125,14 @@ def methods_table(measurement: Measurement) -> TextTable:
                 )
             )
     return TextTable(
-        ("stage", "method", "bound", "measured error", "time a capture", "time compared"),
+        ("stage", "method", "bound", "measured error", "time per capture", "time compared"),
         rows,
         frozenset(chosen),
     )
 
 
 def _remark(one: Measured, other: Measured | None) -> str:
-    """What there is to say of a method beside the one that its time is compared with."""
+    """Comparison of a method with the one that its time is compared with."""
     if one.method.outside:
         return f"not usable here: {one.method.outside}"
     if one.chosen:
@@ -141,13 +141,13 @@ def _remark(one: Measured, other: Measured | None) -> str:
 
 
 def compared_text(one: Measured, other: Measured | None) -> str:
-    """How many times as long as another method takes, where the two can be told apart."""
+    """Ratio to the time of another method, if the two are distinguishable."""
     if other is None or one is other or one.seconds is None or other.seconds is None:
         return ""
     if not one.seconds.spread_known:
         return NOTHING
     if not one.seconds.is_distinct(other.seconds):
-        return f"cannot be told from {name_of(other)} in time"
+        return f"not distinguishable from {name_of(other)} in time"
     low, median, high = one.seconds.ratio(other.seconds)
     return f"{median:.3g} times {name_of(other)} ({low:.3g} to {high:.3g})"
 
@@ -156,20 +156,20 @@ def _error_text(one: Measured, floor_px: float) -> str:
     if one.error_px is None:
         return NOTHING
     if one.error_px == 0.0:
-        return "none of its own"
+        return "none"
     if one.error_px <= floor_px:
         return f"below {px_text(floor_px)}"
     return px_text(one.error_px) + ("" if one.within else ", above its bound")
 
 
 def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
-    """What the plan chose at each stage, and why not something cheaper."""
+    """Choice of the plan at each stage, and why nothing cheaper was chosen."""
     rows = []
     measured = {one.method.stage: one for one in measurement.chosen}
     for choice in plan.accuracy.choices:
         method, one = choice.method, measured.get(choice.method.stage)
         if choice.rejected is None:
-            why = "the cheapest there is"
+            why = "the cheapest method"
         else:
             why = f"{FRAME_NAMES.get(choice.rejected.name, choice.rejected.name)} was rejected: {choice.reason}"
         rows.append(
@@ -182,18 +182,18 @@ def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
                 why,
             )
         )
-    return TextTable(("stage", "method", "bound", "measured error", "time a capture", "why"), rows)
+    return TextTable(("stage", "method", "bound", "measured error", "time per capture", "why"), rows)
 
 
 def savings_table(savings: Sequence[Saving]) -> TextTable:
-    """What was left out."""
+    """Stages that were left out."""
     return TextTable(
         ("left out", "because", "saves in time", "saves in files"),
         [
             (
                 one.what,
                 one.why,
-                seconds_text(one.seconds) if one.differs else "too little to be told",
+                seconds_text(one.seconds) if one.differs else "too small to measure",
                 bytes_text(one.size_bytes) if one.size_bytes else "nothing",
             )
             for one in savings
@@ -225,7 +225,7 @@ def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) 
             "coarse detail (to 0.15 cycles/px)",
             "medium (0.15 to 0.35)",
             "fine (0.35 and more)",
-            "time a camera frame",
+            "time per camera frame",
         ),
         rows,
         chosen,

@@ -53,9 +53,9 @@ def test_a_work_beside_itself_is_not_told_apart():
     assert not one.is_distinct(other)
     assert not other.is_distinct(one)
     text = compared_text(method("rays", one), method("mesh", other, chosen=True))
-    assert text == "cannot be told from mesh in time"
+    assert text == "not distinguishable from mesh in time"
     saved = savings_table([Saving("rays", "the mesh fits", one - other, one.is_distinct(other), 0)]).rows[0]
-    assert saved[2] == "too little to be told"
+    assert saved[2] == "too small to measure"
 
 
 def test_a_longer_work_is_told_apart_and_by_how_much():
