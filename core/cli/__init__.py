@@ -47,10 +47,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(argv: Sequence[str] | None) -> int:
     signals: list[int] = []
     try:
-        from .printing import anything_printed
-        from .stopping import raised
+        from .printing import escape_output
+        from .stopping import raise_signals
 
-        with raised(signals), anything_printed():
+        with raise_signals(signals), escape_output():
             code = _run(sys.argv[1:] if argv is None else argv)
             if sys.stdout is not None:
                 # Raise errors of output here, and not when Python exits.
@@ -104,10 +104,10 @@ def _run(argv: Sequence[str]) -> int:
         return _print_version()
     import importlib
 
-    from .options import normalised, parser
+    from .options import normalise, parser
 
     reader = parser()
-    arguments = reader.parse_args(normalised(argv))
+    arguments = reader.parse_args(normalise(argv))
     if arguments.version:
         return _print_version()
     if arguments.command is None:

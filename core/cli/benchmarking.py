@@ -17,15 +17,15 @@ from .flying import (
     NAMED,
     Bar,
     mission_heights,
-    named,
     names_source,
     print_failed,
     print_repeated,
     print_written,
+    requested_source,
     result_document,
 )
-from .listing import opened_cache
-from .stopping import collected
+from .listing import open_cache
+from .stopping import collect_signals
 
 if TYPE_CHECKING:
     from ..benchmark.folder import Benchmark
@@ -50,9 +50,9 @@ def _make(arguments: argparse.Namespace) -> int:
     values, settings = _settings(arguments)
     if not values["data_dir"]:
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
-    with ExitStack() as open_now, collected() as signals:
+    with ExitStack() as stack, collect_signals() as signals:
         sources = {
-            str(imagery): open_now.enter_context(closing(_opened(imagery, settings, values)))
+            str(imagery): stack.enter_context(closing(_open_source(imagery, settings, values)))
             for imagery in {str(one): one for one in (settings.reference, *settings.imageries)}.values()
         }
         grids = {name: source.grid for name, source in sources.items()}
@@ -60,7 +60,7 @@ def _make(arguments: argparse.Namespace) -> int:
         if arguments.dry_run:
             _print_plan(worked_out)
             return DONE
-        made = _made(worked_out, sources, arguments, values, signals)
+        made = _make_benchmark(worked_out, sources, arguments, values, signals)
     _print_made(made, arguments.json)
     if made.benchmark is None:
         print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
@@ -92,13 +92,13 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
     )
 
 
-def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
+def _open_source(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
     mission = settings.queries.select_imagery(imagery)
     asked = mission.imagery
-    return named(
+    return requested_source(
         asked,
         {**values, NAMED: True},
-        opened_cache(values),
+        open_cache(values),
         area_deg=mission.area.bounds.edges_deg,
         bands=asked.bands,
         stretch=asked.stretch,
@@ -106,7 +106,7 @@ def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str
     ).open()
 
 
-def _made(
+def _make_benchmark(
     worked_out: BenchmarkPlan,
     sources: dict[str, Source],
     arguments: argparse.Namespace,
@@ -195,7 +195,7 @@ def _run(arguments: argparse.Namespace) -> int:
         if live:
             print(f"\r{done:,} of {total:,} queries", end="", file=sys.stderr, flush=True)
 
-    with collected() as signals:
+    with collect_signals() as signals:
         predictions = run_method(
             benchmark, method, arguments.part or "", progress=show, cancelled=lambda: bool(signals)
         )

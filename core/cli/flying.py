@@ -19,8 +19,8 @@ from ..storage.stores import is_address
 from ..text.plain import printable
 from ..waiting import cancellable
 from .exits import DONE, INCOMPLETE, exit_code
-from .listing import opened_cache
-from .stopping import collected
+from .listing import open_cache
+from .stopping import collect_signals
 
 if TYPE_CHECKING:
     from ..capture.blocks.engines import Engine
@@ -85,7 +85,7 @@ def _source_name(source: str) -> str:
     return source_name(source)
 
 
-def named(
+def requested_source(
     asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None, **more: Any
 ) -> NamedSource:
     """Return the requested source with the options of the run, and further fields of `SourceOptions`."""
@@ -110,7 +110,7 @@ def _named_source(
     mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
 ) -> NamedSource:
     imagery = mission.imagery
-    return named(
+    return requested_source(
         imagery,
         values,
         cache,
@@ -136,20 +136,20 @@ def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
     options = SourceOptions(
         seed=mission.imagery.seed,
         connections=values["connections"],
-        cache=opened_cache(values),
+        cache=open_cache(values),
         named_by_user=values[NAMED],
     )
     return heights_of(mission, options)
 
 
-def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
+def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
     """Plan a mission, over relief if it has one."""
     from ..mission.plan import plan
 
     return plan(mission, source.grid, mission_heights(mission, values))
 
 
-def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
+def _align_rows(mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid) -> Mission:
     """Align the rows of a mission if requested, and print the gain."""
     if arguments.align is None:
         return mission
@@ -161,8 +161,8 @@ def _aligned(mission: Mission, arguments: argparse.Namespace, values: dict[str, 
     return mission.replace(row_azimuth_deg=found.azimuth_deg)
 
 
-def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
-    return closing(_named_source(mission, values, opened_cache(values), as_stored=as_stored).open())
+def _open_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
+    return closing(_named_source(mission, values, open_cache(values), as_stored=as_stored).open())
 
 
 def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
@@ -247,9 +247,9 @@ def run_plan(arguments: argparse.Namespace) -> int:
     sources = {
         name: _named_source(one, values, as_stored=_as_written(one)) for name, one in (each or {"": mission}).items()
     }
-    mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
+    mission = _align_rows(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.missions_by_imagery
-    plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
+    plans = {name: _plan_mission(each.get(name, mission), values, source) for name, source in sources.items()}
     files: list[str] = []
     for path, ending in endings.items():
         if ending == _MISSION:
@@ -331,14 +331,14 @@ def run_capture(arguments: argparse.Namespace) -> int:
     each = mission.missions_by_imagery or {"": mission}
     in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
     in_blocks = in_blocks or is_address(values["data_dir"])
-    with ExitStack() as opened, collected() as signals:
+    with ExitStack() as opened, collect_signals() as signals:
         sources: dict[str, Source | NamedSource] = {}
         for name, one in each.items():
             if in_blocks:
-                sources[name] = _named_source(one, values, opened_cache(values), as_stored=_as_written(one))
+                sources[name] = _named_source(one, values, open_cache(values), as_stored=_as_written(one))
             else:
-                sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
-        mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
+                sources[name] = opened.enter_context(_open_source(one, values, as_stored=_as_written(one)))
+        mission = _align_rows(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.missions_by_imagery or {"": mission}
         with cancellable(lambda: bool(signals)):
             engine = _engine(arguments, opened)
@@ -405,7 +405,7 @@ def _run(
     from ..capture.several import capture_imageries
     from ..imagery.catalogue import shared_requests
 
-    plans = {name: _planned(one, values, sources[name]) for name, one in each.items()}
+    plans = {name: _plan_mission(one, values, sources[name]) for name, one in each.items()}
     needed = shared_requests([(sources[name], _requests(one)) for name, one in plans.items()])
     for (name, worked_out), requests in zip(plans.items(), needed):
         _check_terms(worked_out, sources[name], requests, arguments.accept_terms)
@@ -510,8 +510,8 @@ def run_report(arguments: argparse.Namespace) -> int:
 
     mission, values = _settings(arguments)
     # Errors are measured as displayed, in 8 bits.
-    with _opened(mission, values, as_stored=False) as source:
-        worked_out = _planned(mission, values, source)
+    with _open_source(mission, values, as_stored=False) as source:
+        worked_out = _plan_mission(mission, values, source)
         # A report measures on a few images, and needs at most 200 requests.
         _check_terms(worked_out, source, 200, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)

@@ -220,7 +220,7 @@ def _remove_camera(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def opened_cache(values: dict[str, Any]) -> TileCache | None:
+def open_cache(values: dict[str, Any]) -> TileCache | None:
     """Open the cache by the options of a run; None with --no-cache."""
     limit_mb = values["cache_limit"]
     if limit_mb is not None and limit_mb < 1:

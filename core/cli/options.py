@@ -64,7 +64,7 @@ def parser() -> argparse.ArgumentParser:
     return whole
 
 
-def normalised(argv: Sequence[str]) -> list[str]:
+def normalise(argv: Sequence[str]) -> list[str]:
     """Replace underscores in option names, and join options with values that begin with a minus.
 
     Argparse would take a coordinate such as -35.1_-70.2_120 for an option; also a number such as -1e-05, which is

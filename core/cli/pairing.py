@@ -18,15 +18,15 @@ from .flying import (
     NAMED,
     NAMED_FAILURES,
     Bar,
-    named,
     names_source,
     print_failed,
     print_repeated,
     print_written,
+    requested_source,
     result_document,
 )
-from .listing import opened_cache
-from .stopping import collected
+from .listing import open_cache
+from .stopping import collect_signals
 
 if TYPE_CHECKING:
     from ..geodesy.mercator import PixelGrid
@@ -57,22 +57,22 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
     settings = _settings(arguments, values)
     places = _places(arguments, settings)
-    sources = _sources(settings, values, None if arguments.dry_run else opened_cache(values))
+    sources = _sources(settings, values, None if arguments.dry_run else open_cache(values))
     options = SourceOptions(
         seed=settings.seed,
         crs=landscape_crs(settings.imagery_of(DRONE).source, settings.crs),
         connections=values["connections"],
-        cache=opened_cache(values) if settings.terrain.elevation else None,
+        cache=open_cache(values) if settings.terrain.elevation else None,
         named_by_user=values[NAMED],
     )
     heights = heights_for(settings.terrain, options)
     if arguments.dry_run:
         grids = {view: source.grid for view, source in sources.items()}
-        _print_plan(_planned(places, settings, grids, heights), arguments.json)
+        _print_plan(_plan(places, settings, grids, heights), arguments.json)
         return DONE
-    with ExitStack() as stack, collected() as signals:
+    with ExitStack() as stack, collect_signals() as signals:
         opened = {view: stack.enter_context(closing(source.open())) for view, source in sources.items()}
-        worked_out = _planned(places, settings, {view: one.grid for view, one in opened.items()}, heights)
+        worked_out = _plan(places, settings, {view: one.grid for view, one in opened.items()}, heights)
         result = _capture(worked_out, opened, arguments, values, signals)
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
@@ -89,7 +89,7 @@ def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | 
 
     asked = [settings.imagery_of(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
     return {
-        one.name: named(
+        one.name: requested_source(
             replace(settings, source=one.source, date=one.date, map_type=one.map_type, imageries=()),
             {**values, NAMED: values[NAMED] or one in settings.imageries},
             cache,
@@ -98,7 +98,7 @@ def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | 
     }
 
 
-def _planned(
+def _plan(
     places: tuple[PairPlace, ...],
     settings: PairSettings,
     grids: dict[str, PixelGrid],

@@ -37,7 +37,7 @@ def _print_notices(ended: threading.Event) -> None:
 
 
 @contextmanager
-def anything_printed() -> Iterator[None]:
+def escape_output() -> Iterator[None]:
     r"""Have standard output escape characters that its encoding lacks as ``\xe9``, instead of raising an error."""
     out = sys.stdout
     # It may be missing, or a notebook's, which accepts all characters.

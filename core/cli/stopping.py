@@ -29,7 +29,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def raised(received: list[int]) -> Iterator[None]:
+def raise_signals(received: list[int]) -> Iterator[None]:
     """Have signals that would end the process raise Interrupted; append those received to a list at the end."""
 
     def receive(number: int, _frame: object) -> None:
@@ -54,7 +54,7 @@ def raised(received: list[int]) -> Iterator[None]:
 
 
 @contextmanager
-def collected() -> Iterator[list[int]]:
+def collect_signals() -> Iterator[list[int]]:
     """Collect signals in a list instead of raising; the second one of each kind raises as usual."""
     received: list[int] = []
 

@@ -106,12 +106,12 @@ class SourceOptions:
 
 
 def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSource:
-    """Source that a text names; whether it exists is found out when more is asked of it.
+    """Source that a text names; it may not exist, which only its members find out.
 
     Parameters
     ----------
     text : str
-        A name of the catalogue or of the user's own sources; a URL template; ``wmts:URL``, ``wms:URL``, ``arcgis:URL``
+        A name of the catalogue or of the user's sources; a URL template; ``wmts:URL``, ``wms:URL``, ``arcgis:URL``
         or ``ogcapi:URL`` (see `services`); an MBTiles file; any other raster file, or a path of such files with {date}
         in it.
     options : SourceOptions

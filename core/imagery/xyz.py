@@ -227,7 +227,7 @@ class XYZSource:
 
     def _store(self, map_type: str) -> NoStore:
         """Stored tiles of a map type."""
-        # A source without map types has the same tiles whatever they are requested as.
+        # A source without map types has the same tiles for every map type.
         kept_as = map_type if self.map_types else ""
         with self._lock:
             store = self._stores.get(kept_as)

@@ -81,7 +81,7 @@ def safe_str(thing: object, shown: Callable[[Any], str] = str) -> str:
 
 
 def error_text(error: BaseException) -> str:
-    """Type and text of an error that somebody else's code raised, in one line of `MAX_LINE_CHARACTERS` at most."""
+    """Type and text of an error of foreign code, in one line of at most `MAX_LINE_CHARACTERS`."""
     text = printable(safe_str(error)[:MAX_TEXT_CHARACTERS])
     return shortened(": ".join(filter(None, (type(error).__name__, " ".join(text.split())))), MAX_LINE_CHARACTERS)
 

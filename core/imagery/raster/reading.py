@@ -40,7 +40,7 @@ _DOMAINS = ("", "IMAGERY")
 _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
 #: Item and domain of GDAL's metadata for the interleaving of bands, and its value for bands interleaved by pixel.
 _INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
-#: Formats that GDAL decodes as a whole, whatever blocks it reports.
+#: Formats that GDAL decodes as a whole, although it reports blocks.
 _WHOLE = frozenset(["WEBP", "JPEGXL"])
 
 
@@ -240,7 +240,7 @@ def _filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
 
 @contextmanager
 def _collected_errors(options: Options) -> Iterator[list[str]]:
-    """Collect GDAL's errors in this thread instead of printing them, and turn exceptions into ReadError.
+    """Collect GDAL's errors in this thread instead of printing them, and convert exceptions to ReadError.
 
     Whether the bindings raise depends on the process (QGIS, another plugin), so both cases are handled. A JPEG that is
     cut off is an error, where GDAL would only warn and fill it with grey.
@@ -368,7 +368,7 @@ def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_t
 
 @contextmanager
 def _raised_errors(options: Options) -> Iterator[None]:
-    """Turn errors of rasterio into ReadError; a JPEG that is cut off is an error."""
+    """Convert errors of rasterio to ReadError; a JPEG that is cut off is an error."""
     import rasterio
     from rasterio._err import CPLE_BaseError
     from rasterio.errors import CRSError, RasterioError

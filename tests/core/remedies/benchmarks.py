@@ -241,7 +241,7 @@ def _tiles_of_others(case: Case) -> None:
 @remedy("cli/benchmarking.py", STOPPED)
 def _stopped(case: Case) -> None:
     with case.monkeypatch.context() as stopped:
-        stopped.setattr(benchmarking, "collected", pressed)
+        stopped.setattr(benchmarking, "collect_signals", pressed)
         case.says(case.run(*COMMAND).stderr, only_here=False)
     case.follow(
         "finished images are kept, continue with --resume",

@@ -70,7 +70,7 @@ STOPPED = "terrainav: stopped; finished images are kept, continue with --resume"
 def _stopped_capture(case: Case) -> None:
     asked = ("capture", "--coords", BOX, "--data-dir", "out")
     with case.monkeypatch.context() as stopped:
-        stopped.setattr(flying, "collected", pressed)
+        stopped.setattr(flying, "collect_signals", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
     case.follow(
         "finished images are kept, continue with --resume", lambda: case.run(*asked, "--resume").returncode == 0
@@ -81,7 +81,7 @@ def _stopped_capture(case: Case) -> None:
 def _stopped_pairs(case: Case) -> None:
     asked = (*PAIRS, "--count", "2", "--data-dir", "out")
     with case.monkeypatch.context() as stopped:
-        stopped.setattr(pairing, "collected", pressed)
+        stopped.setattr(pairing, "collect_signals", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
     case.follow(
         "finished images are kept, continue with --resume", lambda: case.run(*asked, "--resume").returncode == 0
