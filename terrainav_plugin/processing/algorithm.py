@@ -350,17 +350,17 @@ class _Relay(WorkFeedback):
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         super().__init__(feedback)
-        self._told: SimpleQueue[Callable[[], object]] = SimpleQueue()
+        self._pending: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._stop = threading.Event()
 
     def say(self, text: str) -> None:
-        self._told.put(lambda: WorkFeedback.say(self, text))
+        self._pending.put(lambda: WorkFeedback.say(self, text))
 
     def warn(self, text: str) -> None:
-        self._told.put(lambda: WorkFeedback.warn(self, text))
+        self._pending.put(lambda: WorkFeedback.warn(self, text))
 
     def progress(self, share: float) -> bool:
-        self._told.put(lambda: WorkFeedback.progress(self, share))
+        self._pending.put(lambda: WorkFeedback.progress(self, share))
         return not self.cancelled()
 
     def cancelled(self) -> bool:
@@ -372,7 +372,7 @@ class _Relay(WorkFeedback):
             self._stop.set()
         try:
             while True:
-                self._told.get_nowait()()
+                self._pending.get_nowait()()
         except Empty:
             return
 

@@ -287,7 +287,7 @@ def test_labels_of_an_interrupted_split_say_so(desk, window, dataset):
 def test_benchmark_tab_opens_processings_windows(desk, window, dataset):
     desk.enter_small_mission()
     tab = go_to(desk, window, dataset, "benchmark")
-    assert "is no benchmark" in tab.hint.text()
+    assert "is not a benchmark" in tab.hint.text()
     windows = desk.session.benchmarks
     press(desk, window, tab.make)
     desk.wait(lambda: len(windows.windows) == 1)

@@ -201,7 +201,7 @@ def test_an_images_name_leads_into_its_folder_only(folder, name):
     lines[at] = json.dumps(feature) + ","
     path.write_text("\n".join(lines), "utf-8")
     footprints = FootprintLayer("x", folder)
-    with pytest.raises(InvalidInput, match="no name of an image"):
+    with pytest.raises(InvalidInput, match="not the name of an image"):
         Finder(lambda: False).first([footprints])
 
 

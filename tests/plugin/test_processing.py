@@ -795,7 +795,7 @@ def test_a_key_comes_out_of_the_authentication_database(server, tmp_path):
             AUTHCFG="1234567",
             FOLDER=str(tmp_path / "other"),
         )
-        assert "1234567 is not there" in said
+        assert "1234567 does not exist" in said
     finally:
         manager.removeAuthenticationConfig(config.id())
     assert result["WRITTEN"] == 1

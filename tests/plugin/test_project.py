@@ -209,7 +209,7 @@ def test_folder_that_is_no_dataset_is_one_line(desk, tmp_path, answers):
     before = desk.session.state()
     answers["folder"] = tmp_path
     choose_in_menu(desk, "Open dataset folder…")
-    assert any("so it is no dataset" in text for text in desk.messages())
+    assert any("so it is not a dataset" in text for text in desk.messages())
     assert desk.session.state() == before
     assert QgsProject.instance().mapLayers() == {}
 

@@ -91,7 +91,7 @@ def open_project(desk, path):
 
 
 def questions(desk):
-    return [text for text in desk.messages() if "Nothing is asked" in text]
+    return [text for text in desk.messages() if "Nothing is requested" in text]
 
 
 @pytest.mark.parametrize("kind", LEADING)

@@ -130,7 +130,7 @@ def _no_place(case: Case) -> None:
 @remedy("area/layers.py", "{feature} is not a point: choose a layer of points")
 def _no_point(case: Case) -> None:
     case.refused(lambda: points(SQUARE))
-    case.follow("take a layer of points", lambda: points("Point (1 1)"))
+    case.follow("choose a layer of points", lambda: points("Point (1 1)"))
 
 
 @remedy("area/layers.py", "no lines to fly: select some, or use all lines of the layer")
@@ -150,7 +150,7 @@ def _no_way(case: Case) -> None:
 @remedy("area/layers.py", "{feature} is not a line: choose a layer of lines")
 def _no_line(case: Case) -> None:
     case.refused(lambda: lines(SQUARE))
-    case.follow("take a layer of lines", lambda: lines(LINE))
+    case.follow("choose a layer of lines", lambda: lines(LINE))
 
 
 @remedy("tasks.py", "layer “{name}” has no CRS: set it in the layer's properties")
