@@ -280,7 +280,7 @@ def validation(found: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 CASES = (
-    ("imagery at hand (no requests)", None, DEFAULT_CONNECTIONS),
+    ("local imagery (no requests)", None, DEFAULT_CONNECTIONS),
     ("a provider without limits, 8 connections", Policy(), DEFAULT_CONNECTIONS),
     ("a provider without limits, 8,000 connections", Policy(), 8_000),
     ("1,000 requests/s, 8,000 connections", Policy(requests_per_s=1_000.0), 8_000),
@@ -321,7 +321,7 @@ def sensitivity(images: int, measured: Measured) -> list[tuple[str, str, Run]]:
     ]
     for deaths in (0.0, 0.1, 1.0, 10.0):
         more = replace(usual, deaths_per_worker_hour=deaths)
-        changed.append(("deaths", f"{deaths:g} a worker and hour", job, measured, more))
+        changed.append(("deaths", f"{deaths:g} per worker and hour", job, measured, more))
     for block in (64, 1_024):
         of_size = replace(job, block=block)
         changed.append(("images a block", f"{block:,}", of_size, _for(measured, block), usual))
@@ -384,7 +384,7 @@ def draw(workers: list[tuple[int, Run, Run]], rows: list[dict[str, Any]], limit:
     left.loglog(counts, [each[1].hours for each in workers], "o-", color=BLUE, label="with the coordinator's time")
     left.loglog(counts, [each[2].hours for each in workers], "--", color=GREY, label="without")
     left.axvline(limit, color=ORANGE, linewidth=1, label=f"coordinator always busy: {limit:,}")
-    left.set(title="Time of 100 million images at hand", xlabel="workers", ylabel="hours")
+    left.set(title="Time of 100 million local images", xlabel="workers", ylabel="hours")
     left.grid(visible=True, which="major", color="#dddddd")
     left.legend(edgecolor="none", framealpha=1.0, fontsize=8, loc="lower left")
     at = np.arange(len(rows))
@@ -417,7 +417,7 @@ its processor time by a log-normal factor of median 1 and σ {usual.straggler_si
 {usual.latency_s * 1e3:g} ms. *In use* is the share of worker hours that went into committed blocks, including waits for
 a provider; *lost* is how much shorter the run would be without.
 
-| source | hours | worker hours | in use | lost to stragglers | lost to deaths | coordinator busy | deaths | given up |
+| source | hours | worker hours | in use | lost to stragglers | lost to deaths | coordinator busy | deaths | abandoned |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 """
     for row in rows:
@@ -440,7 +440,7 @@ memory. Missions of ten million images, the most without `--max-images`, take {e
 
 Local imagery, with one assumption changed at a time:
 
-| assumption | value | hours | in use | coordinator busy | begun again | given up |
+| assumption | value | hours | in use | coordinator busy | repeated | abandoned |
 | --- | --- | ---: | ---: | ---: | ---: | ---: |
 """
     for what, value, run in changed:

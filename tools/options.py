@@ -1,4 +1,4 @@
-"""Writes what follows from the declared fields of a mission: the schema of its files, and the tables of options.
+"""Writes the schema of mission files and the tables of options from the declared fields of a mission.
 
 Examples
 --------
@@ -31,15 +31,15 @@ SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string", tuple: "array"}
 _HEAD = """# Every option of a mission
 
-Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/flight/wind.py` and
-`core/geodesy/lens.py` declare. An option is given to the command as `--name value`, in the environment as
-`TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line comes first. A mission file holds the same in its
-parts, as `resources/mission.schema.json` has it, without what equals its default, and a program writes it flat:
+Made by `python tools/options.py` from the fields declared in `core/mission/parts.py`, `core/mission/flight/wind.py` and
+`core/geodesy/lens.py`. Set an option on the command line with `--name value`, in the environment as
+`TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line takes precedence. A mission file holds the options in
+several parts (see `resources/mission.schema.json`) and omits default values. In Python, they are flat:
 `Mission(area, agl_m=120.0, overlap_along=0.6)`.
 """
-_PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect
-ratio of your own, the preset `learning` keeps that shape, 256 px along the longer side; with a source of your own, it
-leaves the map types to you.
+_PRESETS = """`--preset NAME` sets these values, unless another option does. If you also set a camera, a sensor or an
+aspect ratio, the preset `learning` keeps that shape, 256 px along the longer side; if you set a source, the map types
+are not changed.
 """
 _PARTS = {
     "camera": "Camera",
@@ -200,7 +200,7 @@ def page() -> str:
         text += [
             f"## {_PARTS[name]}",
             "",
-            "| option | in the file | what it does | unit and range | default |",
+            "| option | in the file | description | unit and range | default |",
         ]
         text.append("| --- | --- | --- | --- | --- |")
         text += [_row(name, one) for one in declared_fields(part)]
@@ -209,15 +209,15 @@ def page() -> str:
     ways = [one for one in OPTIONS if one.name not in declared | {"overlap", "wind"}]
     own = [one for one in ways if one.name not in RUN_OPTIONS]
     run = [one for one in ways if one.name in RUN_OPTIONS]
-    for title, some in (("Places and cameras in other words", own), ("The run", run)):
-        text += [f"## {title}", "", "| option | what it does | default |", "| --- | --- | --- |"]
+    for title, some in (("Other ways to set areas and cameras", own), ("The run", run)):
+        text += [f"## {title}", "", "| option | description | default |", "| --- | --- | --- |"]
         text += [f"| `--{one.name.replace('_', '-')}` | {_cell(one.help)} | {_default(one.default)} |" for one in some]
         text.append("")
     text += [
         "## Presets",
         "",
         _PRESETS,
-        "| preset | what it sets | values |",
+        "| preset | description | values |",
         "| --- | --- | --- |",
     ]
     text += [f"| `{one.name}` | {_cell(str(one.note))} | {_values(one.values)} |" for one in PRESETS]

@@ -276,7 +276,7 @@ def wind_notes(effect: WindEffect) -> list[str]:
         )
         if effect.compared < len(effect.flown):
             notes[0] += (
-                f" It is that of {effect.compared:,} captures, spread over the mission; metres and degrees are from all."
+                f" It is that of {effect.compared:,} captures, spread over the mission; metres and degrees are of all."
             )
     if effect.calm.frames.on_map != effect.flown.frames.on_map:
         notes.append(
