@@ -123,7 +123,7 @@ def _image_px(data: Mapping[str, Any]) -> int | None:
 
 
 def _number(data: Mapping[str, Any], fact: str) -> float:
-    return _real(data[fact], Message("{0} {1!r}: must be a number above 0", fact, data[fact]))
+    return _positive(data[fact], Message("{0} {1!r}: must be a number above 0", fact, data[fact]))
 
 
 def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
@@ -133,10 +133,10 @@ def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
     )
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InvalidInput(wanted)
-    return _real(pair[0], wanted), _real(pair[1], wanted)
+    return _positive(pair[0], wanted), _positive(pair[1], wanted)
 
 
-def _real(value: Any, wanted: str) -> float:
+def _positive(value: Any, wanted: str) -> float:
     # Python counts bool as int, and JSON has integers that no float holds.
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value <= sys.float_info.max:
         raise InvalidInput(wanted)
@@ -269,7 +269,7 @@ def key(name: str) -> str:
 
 
 def _check_name(name: str, taken: Mapping[str, str]) -> None:
-    # Lists of cameras have room for so many characters.
+    # Longer names do not fit into lists.
     longest = 64
     if not (0 < len(name) <= longest and name.isprintable() and name == " ".join(name.split())):
         raise InvalidInput(

@@ -65,7 +65,7 @@ class NamedImagery:
         if found := re.fullmatch(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", rest, re.DOTALL):
             rest, date = found.groups()
         if not is_named:
-            parts = (_short(rest), date, map_type if map_type != SATELLITE else "")
+            parts = (_short_name(rest), date, map_type if map_type != SATELLITE else "")
             name = folder_name("-".join(filter(None, parts))) or "imagery"
         return cls(name, rest, date, map_type)
 
@@ -80,7 +80,7 @@ def folder_name(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9_.-]+", "-", text).strip("-_.")[:64].rstrip(".")
 
 
-def _short(source: str) -> str:
+def _short_name(source: str) -> str:
     """Host of an address without user and password, or a file's name without its ending; else the source itself."""
     _, is_address, rest = source.partition("://")
     if is_address:

@@ -108,7 +108,7 @@ def _leg_poses(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pos
     azimuth, _, (length_m,) = geodesics(*ends)
     if float(length_m) / spacing_m > MAX_POSES:
         raise _too_many(where, spacing_m)
-    # An image within half a spacing of the end is the end's.
+    # The end stands for an image within half a spacing of it.
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
     first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))

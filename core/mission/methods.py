@@ -231,9 +231,9 @@ def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
 
 def relief_rays(scene: ImageGeometry, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed where each one's ray first meets the relief."""
-    # Rays finer than this cost hardly more, so that a wider tolerance saves nothing.
-    finest_px = 0.02
-    bound_px = min(max(tolerance_px, 0.0), finest_px) or finest_px
+    # Rays coarser than this are hardly faster.
+    coarsest_px = 0.02
+    bound_px = min(max(tolerance_px, 0.0), coarsest_px) or coarsest_px
     return Method(_PIXELS, "relief", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 

@@ -191,8 +191,8 @@ class Mission:
             raise InvalidInput("mission without {0}: the field is needed", "'area'")
         if "agl_m" not in values:
             raise InvalidInput("mission without {0}: the field is needed", "'agl_m'")
-        camera = _made(Camera, "camera", {} if data.get("camera") is None else data["camera"])
-        wind = None if data.get("wind") is None else _made(Wind, "wind", data["wind"])
+        camera = _make_part(Camera, "camera", {} if data.get("camera") is None else data["camera"])
+        wind = None if data.get("wind") is None else _make_part(Wind, "wind", data["wind"])
         no_fly = _polygons("no_fly", [] if data.get("no_fly") is None else data["no_fly"])
         return cls(area_from_dict(data["area"]), camera=camera, wind=wind, no_fly=no_fly, **values)
 
@@ -246,7 +246,7 @@ def area_from_dict(values: Any) -> Area:
     kind = area.pop("type", None)
     with _refusing_malformed():
         if kind == "box":
-            return _made(Box, "area", area)
+            return _make_part(Box, "area", area)
         if kind == "polygon":
             return _polygon(area)
         if kind == "polygons":
@@ -324,7 +324,7 @@ def _check_names(values: Mapping[str, Any], where: str, known: Any) -> None:
         raise InvalidInput("mission field {0!r}: not one of {1}", where + unknown[0], ", ".join(sorted(known)))
 
 
-def _made(kind: type[_Part], name: str, values: Any) -> _Part:
+def _make_part(kind: type[_Part], name: str, values: Any) -> _Part:
     """Make a part of a mission from its JSON object; raises InvalidInput."""
     given = {one: value for one, value in _object(name, values).items() if value is not None}
     _check_names(given, f"{name}.", [one.name for one in fields(kind)])

@@ -76,11 +76,11 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
     given: dict[str, Any] = {"overlap": (fields.pop("overlap_along"), fields.pop("overlap_across"))}
     if "aspect_ratio" in fields:
         given["aspect_ratio"] = (fields.pop("aspect_ratio"), 1.0)
-        shape = _own_shape(values)
+        shape = _camera_shape(values)
         if shape is not None:
             # Images keep the shape of the camera.
             del given["aspect_ratio"]
-            fields["img_size"] = _fitted(fields["img_size"], *shape)
+            fields["img_size"] = _fit_size(fields["img_size"], *shape)
     named = {one.name: one.name_of_option for one in flat_fields()}
     given.update({named[field]: value for field, value in fields.items() if value is not None})
     if settled & {"source", "imagery"}:
@@ -89,7 +89,7 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
     return {option: (f"preset {name}, option", value) for option, value in given.items()}
 
 
-def _own_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
+def _camera_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
     """Shape (width, height) of the requested camera's images; None if it is open."""
     if values["camera"] is not None:
         return camera_named(values["camera"]).camera.aspect_ratio, 1.0
@@ -98,7 +98,7 @@ def _own_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
     return shape if shape is not None and min(shape) > 0.0 else None
 
 
-def _fitted(size: tuple[int, int, int], width: float, height: float) -> tuple[int, int, int]:
+def _fit_size(size: tuple[int, int, int], width: float, height: float) -> tuple[int, int, int]:
     """Size of the given shape with the longer side and the channels of ``size``."""
     longer_px = max(size[:2])
     scale = longer_px / max(width, height)
@@ -232,14 +232,14 @@ def _check_one_camera(values: Mapping[str, Any]) -> None:
     ways = ["camera", "fov", "hfov", "vfov", "sensor"]
     if values["camera"] is not None:
         ways.append("aspect_ratio")
-    given = [f"{name} {_shown(values[name])}" for name in ways if values[name] is not None]
+    given = [f"{name} {_format_value(values[name])}" for name in ways if values[name] is not None]
     if len(given) > 1:
         raise InvalidInput("{0} and {1}: give one of the two", given[0], given[1])
     if (values["sensor"] is None) != (values["focal_length"] is None):
         name, other = ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
-        raise InvalidInput("{0} {1}: needs {2} as well", name, _shown(values[name]), other)
+        raise InvalidInput("{0} {1}: needs {2} as well", name, _format_value(values[name]), other)
 
 
-def _shown(value: Any) -> str:
+def _format_value(value: Any) -> str:
     """Value of an option as users write it."""
     return " ".join(f"{one:g}" for one in value) if isinstance(value, tuple) else repr(value)

@@ -18,7 +18,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
-from ..mission.areas.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, check_area, inside
+from ..mission.areas.area import ANGLES, Box, Points, Polygon, Polygons, area_contains, check_agl, check_area
 from ..mission.flight.motion import normal, uniform
 from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
@@ -208,7 +208,7 @@ def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -
         lon = np.round(box.west_deg + box.span_deg * across, PLACE_DIGITS)
         accepted = chance * most <= WGS84.meridional_radius_m(lat) * WGS84.normal_radius_m(lat)
         if not isinstance(area, Box):
-            accepted &= inside(area, lat, lon)
+            accepted &= area_contains(area, lat, lon)
         return np.column_stack([lat, lon]), accepted
 
     refusal = InvalidInput(

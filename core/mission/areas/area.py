@@ -233,7 +233,7 @@ class Polygons(_Covered):
         boxes = [part.bounds for part in self.parts]
         if len(boxes) == 1:
             return boxes[0]
-        west, east = _around([(box.west_deg, box.continuous_east_deg) for box in boxes])
+        west, east = _shortest_span([(box.west_deg, box.continuous_east_deg) for box in boxes])
         north, south = max(box.north_deg for box in boxes), min(box.south_deg for box in boxes)
         return Box(north, west, south, east - 360.0 if east > 180.0 else east)
 
@@ -265,7 +265,7 @@ class PlacedRings(NamedTuple):
         return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
 
 
-def _around(spans: list[tuple[float, float]]) -> tuple[float, float]:
+def _shortest_span(spans: list[tuple[float, float]]) -> tuple[float, float]:
     """West and east end, in continuous degrees, of the shortest span that holds all spans; west in [-180, 180)."""
     spans = sorted(spans)
     reach, gaps = spans[0][1], []
@@ -429,7 +429,7 @@ def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, F
     edges, owners = [], []
     for owner, shape in enumerate(shapes):
         sides = np.stack(polygon_edges(PlacedRings(tuple(shape))))
-        sides = sides[:, _reach_into((sides[0], sides[1], sides[2], sides[3]), south, north)]
+        sides = sides[:, _enter_band((sides[0], sides[1], sides[2], sides[3]), south, north)]
         edges.append(sides)
         owners.append(np.full(sides.shape[1], owner))
     lon0, lat0, lon1, lat1 = np.concatenate(edges, axis=1)
@@ -528,7 +528,7 @@ def check_rings(polygon: Polygon) -> None:
     for number, (hole_lon, hole_lat) in enumerate(holes, 1):
         # Middles of sides lie inside even where corners lie on the outer ring.
         at_lon, at_lat = (np.concatenate([at, (at + np.roll(at, -1)) / 2.0]) for at in (hole_lon, hole_lat))
-        if not holds(whole, at_lat, at_lon).any():
+        if not polygon_contains(whole, at_lat, at_lon).any():
             raise InvalidInput("polygon with hole {0:,} outside of it: holes lie inside the outer ring", number)
     west, south, east, north = whole.edges_deg
     sides_m2 = WGS84.a_m**2 * math.radians(max(east - west, north - south)) ** 2
@@ -566,25 +566,25 @@ def _check_named(polygon: Polygon, what: Message, name: str) -> None:
         raise InvalidInput("{0}: {1}", what, wrong, field=name) from wrong
 
 
-def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
+def band_spans(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
     """Least and greatest longitude of the edges that enter the band strictly between two parallels, inside it."""
-    inside = _reach_into(edges, south, north)
-    return _between(_picked(edges, inside), south, north)
+    inside = _enter_band(edges, south, north)
+    return _clip_to_band(_select(edges, inside), south, north)
 
 
-def _picked(edges: Edges, which: Flags | Numbers) -> Edges:
+def _select(edges: Edges, which: Flags | Numbers) -> Edges:
     lon0, lat0, lon1, lat1 = (part[which] for part in edges)
     return lon0, lat0, lon1, lat1
 
 
-def _reach_into(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
+def _enter_band(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
     """Which edges enter the band strictly between two parallels."""
     _, lat0, _, lat1 = edges
     reach: Flags = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
     return reach
 
 
-def _between(edges: Edges, south: Floats | float, north: Floats | float) -> tuple[Floats, Floats]:
+def _clip_to_band(edges: Edges, south: Floats | float, north: Floats | float) -> tuple[Floats, Floats]:
     """Least and greatest longitude of each edge inside a band of latitude that it enters."""
     lon0, lat0, lon1, lat1 = edges
     rise = np.where(lat1 == lat0, 1.0, lat1 - lat0)
@@ -614,7 +614,7 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
     edges = polygon_edges(area)
     spans = np.full((len(top_v), 2), np.nan)
     for index, (south, north) in enumerate(zip(v_to_lat(bottom_v), v_to_lat(top_v))):
-        west, east = in_band(edges, float(south), float(north))
+        west, east = band_spans(edges, float(south), float(north))
         if len(west):
             spans[index] = west.min(), east.max()
     return spans
@@ -630,7 +630,7 @@ def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: F
     change = np.flatnonzero((np.diff(south) != 0.0) | (np.diff(north) != 0.0)) + 1
     for start, stop in zip([0, *change], [*change, len(west)]):
         row = slice(start, stop)
-        low, high = in_band(edges, float(south[start]), float(north[start]))
+        low, high = band_spans(edges, float(south[start]), float(north[start]))
         crossings = _crossings(edges, float(south[start] + north[start]) / 2.0)
         middle = (west[row] + east[row]) / 2.0
         held = np.searchsorted(crossings, middle) % 2 == 1
@@ -645,7 +645,7 @@ def _crossings(edges: Edges, lat: float) -> Floats:
     """Sorted longitudes where a parallel crosses the polygon's edges."""
     _, lat0, _, lat1 = edges
     cross = (lat0 <= lat) != (lat1 <= lat)
-    return np.sort(_crossing(_picked(edges, cross), lat))
+    return np.sort(_crossing(_select(edges, cross), lat))
 
 
 def _crossing(edges: Edges, lat: Floats | float) -> Floats:
@@ -662,28 +662,28 @@ def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, 
     """
     edges = polygon_edges(polygon)
     crossed = np.zeros(len(west), bool)
-    for some in _parts(len(west), len(edges[0])):
+    for some in _batches(len(west), len(edges[0])):
         low, high = south[some, np.newaxis], north[some, np.newaxis]
-        at, edge = np.nonzero(_reach_into(edges, low, high))
-        least, greatest = _between(_picked(edges, edge), low[at, 0], high[at, 0])
+        at, edge = np.nonzero(_enter_band(edges, low, high))
+        least, greatest = _clip_to_band(_select(edges, edge), low[at, 0], high[at, 0])
         meets = (greatest > west[some][at]) & (least < east[some][at])
         crossed[some] = np.bincount(at[meets], minlength=len(low)) > 0
-    return crossed, holds(polygon, (south + north) / 2.0, (west + east) / 2.0)
+    return crossed, polygon_contains(polygon, (south + north) / 2.0, (west + east) / 2.0)
 
 
-def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
+def polygon_contains(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     """Which places are inside a polygon, (n,); longitudes are continuous with the polygon's."""
     edges = polygon_edges(polygon)
     held = np.zeros(len(lat_deg), bool)
-    for some in _parts(len(lat_deg), len(edges[0])):
+    for some in _batches(len(lat_deg), len(edges[0])):
         lat = lat_deg[some, np.newaxis]
         at, edge = np.nonzero((edges[1] <= lat) != (edges[3] <= lat))
-        before = _crossing(_picked(edges, edge), lat[at, 0]) < lon_deg[some][at]
+        before = _crossing(_select(edges, edge), lat[at, 0]) < lon_deg[some][at]
         held[some] = np.bincount(at[before], minlength=len(lat)) % 2 == 1
     return held
 
 
-def inside(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
+def area_contains(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
     """Which places are inside an area, (n,); longitudes may differ by whole turns."""
     west, south, _, north = area.bounds.edges_deg
     if isinstance(area, Box):
@@ -695,11 +695,11 @@ def inside(area: Area, lat_deg: Floats, lon_deg: Floats) -> Flags:
         lon = lon_deg - 360.0 * np.floor((lon_deg - west) / 360.0)
         # Test only places in the polygon's box.
         near = np.flatnonzero((lat_deg >= south) & (lat_deg <= north) & (lon <= east) & ~found)
-        found[near] = holds(polygon, lat_deg[near], lon[near])
+        found[near] = polygon_contains(polygon, lat_deg[near], lon[near])
     return found
 
 
-def _parts(count: int, each: int) -> Iterator[slice]:
+def _batches(count: int, each: int) -> Iterator[slice]:
     """Batches of ``count`` values that need ``each`` numbers apiece, see `_CHUNK`."""
     step = max(_CHUNK // each, 1)
     return (slice(start, start + step) for start in range(0, count, step))
@@ -733,7 +733,7 @@ def ground_m2(
     corners = rectangles[:, [[0, 1], [2, 1], [2, 3], [0, 3]]]
     # Only rectangles that an edge crosses need clipping.
     whole = np.flatnonzero(held & ~crossed)
-    for some in _parts(len(whole), 4):
+    for some in _batches(len(whole), 4):
         count = len(whole[some])
         inside = corners[whole[some]].reshape(-1, 2)
         lat, lon = geodetic(inside[:, 0], inside[:, 1])
@@ -741,15 +741,15 @@ def ground_m2(
     cut = np.flatnonzero(crossed)
     sign = 1.0
     for ring in polygon.arrays():
-        for some in _parts(len(cut), len(ring[0])):
-            inside, owner = _clipped(np.stack(ring, axis=1), rectangles[cut[some]])
+        for some in _batches(len(cut), len(ring[0])):
+            inside, owner = _clip(np.stack(ring, axis=1), rectangles[cut[some]])
             lat, lon = geodetic(inside[:, 0], inside[:, 1])
             ground[cut[some]] += sign * WGS84.ring_areas_m2(lon, lat, owner, len(cut[some]))
         sign = -1.0
     return ground
 
 
-def _clipped(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
+def _clip(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
     """Clip a ring to each of n rectangles (n, 4), by Sutherland and Hodgman: corners (m, 2), and their rectangles (m,).
 
     Rectangles that miss the ring have no corners.

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...arrays import Flags, Floats
 from ...errors import InvalidInput
-from ..areas.area import Polygon, inside
+from ..areas.area import Polygon, area_contains
 from .rotated import Pass
 from .rows import Layout, picked
 
@@ -15,7 +15,7 @@ def in_no_fly(polygons: tuple[Polygon, ...], lat_deg: Floats, lon_deg: Floats) -
     """Which positions (n,) are inside any of the polygons."""
     found = np.zeros(np.shape(lat_deg), bool)
     for polygon in polygons:
-        found |= inside(polygon, lat_deg, lon_deg)
+        found |= area_contains(polygon, lat_deg, lon_deg)
     return found
 
 

@@ -22,9 +22,9 @@ from ..areas.area import (
     Points,
     Polygon,
     Polygons,
+    band_spans,
     crossed_and_held,
     ground_m2,
-    in_band,
     polygon_edges,
     shared_rings,
     touching,
@@ -245,7 +245,7 @@ def _laid_out(
     refuse_too_many(flown + rows, mission.output.max_images)
     tops = float(y.max() + y.min()) / 2.0 + ((rows - 1.0) * step_y + height) / 2.0 - step_y * np.arange(rows)
     edges = polygon_edges(shape)
-    spans = [in_band(edges, float(top - height) - margin, float(top) + margin) for top in tops]
+    spans = [band_spans(edges, float(top - height) - margin, float(top) + margin) for top in tops]
     held = np.array([len(low) > 0 for low, _ in spans])
     low, high = (
         np.array([pick(span[side]) for span, any_ in zip(spans, held) if any_])

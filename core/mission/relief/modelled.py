@@ -18,8 +18,7 @@ from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.raytracing.surface import Surface
-from ..areas.area import ANGLES, Area, Points
-from ..areas.area import inside as inside_area
+from ..areas.area import ANGLES, Area, Points, area_contains
 from ..flight.legs import legs
 from ..layout.rows import Layout, point_angles_deg, sees_below
 from ..mission import Mission
@@ -226,7 +225,7 @@ class ModelledRelief:
         west, east = float(self._positions[1].min()), float(self._positions[1].max())
         lon = lon - 360.0 * np.rint((lon - (west + east) / 2.0) / 360.0)
         if area.covers_ground:
-            inside = inside_area(area, lat, lon)
+            inside = area_contains(area, lat, lon)
         else:
             point_column, point_row = surface.position(*self._positions)
             # The height below a point is interpolated between the four pixels around it.
@@ -545,7 +544,7 @@ class ModelledRelief:
         missed = np.ones(len(lat), bool)
         missed[self._containing(poses, height_m, corners, (lat, lon, height))[0]] = False
         for polygon in self.mission.no_fly:
-            missed &= ~inside_area(polygon, lat, lon)
+            missed &= ~area_contains(polygon, lat, lon)
         return float(missed.sum()) / max(len(lat), 1)
 
     def _containing(
@@ -575,7 +574,7 @@ class ModelledRelief:
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
-        inside = inside_area(area, lat, lon)
+        inside = area_contains(area, lat, lon)
         lon, lat = lon[inside], lat[inside]
         return self._surface_points(lat, lon)
 

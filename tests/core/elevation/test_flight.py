@@ -15,8 +15,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
-from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
-from terrainav.core.mission.areas.area import inside as inside_area
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons, area_contains
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
@@ -456,7 +455,7 @@ def test_cameras_that_look_aside_show_the_lowest_ground_of_the_area_too(dem, azi
     assert made.coverage.complete
     x, y = (at.ravel() for at in np.meshgrid(np.arange(401.0, 640.0, 2.0), np.arange(361.0, 560.0, 2.0)))
     lon, lat = TO_UTM.transform(WEST + x, NORTH - y, direction="INVERSE")
-    inside = inside_area(area, lat, lon)
+    inside = area_contains(area, lat, lon)
     assert inside.sum() > 400
     assert most_outside(made, lat[inside], lon[inside], town(x[inside], y[inside])) < 1e-9
 

@@ -19,7 +19,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.mission.areas import area as area_module
-from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons, holds
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons, polygon_contains
 from terrainav.core.mission.estimate import area_text, estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import polygons as polygons_of_layout
@@ -110,7 +110,7 @@ def test_longitudes_of_all_parts_go_on_from_the_west_of_the_bounds(places):
         assert lon.max() <= east + 1e-9
         (own, _) = part.arrays()[0]
         assert ((lon - own) % 360.0 == 0.0).all()
-        assert holds(shape, lat[:1] + 1e-4, lon[:1] + 1e-4).all()
+        assert polygon_contains(shape, lat[:1] + 1e-4, lon[:1] + 1e-4).all()
 
 
 def test_the_area_is_the_sum_of_the_parts_as_geodesics_measure_it():
