@@ -1,9 +1,9 @@
-"""A capture: a plan becomes a folder of images with their poses.
+"""Capture a plan into a folder of images with their poses.
 
 In reading order:
 
-- `runner`: `capture`, and the run of a journal and a maker
-- `progress`: progress and results, and the caller that listens
+- `runner`: `capture`, and the run that has a maker make what its journal lacks
+- `progress`: progress, results and callbacks
 - `several`: several captures in one folder
 - `folder`: the folder of a capture, which a mission claims and a run holds
 - `holding`: locks and leases against other runs
@@ -19,5 +19,5 @@ In reading order:
 - `tiff`: directories of TIFF tags
 - `odm`: files for OpenDroneMap
 - `choices`: options of a capture in blocks
-- `blocks`: a capture in blocks, which other processes and machines make
+- `blocks`: capture in blocks, which other processes and machines make
 """

@@ -1,4 +1,4 @@
-"""The settings that a capture was begun with, which later runs must have too."""
+"""The settings that a capture was begun with, which later runs must match."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from ..storage.stores import is_file
 from ..text.plain import shortened
 from ..text.safe_json import parse_json
 
-#: The settings by their paths, beside ``mission.json`` or a file like it.
+#: File of the settings by path, beside ``mission.json`` or a similar file.
 BEGUN_FILE = "begun.json"
 _SCHEMA = 1
 
 
 def check_mission(root: Path, mission: Mission) -> None:
-    """Check a mission against that of the run that began the capture, or note it; for the run that holds the place.
+    """Check a mission against that of the first run, or note it; only for the run that holds the place.
 
     Raises
     ------
     OutputError
-        ``mission.json`` was edited since; the message names each field with its old and new value.
+        ``mission.json`` was edited since; the message has the first three fields with old and new values.
     """
     check_settings(root, MISSION_FILE, _mission_settings(mission))
 
 
 def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
-    """Check settings against those of the run that began, or note them; the file's name is for the OutputError."""
-    wanted, found = _settled(settings), _kept(root)
+    """Check settings against those of the first run, or note them; OutputError calls their file ``name``."""
+    wanted, found = _flatten(settings), _read_settings(root)
     if found is None:
         write_whole(root / BEGUN_FILE, json_bytes({"schema": _SCHEMA, "settings": wanted}), durable=True)
         return
@@ -48,15 +48,15 @@ def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
 
 
 def edited_since(root: Path, mark: bytes, mission: Mission) -> OutputError | None:
-    """Error for a ``mission.json`` that no longer holds the mission that the capture was begun with."""
-    found = _kept(root)
-    if found is None or _changes(found, _settled(_mission_settings(mission))):
+    """Error for a ``mission.json`` that no longer holds the mission of the first run; None if the mission differs."""
+    found = _read_settings(root)
+    if found is None or _changes(found, _flatten(_mission_settings(mission))):
         return None
     try:
         now = Mission.from_json(mark.decode("utf-8"))
     except (InvalidInput, UnicodeDecodeError):
         return _edited(root, MISSION_FILE, [Message("it holds no mission")])
-    return _edited(root, MISSION_FILE, _changes(found, _settled(_mission_settings(now))))
+    return _edited(root, MISSION_FILE, _changes(found, _flatten(_mission_settings(now))))
 
 
 def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
@@ -72,33 +72,33 @@ def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
 
 
 def _mission_settings(mission: Mission) -> dict[str, Any]:
-    """Settings of a mission by part, with defaults, which mission files leave out."""
+    """Settings of a mission by part, including defaults, which mission files leave out."""
     parts = {one.name: getattr(mission, one.name) for one in fields(mission)}
     plain = {name: asdict(part) for name, part in parts.items() if part is not None and name not in ("area", "no_fly")}
     area = {"type": type(mission.area).__name__.lower(), **asdict(mission.area)}
     return {"area": area, **plain, "no_fly": [asdict(polygon) for polygon in mission.no_fly]}
 
 
-def _settled(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings by their paths, such as ``flight.agl_m``, as JSON gives them back."""
-    found: dict[str, Any] = json.loads(json_bytes(dict(_flattened(settings))))
+def _flatten(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings by path, such as ``flight.agl_m``, as read back from JSON."""
+    found: dict[str, Any] = json.loads(json_bytes(dict(_flat_items(settings))))
     return found
 
 
-def _flattened(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+def _flat_items(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            yield from _flattened(value, f"{before}{name}.")
+            yield from _flat_items(value, f"{before}{name}.")
         elif isinstance(value, (list, tuple)) and len(text := json.dumps(value)) > 200:
-            # There may be millions of places.
+            # There may be millions of values.
             digest = hashlib.sha256(text.encode("ascii")).hexdigest()
             yield f"{before}{name}", {"values": len(value), "sha256": digest}
         else:
             yield f"{before}{name}", value
 
 
-def _kept(root: Path) -> dict[str, Any] | None:
-    """Settings noted by the run that began, by their paths; None where there are none."""
+def _read_settings(root: Path) -> dict[str, Any] | None:
+    """Read the settings noted by the first run, by path; None if it noted nothing."""
     path = root / BEGUN_FILE
     if not is_file(path):
         return None
@@ -127,7 +127,7 @@ def _unreadable(path: Path, reason: object) -> OutputError:
 def _changes(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[Message]:
     """Messages for the settings that differ; a setting that was not noted had its default."""
     parts: dict[str, Any] = {**FLAT_PARTS, "camera": Camera}
-    default = _settled(
+    default = _flatten(
         {
             name: {one.name: one.default for one in fields(part) if one.default is not MISSING}
             for name, part in parts.items()

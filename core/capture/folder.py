@@ -26,16 +26,14 @@ class CaptureFolder(ABC):
     Parameters
     ----------
     root : Path
-        As `store_path` gives it.
+        Path returned by `store_path`.
     """
 
     def __init__(self, root: Path) -> None:
         self.root = root
 
     def claim(self, mission: Mission, *, resume: bool) -> None:
-        """Claim the folder for a mission: ``mission.json`` is written before anything else.
-
-        A folder for each map type and product is made.
+        """Claim the folder for a mission: write ``mission.json``, then make a folder for each map type and product.
 
         Raises
         ------
@@ -50,7 +48,7 @@ class CaptureFolder(ABC):
         found = self._read_mark()
         if found is None:
             foreign = self._find_foreign(folders)
-            # A run that has begun meanwhile has written its mark before other files.
+            # A run that began meanwhile has written its mark first.
             if foreign is not None and self._read_mark() is None:
                 raise OutputError(
                     "{0} {1}: holds {2} but no {3}, so it is not this mission's",
@@ -60,7 +58,7 @@ class CaptureFolder(ABC):
                     MISSION_FILE,
                     remedy="choose another one",
                 )
-            # Of two runs that find no mark at the same time one writes it, and the other finds it.
+            # If two runs find no mark at the same time, one writes it and the other finds it.
             if self._write_mark(wanted):
                 found, resume = wanted, True
             else:
@@ -84,7 +82,7 @@ class CaptureFolder(ABC):
 
     @contextmanager
     def opened(self, mission: Mission, *, resume: bool) -> Iterator[Callable[[], None]]:
-        """Claim the folder and hold it; yields a function that raises OutputError where another run has taken it."""
+        """Claim the folder and hold it; yields a function that raises OutputError if another run has taken it."""
         self.claim(mission, resume=resume)
         with self.held() as check:
             check_mission(self.root, mission)
@@ -98,22 +96,22 @@ class CaptureFolder(ABC):
 
     @abstractmethod
     def held(self) -> AbstractContextManager[Callable[[], None]]:
-        """Context in which other runs are kept out; yields as `opened` does."""
+        """Keep other runs out; yields the same as `opened`."""
 
     @abstractmethod
     def _find_foreign(self, folders: Collection[str]) -> str | None:
-        """Name of a file or folder that is in the way of a new capture, if there is one."""
+        """Name of a file or folder in the way of a new capture, or None."""
 
     @abstractmethod
     def _write_mark(self, mark: bytes) -> bool:
-        """Write ``mission.json`` unless it is there; returns whether it was written."""
+        """Write ``mission.json`` unless it exists; returns whether it was written."""
 
 
 class LocalFolder(CaptureFolder):
-    """Folder of this machine, held by the lock of its journal."""
+    """Local folder, held by the lock of its journal."""
 
     def held(self) -> AbstractContextManager[Callable[[], None]]:
-        """Context in which other runs are kept out, by the lock of the journal."""
+        """Keep other runs out by the lock of the journal."""
         return locked(self.root / JOURNAL_FILE)
 
     def _find_foreign(self, folders: Collection[str]) -> str | None:
@@ -133,13 +131,13 @@ class LocalFolder(CaptureFolder):
 
 
 class StoreFolder(CaptureFolder):
-    """Folder of an object store, held by a lease, and claimed by putting an object that only one run can put."""
+    """Folder of an object store, held by a lease, and claimed by an object that only one run can put."""
 
     _lock_file = "run.lock"
 
     @contextmanager
     def held(self) -> Iterator[Callable[[], None]]:
-        """Context in which other runs are kept out, by a lease."""
+        """Keep other runs out by a lease."""
         with Lease(self.root / self._lock_file) as lease:
             yield lease.check
 
@@ -151,19 +149,19 @@ class StoreFolder(CaptureFolder):
 
 
 def capture_folder(root: Path) -> CaptureFolder:
-    """Return the folder at a path of this machine or of an object store."""
+    """Return the folder at a local path or an address."""
     return StoreFolder(root) if is_address(root) else LocalFolder(root)
 
 
 def has_blocks(folder: Path) -> bool:
-    """Whether a folder of this machine was captured in blocks."""
+    """Whether a local folder was captured in blocks."""
     return (folder / BLOCKS_FOLDER / DIVISION_FILE).is_file()
 
 
 def captured_mission(plan: Plan) -> Mission:
-    """Mission of a plan as its dataset states it: with the CRS of a source that is not the Web-Mercator map.
+    """Mission of a plan as its dataset states it: with the CRS of the source unless that is the Web-Mercator map.
 
-    The CRS of other pixels in EPSG:3857 is left to the source, as that code names the map.
+    Other pixel grids in EPSG:3857 are left to the source, as that code means the map.
     """
     crs = plan.grid.plane.crs
     if crs == WebMercator.crs or plan.mission.imagery.crs:
@@ -172,7 +170,7 @@ def captured_mission(plan: Plan) -> Mission:
 
 
 def is_mark(mark: bytes, mission: Mission) -> bool:
-    """Whether the content of ``mission.json`` is a mission of `captured_mission`.
+    """Whether the content of ``mission.json`` is a mission from `captured_mission`.
 
     A mission that leaves the CRS to the source matches those that state it: images of another CRS have other names.
     """
@@ -186,7 +184,7 @@ def is_mark(mark: bytes, mission: Mission) -> bool:
 
 
 def holds_mission(plan: Plan, folder: Path) -> bool | None:
-    """Whether a folder is a dataset of a plan's mission; None where it holds no mission that can be read."""
+    """Whether a folder is a dataset of a plan's mission; None if it holds no readable mission."""
     try:
         mark = read_existing(folder / MISSION_FILE, MAX_MISSION_BYTES)
     except (InvalidInput, OutputError):
@@ -195,7 +193,7 @@ def holds_mission(plan: Plan, folder: Path) -> bool | None:
 
 
 def check_captured(root: Path) -> None:
-    """Raise OutputError where a folder of this machine holds no capture, of which images might have failed."""
+    """Raise OutputError if a local folder holds no capture."""
     if not ((root / MISSION_FILE).is_file() and (root / JOURNAL_FILE).is_file()):
         raise OutputError(
             "folder {0}: holds no capture of this mission, so nothing of it has failed",

@@ -1,4 +1,4 @@
-"""Holding a folder, of this machine or in an object store, against other runs."""
+"""Hold a local folder, or one in an object store, against other runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..storage.files import lock_tried, open_locked, read_existing, remove_file,
 from ..storage.stores import is_address, place_kind
 from ..waiting import check_cancelled
 
-#: Lease in folders of file systems without locks.
+#: Lease in local folders whose file system has no locks.
 LEASE_FILE = "run.lease"
 #: Seconds between a run's signs of life, and seconds without one after which it counts as dead.
 BEAT_S, DEAD_S = 5.0, 30.0
@@ -27,12 +27,12 @@ BEAT_S, DEAD_S = 5.0, 30.0
 
 @contextmanager
 def locked(path: Path) -> Iterator[Callable[[], None]]:
-    """Lock a file against other runs; yields as `kept` does.
+    """Lock a file against other runs; yields the same as `kept`.
 
     Raises
     ------
     OutputError
-        Another run is at work there, or has taken the place before this one ended.
+        Another run works there, or took the place before this one ended.
     """
     with open_locked(path) as file, kept(path, file) as check:
         yield check
@@ -82,12 +82,12 @@ def _steady_s() -> float:
 class Lease:
     """An object or file that one run owns, and changes as a sign of life.
 
-    Object stores have no locks, but can put an object only if there is none. A run that dies leaves its lease behind:
-    the next run watches it, and takes it over once it has not changed for longer than a living run would leave it.
+    Object stores have no locks, but can put an object only if it does not exist yet. A run that dies leaves its lease
+    behind: the next run watches it, and takes it over once it has not changed for longer than a living run allows.
     Clocks of different machines are not compared.
 
-    A run whose machine slept or whose process was suspended finds that its last sign is long past, and checks that it
-    still owns the place before it does anything else.
+    After its machine slept or its process was suspended, a run finds that its last sign is long past, and checks that
+    it still owns the place before it does anything else.
     """
 
     def __init__(self, path: Path) -> None:
@@ -126,7 +126,7 @@ class Lease:
             self.check()
 
     def check(self) -> None:
-        """Raise OutputError where another run has taken the place, or it can no longer be written."""
+        """Raise OutputError if another run has taken the place, or it can no longer be written."""
         if self._since_s(self._signed_s) > 2.0 * BEAT_S and self._since_s(self._tried_s) > BEAT_S:
             self._sign()
         if self._lost is not None:
@@ -137,11 +137,11 @@ class Lease:
         return _steady_s(), time.time()
 
     def _since_s(self, then_s: tuple[float, float]) -> float:
-        """Seconds since then, by the clock that shows more: one may have stood still or been set back."""
+        """Seconds since a time, by the clock that shows more: one may have stood still or been set back."""
         return max(now - then for now, then in zip(self._clocks_s(), then_s))
 
     def _read(self) -> bytes | None:
-        """Read the lease; None where there is none. Raises OutputError, also where it is too long to be a lease."""
+        """Read the lease, or None without one; raises OutputError, also if it is too long to be one."""
         try:
             return read_existing(self._path, MAX_SETTINGS_BYTES)
         except InvalidInput as wrong:
@@ -166,7 +166,7 @@ class Lease:
                 if write_new(self._path, self._content()):
                     return
                 raise self._busy()
-        # Of two runs that take over at once the last to write owns it; the other finds that out before it begins.
+        # If two runs take over at once, the last to write owns the place; the other notices before it begins.
         self._put()
         time.sleep(BEAT_S / 5.0)
         if self._read() != self._content():
@@ -202,7 +202,7 @@ class Lease:
             try:
                 is_own = self._is_signed()
             except OutputError as wrong:
-                # A store may be out of reach for a moment, but soon others will take this run for dead.
+                # A store may be out of reach for a moment, but others soon consider this run dead.
                 if _steady_s() - self._signed_s[0] > DEAD_S - BEAT_S:
                     self._lost = wrong
             else:
@@ -212,7 +212,7 @@ class Lease:
                     self._lost = self._taken()
 
     def _is_signed(self) -> bool:
-        """Write a sign of life; returns False where another run owns the place."""
+        """Write a sign of life; returns False if another run owns the place."""
         while True:
             looked_s = _steady_s()
             found = self._read()

@@ -1,4 +1,4 @@
-"""Journals of a capture: which images are there, and which are to be made. Here image by image, in a folder."""
+"""Journals of a capture, which state what images exist and what to make; here one that notes each image."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ class CaptureJournal(ABC):
 
     @abstractmethod
     def check(self) -> None:
-        """Raise OutputError where another run has taken the place."""
+        """Raise OutputError if another run has taken the place."""
 
     @abstractmethod
     def read(
         self, map_type: str, placeholder: Placeholder, *, only_failed: bool
     ) -> tuple[dict[str, Outcome], list[Piece]]:
-        """Read what earlier runs have left of a map type.
+        """Read the outcomes of earlier runs for a map type.
 
         Parameters
         ----------
@@ -61,9 +61,9 @@ class CaptureJournal(ABC):
         Returns
         -------
         dict of str to Outcome
-            Of images that are there or have failed, by name.
+            Outcomes of images that exist or have failed, by name.
         list of Piece
-            Images to be made.
+            Images to make.
         """
 
     @abstractmethod
@@ -81,7 +81,7 @@ class CaptureJournal(ABC):
 
 
 class ImageJournal(CaptureJournal):
-    """Journal with a line for each image, in a folder of this machine."""
+    """Journal with a line for each image, in a local folder."""
 
     def __init__(self, plan: Plan, root: Path, chosen: Numbers, journal: Journal, hold: Callable[[], None]) -> None:
         self.root, self.images = root, len(chosen)
@@ -94,7 +94,7 @@ class ImageJournal(CaptureJournal):
     def opened(
         cls, plan: Plan, root: Path, only: Iterable[int] | None, *, resume: bool, only_failed: bool
     ) -> Iterator[ImageJournal]:
-        """Claim a folder for a plan and open its journal, which no other run may meanwhile.
+        """Claim a folder for a plan and open its journal, which keeps other runs out.
 
         Parameters
         ----------
@@ -117,14 +117,14 @@ class ImageJournal(CaptureJournal):
             yield cls(plan, root, chosen, journal, check)
 
     def check(self) -> None:
-        """Raise OutputError where another run has taken the folder."""
+        """Raise OutputError if another run has taken the folder."""
         self._hold()
         self._journal.check()
 
     def read(
         self, map_type: str, placeholder: Placeholder, *, only_failed: bool
     ) -> tuple[dict[str, Outcome], list[Piece]]:
-        """Read what earlier runs have left of a map type; removes images that show a placeholder."""
+        """Read the outcomes of earlier runs for a map type; removes images that show a placeholder."""
         noted = {name: one for (kind, name), one in self._journal.outcomes.items() if kind == map_type}
         foreign = min(set(noted) - self._names, default=None)
         if foreign is not None:
@@ -178,7 +178,7 @@ def image_endings(plan: Plan) -> tuple[str, ...]:
 
 
 def find_complete(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:
-    """Find the images of which all files are there, as long as they were when written.
+    """Find the images whose files all exist with the sizes they were written with.
 
     Files that cleaning has moved count. Files that a killed run was writing are removed, so the journal must be open.
 
@@ -189,7 +189,7 @@ def find_complete(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str,
     endings : tuple of str
         Endings of all files of an image.
     outcomes : mapping of str to Outcome
-        By the image's name.
+        Outcomes by image name.
     """
     partial = tuple(ending + PARTIAL_ENDING for ending in endings)
     sizes = file_sizes(folder)
@@ -200,18 +200,18 @@ def find_complete(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str,
 
 
 def file_sizes(folder: Path) -> dict[str, int]:
-    """Bytes of the files in a map type's folder, by name, including files that cleaning has moved."""
+    """Sizes in bytes of a map type's files by name, including files that cleaning has moved."""
     return {**list_sizes(folder / REJECTED_FOLDER), **list_sizes(folder)}
 
 
 def is_complete(outcome: Outcome, endings: Sequence[str], sizes: Mapping[str, int]) -> bool:
-    """Whether all files of an image are there, as long as they were when written."""
+    """Whether all files of an image exist with the sizes they were written with."""
     lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
     return all(lengths) and outcome.size_bytes in (0, sum(lengths))
 
 
 def remove_image(folder: Path, endings: tuple[str, ...], name: str) -> None:
-    """Remove all files of an image from a map type's folder and from where cleaning moved them; raises OutputError."""
+    """Remove all files of an image, also those that cleaning has moved; raises OutputError."""
     for place in (folder, folder / REJECTED_FOLDER):
         for ending in reversed(endings):
             path = place / (name + ending)

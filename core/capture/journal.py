@@ -40,13 +40,14 @@ class Outcome:
     reason : str
         Why it failed; empty for an image that is done.
     sky_share, unmapped_share, facade_share : float
-        Shares of its pixels that see no ground, ground that no Web-Mercator source has, and faces that no map shows.
+        Shares of its pixels that see sky, ground beyond the Web-Mercator map, and faces of relief that maps do not
+        show.
     size_bytes : int
         Bytes of all its files; 0 where unknown.
     repeated : tuple of str
         Digests of files shown that the provider also sent for places far away; see `Repeats`.
     shard : str
-        File that it shares with other images; empty where it has a separate file.
+        File that it shares with other images; empty if it has a separate file.
     offset_bytes, length_bytes : int
         Position in the shard, and length.
     """
@@ -92,7 +93,7 @@ class Outcome:
 
     @classmethod
     def from_line(cls, line: bytes) -> Outcome | None:
-        """Outcome of a line, or None where the line is torn."""
+        """Parse a line; None if it is torn."""
         try:
             fields = parse_json(line)
             sky, unmapped, facades = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade"))
@@ -123,14 +124,14 @@ class Journal:
     """The journal file of a folder, read once and then appended to by one run at a time.
 
     Lines are handed to the operating system one by one, so that they outlive the process. A torn line is ignored: its
-    image is made again. Of several lines about an image the last one holds.
+    image is made again. The last of several lines about an image counts.
 
     The file is locked while open, which keeps other runs out of the folder.
 
     Raises
     ------
     OutputError
-        Where the file cannot be read or written, or another run has it open.
+        The file cannot be read or written, or another run has it open.
     """
 
     def __init__(self, path: Path) -> None:
@@ -154,7 +155,7 @@ class Journal:
             raise OutputError("journal {0}: cannot be read ({1})", self._path, wrong.strerror) from wrong
 
     def _take(self, line: bytes) -> None:
-        """Take a line; of one that is too long each piece counts as torn."""
+        """Take a line; each piece of a line that is too long counts as torn."""
         self._bytes += len(line)
         if line.endswith(b"\n"):
             self._whole_bytes = self._bytes
@@ -189,13 +190,13 @@ class Journal:
 
     @property
     def file(self) -> IO[bytes]:
-        """The open file; raises OutputError where it is not open."""
+        """The open file; raises OutputError if it is closed."""
         if self._file is None:
             raise OutputError("journal {0}: is not open", self._path)
         return self._file
 
     def check(self) -> None:
-        """Raise OutputError where another run has written to it because the lock was lost; from any thread."""
+        """Raise OutputError if another run has written to the file after the lock was lost; for any thread."""
         with self._adding:
             self._check()
 
@@ -206,7 +207,7 @@ class Journal:
             raise self._unwritable(wrong) from wrong
         if size != self._whole_bytes:
             raise OutputError(
-                "folder {0}: another run has taken over, as its {1} tells", self._path.parent, self._path.name
+                "folder {0}: another run has taken over, as its {1} shows", self._path.parent, self._path.name
             )
 
     def add(self, outcome: Outcome) -> None:

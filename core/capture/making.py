@@ -1,4 +1,4 @@
-"""Making the images of a plan from a source, by threads of this process."""
+"""Make the images of a plan from a source, with threads of this process."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _largest_px(plan: Plan) -> int:
 
 
 class Piece(NamedTuple):
-    """Images to be made: indices (k,) of captures of one map type, and the number of their block."""
+    """Images to make: indices (k,) of captures of one map type, and the number of their block."""
 
     map_type: str
     indices: Numbers
@@ -99,7 +99,7 @@ class Maker(Protocol):
     Attributes
     ----------
     requests, unique_parts : int
-        Parts requested from the source so far, and distinct parts needed.
+        Parts requested from the source so far; distinct parts needed.
     parts : ImageParts
     """
 
@@ -109,7 +109,7 @@ class Maker(Protocol):
 
     @property
     def under_way(self) -> int:
-        """Images made that the run has not been given yet."""
+        """Images made that the run has not noted yet."""
 
     @property
     def map_type(self) -> str:
@@ -119,14 +119,14 @@ class Maker(Protocol):
         """Map types that are made together, round by round."""
 
     def prepare(self) -> None:
-        """Write what the making needs, once, before the first image."""
+        """Write what makers need, once, before the first image."""
 
     def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
-        """Make images; returns False where the run stopped it."""
+        """Make images; returns False if the run stopped it."""
 
 
 class ImageParts:
-    """Parts of a source that the images of a plan are made of. Over relief each image is traced once.
+    """Parts of a source that the images of a plan show. Over relief, each image is traced once.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ class ImageMaker:
         """Nothing is needed beforehand."""
 
     def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
-        """Make images; returns False where the run stopped it."""
+        """Make images; returns False if the run stopped it."""
         return all(self._make_piece(piece, orders) for piece in pieces)
 
     def _make_piece(self, piece: Piece, orders: Orders) -> bool:
@@ -270,11 +270,11 @@ class ImageMaker:
             yield job, self.parts.find(index)
 
     def _count_users(self, order: list[int], orders: Orders) -> Counter[Window] | None:
-        """Count the images that need each part; None where the run stopped meanwhile."""
+        """Count the images that need each part; None if the run stopped meanwhile."""
         users: Counter[Window] = Counter()
         at_once = 64
         with ThreadPoolExecutor(self.workers, "terrainav-trace") as threads:
-            # Over relief each image is traced, by all processors.
+            # Over relief, each image is traced, on all processors.
             ahead = map if self.parts.plan.relief.is_level else threads.map
             for start in range(0, len(order), at_once):
                 for parts in ahead(self.parts.find, order[start : start + at_once]):

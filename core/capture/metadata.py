@@ -74,7 +74,7 @@ class Description:
 
     @property
     def title(self) -> str:
-        """One line for people."""
+        """Readable title of one line."""
         return f"{self.name} {self.map_type}, {self.source}"
 
     @property
@@ -83,7 +83,7 @@ class Description:
         return degrees(float(wrap_lon_deg(np.asarray(degrees(self.lon_deg)))))
 
     def metadata(self) -> dict[str, str]:
-        """Names and values as GDAL shows them, equal in every format."""
+        """Names and values as GDAL shows them, the same in all formats."""
         numbers = {
             "LAT_DEG": degrees(self.lat_deg),
             "LON_DEG": self.wrapped_lon_deg,

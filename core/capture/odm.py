@@ -36,7 +36,7 @@ def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
     plan : Plan
         Plan of JPEG images.
     at : array (k,) of int64
-        Indices of the captures whose images are there, in the plan's order.
+        Indices of the captures whose images exist, in the plan's order.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Fetching, assembling and writing at the same time, with a bounded number of images under way."""
+"""Fetch, assemble and write images at the same time, with a bounded number under way."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from ..imagery.source import Part, Window
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
-#: Longest wait until the caller is asked again whether to go on, seconds.
+#: Longest wait between questions to the caller whether to go on, seconds.
 _POLL_S = 0.05
 #: Requests handed out for each connection: one under way and one ready to follow.
 _FETCHES_PER_CONNECTION = 2
 #: Images with all parts for each worker: one being made and seven ready to follow, so that workers do not wait while
 #: fetching pauses.
 _READY_PER_WORKER = 8
-#: Most images under way at once: some wait for a slow part while others go on.
+#: Most images under way at once: some wait for a slow part while others continue.
 _MOST_UNDER_WAY = 256
 #: Bytes of pixels kept in memory: a hundred tiles of 256 px, which missions fifty images wide share from one strip to
 #: the next.
@@ -137,14 +137,14 @@ class Pipeline(Generic[Job, Result]):
         Returns the pixels of a window. A PartError or an unexpected error (see `UnexpectedErrors`) fails the images
         that need the part; any other `TerrAInavError` stops the run.
     work : callable
-        Returns the result of a job, its parts, and their pixels by window. A PartError fails the image; any other error
-        stops the run.
+        Called with a job, its parts, and their pixels by window; returns the result. A PartError fails the image; any
+        other error stops the run.
     finished : callable
-        Called in the calling thread with each job and its result or PartError, in the order they come.
+        Called in the calling thread with each job and its result or PartError, as they complete.
     connections, workers : int
         At least 1 each.
     at_once : int
-        Most images under way, at least 1; few where images are large.
+        Most images under way, at least 1; few if images are large.
     spool : Spool or None
         Closed with the run; None for one of the default size.
 
@@ -197,7 +197,7 @@ class Pipeline(Generic[Job, Result]):
         Returns
         -------
         bool
-            Whether all images were made or failed; False where ``go_on`` stopped the run.
+            Whether all images were made or failed; False if ``go_on`` stopped the run.
         """
         waiting = iter(jobs)
         complete = False
@@ -226,17 +226,17 @@ class Pipeline(Generic[Job, Result]):
         except TerrAInavError:
             raise
         except BaseException as wrong:
-            # Nor does sys.exit() in a thread.
+            # This includes sys.exit() in a thread.
             raise self._unexpected.failure(wrong) from wrong
 
     def _report_made(self) -> None:
-        """Report images that were finished while the run was being stopped."""
+        """Report images finished while the run stopped."""
         for making, job in self._making.items():
             if not making.cancelled() and making.exception() is None:
                 self._finished(job, making.result())
 
     def _admit(self, waiting: Iterator[tuple[Job, Sequence[Part]]]) -> bool:
-        """Begin images as long as there is room; returns whether there may be more."""
+        """Begin images while there is room; returns whether there may be more."""
         while (
             self._fetching < self._fetching_limit
             and len(self._making) < self._ready_limit
@@ -293,8 +293,8 @@ class Pipeline(Generic[Job, Result]):
     def _put_aside(self, part: _RequestedPart[Job]) -> None:
         """Keep a part for images that are not under way yet.
 
-        In the order of a sweep, parts that are put aside first are needed first. So these stay in memory, and the
-        spool's file takes those that are needed last.
+        In the order of a sweep, parts put aside first are needed first, so these stay in memory, and the spool's file
+        takes later ones.
         """
         if isinstance(part.content, np.ndarray):
             # On a full disk the part stays in memory.
@@ -311,7 +311,7 @@ class Pipeline(Generic[Job, Result]):
                 self._request(window)
 
     def _make(self, picture: _Picture[Job]) -> None:
-        """Hand an image whose parts are there to the workers, and drop the parts that no other image needs."""
+        """Hand an image with all its parts to the workers, and drop parts that no other image needs."""
         pixels: dict[Window, Bytes] = {}
         failure: PartError | None = None
         for window in dict.fromkeys(part.window for part in picture.parts):
@@ -357,8 +357,8 @@ class Spool:
     """Arrays kept for later: in memory while there is room, then in an anonymous file.
 
     The file is made when needed, in the folder for temporary files (TMPDIR, TEMP), and disappears with the process. The
-    space of an array that was taken is used again for one of the same size, so the file never exceeds the most that it
-    held. For one thread at a time.
+    space of a taken array is reused for one of the same size, so the file never exceeds the most that it held. For one
+    thread at a time.
     """
 
     def __init__(self, memory_bytes: int = MEMORY_BYTES) -> None:

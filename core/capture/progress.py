@@ -1,4 +1,4 @@
-"""Progress and results of a capture, and the caller that listens to it and may pause or stop it."""
+"""Progress and results of a capture, and callbacks by which its caller follows, pauses or stops it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Progress:
     total : int
         Number of images requested.
     done, failed, skipped : int
-        Images written by this run, failed in this run, and already there.
+        Images written by this run, failed in this run, and made before.
     requests : int
         Parts requested from the source so far.
     map_type : str
@@ -79,7 +79,7 @@ class CaptureResult:
     Parameters
     ----------
     total, written, skipped : int
-        Images requested, written by this run, and already there.
+        Images requested, written by this run, and made before.
     failed : tuple of Failure
         By map type, in the plan's order.
     requests, unique_parts : int
@@ -87,9 +87,9 @@ class CaptureResult:
     seconds : float
         Wall time, without pauses.
     cancelled : bool
-        Whether the run was stopped; it can be resumed.
+        Whether the run was stopped and can be resumed.
     repeated : tuple of Repeat
-        Files that came for several places far apart in this run, by map type, those of the most places first.
+        Files sent for several places far apart in this run, by map type, those of the most places first.
     """
 
     folder: Path
@@ -105,7 +105,7 @@ class CaptureResult:
 
 
 def _ignore(_: object) -> None:
-    """Take no notice."""
+    """Ignore a report."""
 
 
 def _never() -> bool:
@@ -114,18 +114,18 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Listener:
-    """Caller of a capture, which hears of its progress and may pause or stop it.
+    """Callbacks by which the caller of a capture follows its progress and may pause or stop it.
 
     Parameters
     ----------
     progress : callable
         Called in the capturing thread with a `Progress`, at most about ten times a second, and at the end.
     cancelled : callable
-        Asked many times a second. Once it returns True the run ends within the time that one image takes. Requests
-        under way are not waited for: they end when the source is closed.
+        Called many times a second. Once it returns True, the run ends within the time that one image takes. Requests
+        under way are not waited for; they end when the source is closed.
     paused : callable
-        Asked as often. While it returns True no part is requested and no image begun; progress is still reported.
-        Blocks that other processes are making run to their end.
+        Called as often. While it returns True, no part is requested and no image begun; progress is still reported.
+        Other processes finish the blocks that they are making.
     notice : callable
         Called with a message of one line for each block that is made again because its worker died.
     """
@@ -136,11 +136,11 @@ class Listener:
     notice: Callable[[Message], object] = _ignore
 
     def named(self, name: str) -> Listener:
-        """Listener to one of several captures, whose progress has a name in place of the map type."""
+        """Listener for one of several captures, whose progress has a name instead of the map type."""
         return replace(self, progress=lambda report: self.progress(replace(report, map_type=name)))
 
     def guarded(self, check: Callable[[], None]) -> Listener:
-        """Listener that also calls ``check``, which may raise, whenever it is asked whether to stop."""
+        """Listener that also calls ``check``, which may raise, whenever ``cancelled`` is called."""
 
         def cancelled() -> bool:
             check()
@@ -149,12 +149,12 @@ class Listener:
         return replace(self, cancelled=cancelled)
 
 
-#: Listener that hears nothing and never stops a run.
+#: Listener that ignores progress and never stops a run.
 SILENT = Listener()
 
 
 class Reporter:
-    """Reports to a listener now and then, and measures the time without pauses.
+    """Reports progress to a listener at intervals, and measures time without pauses.
 
     Attributes
     ----------
@@ -183,12 +183,12 @@ class Reporter:
             self._pauses_s += time.monotonic() - self._pause_began_s
         if paused != self.is_paused:
             self.is_paused = paused
-            # The change is reported at once.
+            # Report the change at once.
             self._reported_s = -math.inf
         return paused
 
     def report(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
-        """Report progress, unless the last report was a moment ago."""
+        """Report progress, unless the last report is recent."""
         now_s = time.monotonic()
         if at_once or now_s - self._reported_s >= _REPORT_S:
             self._reported_s = now_s

@@ -1,4 +1,4 @@
-"""Jobs of making images from a plan, and tables of the images made."""
+"""Jobs that make the images of a plan, and tables of images."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from .writers import Place, Write, write_picture
 
 @dataclass(frozen=True)
 class PictureJob:
-    """Job of making an image from pixels: a plain value that any worker can take.
+    """Job of making an image from pixels, as a plain value for any worker.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ class PictureJob:
     bands : Bands
         Bands of the source.
     ranges : tuple of (low, high)
-        Values of each band that are shown darkest and brightest.
+        Values of each band displayed darkest and brightest.
     products : (Plan, Path) or None
-        Plan to compute products from, and the folder with a folder for each of them.
+        Plan from which products are computed, and the folder of their folders.
     walls : callable or None
         Colours of walls, as `draw` takes them.
     write : callable
@@ -81,12 +81,12 @@ class PictureJob:
 
 
 def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Outcome:
-    """Make an image and write it; its entropy is that before a JPEG's losses.
+    """Make an image and write it; its entropy is computed before JPEG compression.
 
     Raises
     ------
     PartError
-        The parts do not make a whole image; nothing is written.
+        Parts of the image are missing; nothing is written.
     OutputError
         The image cannot be written.
     """
@@ -153,7 +153,7 @@ def image_job(
     products_in: Path | None = None,
     write: Write = write_whole,
 ) -> PictureJob:
-    """Return the job of a capture; with ``exposures`` its image has the tags of a drone's."""
+    """Return the job of a capture; ``exposures`` give its image the tags of a drone's image."""
     mission = plan.mission
     width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
@@ -173,7 +173,7 @@ def image_job(
         mission.output.image_format,
         mission.output.img_size,
         shot,
-        # Requested channels are written as they are, and a JPEG has no mask.
+        # An image of requested channels has no other channel, and a JPEG has no mask.
         plan.masked and mission.output.img_size is None and mission.output.image_format != "jpg",
         place,
         Description(
@@ -196,22 +196,22 @@ def image_job(
 
 
 def _effective_gsd_m(plan: Plan, index: int) -> float:
-    """Ground resolution in metres in the middle of an image: its pixel, or the source's where that is larger."""
+    """Ground resolution in metres in the middle of an image: the larger of its pixel and the source's pixel."""
     mission, grid = plan.mission, plan.grid
     if plan.frames.on_map:
         lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
-        own, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
+        pixel_m, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
     else:
         lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
-        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
+        pixel_m = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.frames.width_px[index])
         zoom = plan.frames.finest_zoom(plan)
     if mission.output.img_size is not None:
-        own *= float(plan.frames.width_px[index]) / mission.output.img_size[0]
-    return max(own, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
+        pixel_m *= float(plan.frames.width_px[index]) / mission.output.img_size[0]
+    return max(pixel_m, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
 
 
 def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
-    """Metadata of a camera frame that a map frame does not have."""
+    """Metadata that only camera frames have."""
     plan, camera = shot.plan, shot.plan.mission.camera
     return (
         ("FRAME", "camera"),
@@ -227,17 +227,17 @@ def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
 
 
 def _interpolates(plan: Plan) -> bool:
-    """Whether heights may be interpolated: how many are is known for the area alone, and not for what images see."""
+    """Whether heights may be interpolated; where they are is known for the area, not for each image."""
     return not plan.relief.is_level and plan.mission.terrain.holes == INTERPOLATE
 
 
 def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:
-    """Return the table of the images that are done or have failed, in the plan's order.
+    """Return the table of the images made or failed, in the plan's order.
 
     Parameters
     ----------
     outcomes : mapping of str to Outcome
-        By the image's name.
+        Outcomes by image name.
     """
     names = plan.names
     at = np.array([index for index, name in enumerate(names) if name in outcomes], np.int64)
@@ -303,14 +303,14 @@ def write_tables(
     *,
     in_shards: bool = False,
 ) -> None:
-    """Write the table of a map type, and the files for OpenDroneMap where JPEG images have separate files.
+    """Write the table of a map type, and the files for OpenDroneMap if it has separate JPEG files.
 
     Parameters
     ----------
     folder : Path
         Folder of the map type.
     others : mapping
-        Columns that others have added to the table, as `other_columns` reads them.
+        Additional columns of the table, as `other_columns` reads them.
     in_shards : bool
         Whether images share files.
     """
@@ -322,7 +322,7 @@ def write_tables(
 
 
 def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
-    """Columns of focal lengths and principal points, to the decimals in which all processors agree."""
+    """Columns of focal lengths and principal points, rounded to decimals in which all processors agree."""
     columns = (np.round(values, 6) for values in plan_optics(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 

@@ -1,4 +1,4 @@
-"""A capture: `capture` turns a plan into a dataset, by threads of this process or in blocks."""
+"""Capture a plan into a dataset, with threads of this process or in blocks."""
 
 from __future__ import annotations
 
@@ -46,22 +46,21 @@ def capture(
 ) -> CaptureResult:
     """Capture the images of a plan into a dataset folder.
 
-    Threads of this process make the images one by one. With an executor, in an object store, or with ``blocks``, they
-    are made in blocks instead, by any workers that have TerrAInav; a block is committed whole or not at all.
+    Threads of this process make the images one by one. With an executor, in an object store, or with ``blocks``, images
+    are made in blocks instead, by any workers that have TerrAInav; a block is committed atomically.
 
-    Images are written whole or not at all, and noted in the journal. Those that cannot be made are named in the journal
-    and the table with the reason, and the others go on. The tables are written at the end, also of a run that was
-    stopped; columns that others have added to them are kept. The same mission leaves the same images and tables, in one
-    run or in several.
+    Images are written atomically and noted in the journal. If an image cannot be made, journal and table have the
+    reason, and the run continues. Tables are written at the end, also when a run is stopped; additional columns are
+    kept. The same mission gives the same images and tables, in one run or in several.
 
     Parameters
     ----------
     source : Source or NamedSource
-        With the pixel grid that the plan was made for; in blocks a named one, which each maker opens.
+        Source with the pixel grid of the plan; for blocks a named one, which each maker opens.
     folder : path or str
-        Made if it is not there; or the address of a folder in an object store, as `store_path` takes it.
+        Folder, made if it does not exist, or its address in an object store (see `store_path`).
     executor : Executor, Engine or None
-        Makes the blocks: any executor like those of `concurrent.futures`; None for this process.
+        Executor of the blocks, like those of `concurrent.futures`; None for this process.
     blocks : Blocks or None
         Size of blocks and layout of files; None for the defaults.
     connections : int
@@ -69,23 +68,22 @@ def capture(
     workers : int or None
         Images assembled and written at once; None for the number of processors.
     resume : bool
-        Go on with a folder that holds this mission: make images that are missing or have failed, and images noted as
-        showing a file (a `Repeat`) that the source has come to count as a placeholder.
+        Continue in a folder that holds this mission: make images that are missing or have failed, and images that show
+        a file (see `Repeat`) that the source now counts as a placeholder.
     only : iterable of int or None
         Indices of the captures to make; None for all.
     only_failed : bool
-        Make only images that have failed in an earlier run, or that show such a placeholder; the folder must hold this
-        mission.
+        Make only images that failed in an earlier run or show such a placeholder; the folder must hold this mission.
     listener : Listener
-        Hears of the progress, and may pause or stop the run.
+        Callbacks for progress, pause and stop.
 
     Raises
     ------
     InvalidInput
-        A map type the source does not have, or a plan for another pixel grid: before anything is written.
+        The source does not have the map type or the plan's pixel grid; nothing is written then.
     OutputError
-        A folder that cannot be written, that holds another mission, or this one without ``resume``, or that does not
-        hold it where only failed images are requested.
+        The folder cannot be written, holds another mission, or this one without ``resume``, or does not hold this one
+        with ``only_failed``.
     SourceError
         The source cannot serve; finished images are kept.
     """
@@ -95,7 +93,7 @@ def capture(
     root = store_path(folder)
     reporter = Reporter(listener)
     with ExitStack() as opened:
-        # What waits for a store meanwhile ends at once: nothing is lost yet.
+        # Until images are made, waiting for a store can be cancelled at once.
         with cancellable(listener.cancelled):
             journal: CaptureJournal
             maker: Maker
@@ -148,7 +146,7 @@ def capture(
 
 
 class CaptureRun:
-    """A run of a capture: what its journal knows of each image, what its maker is still to make, and the figures.
+    """Run of a capture: outcomes from its journal, pieces for its maker to make, and counts.
 
     Parameters
     ----------
@@ -184,14 +182,14 @@ class CaptureRun:
         self._skipped = self._total - pending
 
     def prepare(self) -> None:
-        """Write the plan, and what the maker needs."""
+        """Write the plan and what makers need."""
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             self._journal.check()
             write_plan(self._plan, self._journal.root / name)
         self._maker.prepare()
 
     def make(self) -> bool:
-        """Make the images, then the tables; returns False where the listener stopped it."""
+        """Make the images, then the tables; returns False if the listener stopped it."""
         for map_types in self._maker.rounds(self._map_types):
             try:
                 complete = self._maker.make([piece for map_type in map_types for piece in self._pieces[map_type]], self)
@@ -202,7 +200,7 @@ class CaptureRun:
         return True
 
     def wants_more(self) -> bool:
-        """Report progress, and ask whether to make more images; raises OutputError where another run took the place."""
+        """Report progress, and ask whether to make more images; raises OutputError if another run took the place."""
         self._journal.check()
         self._reporter.report(self._progress)
         return not self._reporter.ask_cancelled()
@@ -225,7 +223,7 @@ class CaptureRun:
         return self._repeats[map_type]
 
     def _finish(self, map_types: Iterable[str]) -> None:
-        """Write the tables of map types, unless another run has taken the place and will write them."""
+        """Write the tables of map types; raises OutputError if another run has taken the place."""
         self._journal.check()
         for map_type in map_types:
             self._note_repeats(map_type)
@@ -242,7 +240,7 @@ class CaptureRun:
         self._reporter.report(self._progress, at_once=True)
 
     def _note_repeats(self, map_type: str) -> None:
-        """Note which images show files that came for several places far apart."""
+        """Note the images that show files sent for several places far apart."""
         repeated, known = self._repeats[map_type].found(), self._known[map_type]
         shown = self._maker.parts.find_images(repeated, known)
         for name, digests in shown.items():
@@ -266,7 +264,7 @@ class CaptureRun:
         )
 
     def result(self, *, cancelled: bool) -> CaptureResult:
-        """Return what the run has done."""
+        """Return the result of the run."""
         order = {name: at for at, name in enumerate(self._plan.names)} if self._failures else {}
         failures = sorted(self._failures, key=lambda one: (self._map_types.index(one.map_type), order[one.name]))
         return CaptureResult(

@@ -44,7 +44,7 @@ def capture_imageries(
     mission : Mission
         With ``imageries``.
     plans, sources : mapping of str to Plan, and to Source
-        By the names of `Mission.missions_by_imagery`, each planned with the pixel grid of its source.
+        By the names in `Mission.missions_by_imagery`, each plan with the pixel grid of its source.
     resume, only_failed, listener, **how
         As for `capture`; progress, failures and repeats have the imagery's name in place of the map type, and the
         total counts all imageries.
@@ -71,7 +71,7 @@ def capture_imageries(
             **how,
         )
     result = combined(path, results)
-    # All that was requested, even where the run was stopped before the last imagery.
+    # All images requested, even if the run stopped before the last imagery.
     return result if only_failed else replace(result, total=sum(map(len, plans.values())))
 
 
@@ -83,19 +83,19 @@ def capture_each(
     listener: Listener = SILENT,
     **how: Any,
 ) -> dict[str, CaptureResult]:
-    """Capture one after the other, each into its folder inside one that the run holds; go on with what is there.
+    """Capture plans one after the other, each into a folder inside one that the run holds; resumes them.
 
     Parameters
     ----------
     captures : mapping of str to (Plan, Source or NamedSource)
-        By the folders' names, with ``/`` for deeper ones.
+        By folder name, with ``/`` for deeper ones.
     only_failed, listener, **how
-        As for `capture`; progress has the folder in place of the map type.
+        As for `capture`; progress has the folder instead of the map type.
 
     Returns
     -------
     dict of str to CaptureResult
-        By the folders' names; one that was stopped is the last.
+        By folder name; a capture that was stopped is the last.
     """
     results: dict[str, CaptureResult] = {}
     for name, (plan, source) in captures.items():
@@ -118,7 +118,7 @@ def capture_each(
 
 
 def combined(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResult:
-    """Combine results; failures and repeats have the folder in place of the map type."""
+    """Combine results; failures and repeats have the folder instead of the map type."""
     done = results.values()
     return CaptureResult(
         folder=folder,

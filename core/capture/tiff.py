@@ -20,15 +20,15 @@ class TagType(IntEnum):
     RATIONAL = 5
     UNDEFINED = 7
     DOUBLE = 12
-    #: Of BigTIFF alone.
+    #: BigTIFF only.
     LONG8 = 16
 
 
 class Tag(NamedTuple):
     """One tag: its number, the type of its values, and the values.
 
-    ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has numerators and
-    denominators in turn; UNDEFINED has bytes.
+    ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has numerators and denominators in turn;
+    UNDEFINED has bytes.
     """
 
     number: int
@@ -61,12 +61,12 @@ def rational(value: float) -> list[int]:
 
 
 def header(directory_at: int = HEADER_BYTES) -> bytes:
-    """First bytes of a file whose directory is at an offset, by default right behind them."""
+    """Header of a file whose directory is at an offset, by default right behind it."""
     return struct.pack("<2sHI", b"II", 42, directory_at)
 
 
 def big_header(directory_at: int) -> bytes:
-    """First 16 bytes of a BigTIFF, whose offsets have 64 bits."""
+    """Header of a BigTIFF, 16 bytes, whose offsets have 64 bits."""
     return struct.pack("<2sHHHQ", b"II", 43, 8, 0, directory_at)
 
 
@@ -85,7 +85,7 @@ def directory(tags: Sequence[Tag], at: int, *, big: bool = False) -> bytes:
     Returns
     -------
     bytes
-        Of even length, which does not depend on the values of numeric tags.
+        Even number of bytes, which does not depend on the values of numeric tags.
     """
     counted, offset = ("Q", "Q") if big else ("H", "I")
     inside = struct.calcsize(f"<{offset}")

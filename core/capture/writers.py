@@ -1,4 +1,4 @@
-"""Image files: GeoTIFF, JPEG, and PNG with world file and .aux.xml, whole or not at all."""
+"""Write image files: GeoTIFF, and JPEG or PNG with world file and .aux.xml."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header
 
-#: Searches for runs only: on photographs four times as fast as zlib's default, and smaller too, as the predictor leaves
-#: little else to find; drawn maps are small either way.
+#: Search for runs only: on photographs four times as fast as zlib's default, with smaller files, as the predictor
+#: leaves little else to find. Drawn maps are small either way.
 _ZLIB_STRATEGY, _ZLIB_LEVEL = zlib.Z_RLE, 6
-#: Types whose mask is a value that they hardly ever have: GDAL supports alpha for unsigned integers only.
+#: Types masked by a rare value, as GDAL supports alpha for unsigned integers only.
 _NO_DATA: dict[str, float] = {"int16": -32768, **dict.fromkeys(("float32", "float64"), float("nan"))}
-#: Item of a GeoTIFF's metadata with the values of a band that are shown darkest and brightest.
+#: Item of a GeoTIFF's metadata with the values of a band displayed darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Georeference of a map frame, or control points of a camera frame.
 Place = Union[Georeference, ControlPoints]
-#: Writes a file, whole or not at all.
+#: Writes a file atomically.
 Write = Callable[[Path, bytes], object]
 #: With full colour resolution, a JPEG of this quality is within about a grey level of the source.
 JPEG_QUALITY = 95
 
 
 def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
-    """Endings of all files of an image, of a map frame or a camera frame; the image itself is last."""
-    own = f".{image_format}"
+    """Endings of all files of an image; the image itself is last."""
+    ending = f".{image_format}"
     if image_format == "tif":
-        return (own,)
+        return (ending,)
     world_file = ({"jpg": ".jgw", "png": ".pgw"}[image_format],) if on_map else ()
-    return (*world_file, f"{own}.aux.xml", own)
+    return (*world_file, f"{ending}.aux.xml", ending)
 
 
 def write_picture(
@@ -56,22 +56,22 @@ def write_picture(
     ranges: Sequence[Range] = (),
     write: Write = write_whole,
 ) -> int:
-    """Write an image and the files beside it, the image last: an image that is there is complete.
+    """Write an image and its sidecar files, the image last, so that an existing image is complete.
 
     Parameters
     ----------
     folder : Path
-        Where ``<name>.<ending>`` goes; must be there.
+        Existing folder for ``<name>.<ending>``.
     image_format : str
         tif, jpg or png.
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
-        A fourth channel is 0 where the image shows nothing and 255 elsewhere; a JPEG omits it. The bytes written depend
-        on the arguments alone. With ``bands``, array (h, w, n) or (h, w, n + 1) of their type, the last channel the
-        mask.
+        A fourth channel is 0 for pixels without data and 255 for others; a JPEG omits it. With ``bands``, array
+        (h, w, n) or (h, w, n + 1) of their type, the last channel being the mask. The bytes written depend on the
+        arguments alone.
     bands : Bands or None
         None for grey or RGB.
     ranges : sequence of (low, high)
-        Values of each band that are shown darkest and brightest.
+        Values of each band displayed darkest and brightest.
     write : callable
         Writes a file.
 
@@ -103,7 +103,7 @@ def encoded(
     bands: Bands | None = None,
     ranges: Sequence[Range] = (),
 ) -> bytes:
-    """Return the bytes of the image file; parameters as of `write_picture`."""
+    """Return the bytes of the image file; parameters as for `write_picture`."""
     if image_format == "tif":
         return geotiff(pixels, place, description, bands, ranges)
     if pixels.shape[2:] == (1,):
@@ -150,7 +150,7 @@ def _geotiff_of_bands(
     ]
     nodata = bands.nodata
     if nodata is not None:
-        pixels = _without(bands.dtype.type(nodata), pixels, count)
+        pixels = _avoid_nodata(bands.dtype.type(nodata), pixels, count)
     elif is_masked:
         nodata = _NO_DATA.get(bands.data_type)
     if nodata is not None:
@@ -171,7 +171,7 @@ def _geotiff_of_bands(
     return _pixel_file(pixels, place, description, tags)
 
 
-def _without(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
+def _avoid_nodata(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
     """Change pixels that have the no-data value in all bands, which resampling may yield.
 
     The first band gets the adjacent value, as gdalwarp does.
@@ -190,7 +190,7 @@ def _without(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
 
 
 def _pixel_file(pixels: PixelValues, place: Place, description: Description, more: list[Tag]) -> bytes:
-    """Return the file of pixels with the tags of every image and some more."""
+    """Return the file of pixels, with common and additional tags."""
     height, width = pixels.shape[:2]
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     # Strips of 256 kB, so that readers need not decompress all of a large image.
@@ -217,7 +217,7 @@ def _pixel_file(pixels: PixelValues, place: Place, description: Description, mor
 
 
 def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
-    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), each row's most significant first (Predictor 3)."""
+    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), the most significant of each row first (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
         np.ascontiguousarray(pixels, f">f{pixels.itemsize}").view(np.uint8).reshape(height, width * channels, -1)
@@ -226,32 +226,32 @@ def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
 
 
 def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = False) -> str:
-    """Items of GDAL's tag about bands: names, units, scales, ranges shown, and colours."""
+    """Items of GDAL's metadata tag for bands: names, units, scales, displayed ranges, and colours."""
     lines = []
 
-    def say(band: int, name: str, text: str, role: str = "", domain: str = "") -> None:
+    def add(band: int, name: str, text: str, role: str = "", domain: str = "") -> None:
         more = "".join(f' {key}="{value}"' for key, value in (("role", role), ("domain", domain)) if value)
         lines.append(f'  <Item name="{xml_text(name)}" sample="{band}"{more}>{xml_text(xml_text(text))}</Item>\n')
 
     for band, (name, about) in enumerate(zip(bands.names, bands.each_metadata)):
         if about.is_scaled:
-            say(band, "OFFSET", repr(about.offset), "offset")
-            say(band, "SCALE", repr(about.scale), "scale")
+            add(band, "OFFSET", repr(about.offset), "offset")
+            add(band, "SCALE", repr(about.scale), "scale")
         if about.unit:
-            say(band, "UNITTYPE", about.unit, "unittype")
+            add(band, "UNITTYPE", about.unit, "unittype")
         for domain, key, text in about.items:
-            say(band, key, text, domain=domain)
+            add(band, key, text, domain=domain)
         if name != unnamed(band):
-            say(band, "DESCRIPTION", name, "description")
+            add(band, "DESCRIPTION", name, "description")
         if bands.data_type != "uint8":
-            say(band, DISPLAY_RANGE, " ".join(map(repr, ranges[band])))
+            add(band, DISPLAY_RANGE, " ".join(map(repr, ranges[band])))
     for band, colour in _interpretations(bands, has_alpha=has_alpha).items():
-        say(band, "COLORINTERP", colour, "colorinterp")
+        add(band, "COLORINTERP", colour, "colorinterp")
     return "".join(lines)
 
 
 def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
-    """Colour interpretations that TIFF's tags cannot hold, by channel."""
+    """Colour interpretations that TIFF tags cannot express, by channel."""
     found = {
         band: about.colour for band, about in enumerate(bands.each_metadata) if about.colour and band not in bands.shown
     }
@@ -275,12 +275,12 @@ def png(pixels: PixelValues, description: Description) -> bytes:
 
 
 def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
-    """Return a JPEG with EXIF, and with XMP where the exposure is known.
+    """Return a JPEG with EXIF and, if the exposure is known, XMP.
 
     Raises
     ------
     InvalidInput
-        Texts that are too long for EXIF.
+        Texts are too long for EXIF.
     """
     image = Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels)
     segments = [_segment(b"Exif\0\0", exif(description))]
@@ -312,7 +312,7 @@ def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
 
 
 def _strip_file(tags: list[Tag], strips: list[bytes]) -> bytes:
-    """Return the file of a directory and its strips, whose offsets depend on the directory's length."""
+    """Return the file of a directory and its strips; their offsets depend on the directory's length."""
 
     def strip_offsets(start: int) -> Tag:
         offsets = [start]
@@ -332,7 +332,7 @@ def _description_items(description: Description) -> str:
 
 
 def gdal_metadata(items: str) -> str:
-    """XML of GDAL's tag, whose values are escaped twice, as GDAL writes and reads them."""
+    """XML of GDAL's metadata tag, whose values are escaped twice, as GDAL writes and reads them."""
     return f"<GDALMetadata>\n{items}</GDALMetadata>\n"
 
 
@@ -365,7 +365,7 @@ def _saved(image: Image.Image, file: BinaryIO) -> bytes:
 
 
 def _encoders_file() -> BinaryIO:
-    """File in memory, by the operating system where possible: only with such Pillow releases Python's lock."""
+    """File in memory, of the operating system if possible, as Pillow then releases Python's lock."""
     if hasattr(os, "memfd_create"):
         return os.fdopen(os.memfd_create("terrainav"), "w+b")
     return io.BytesIO()

@@ -1,9 +1,9 @@
-"""Where heights come from, and what they count from.
+"""Sources of heights and their vertical datums.
 
 In reading order:
 
 - `layered`: sources of heights, one filling the holes of another
-- `filling`: holes in heights, interpolated from those around them
-- `heights`: the heights of one source, in its own pixels
-- `datum`: what heights count from, and how far that is from the ellipsoid
+- `filling`: interpolation of holes in heights
+- `heights`: heights of one source, in its pixels
+- `datum`: vertical datums, and their heights over the ellipsoid
 """

@@ -19,7 +19,7 @@ from ..geodesy.vertical import vertical_code, vertical_crs
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Metres per unit of heights, by the names in files and of users.
+#: Metres per unit of heights, by the names that files and users give.
 UNITS_M = {
     **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
     **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
@@ -64,16 +64,16 @@ class Datum:
 
     @classmethod
     def from_crs(cls, wkt: str, unit: str, title: str) -> Datum | None:
-        """Datum of a file's coordinate reference system; None where that has no heights.
+        """Datum of a file's coordinate reference system; None if it has no heights.
 
         Parameters
         ----------
         wkt : str
             Coordinate reference system of the file.
         unit : str
-            Stated unit of its values; empty without one.
+            Stated unit of its values, or empty.
         title : str
-            The file, as errors name it.
+            Name of the file for errors.
 
         Raises
         ------
@@ -134,7 +134,7 @@ class Datum:
         return vertical_crs(self.code)
 
     def check(self) -> None:
-        """Raise InvalidInput, with the missing grid, where PROJ cannot transform the heights."""
+        """Raise InvalidInput, with the missing grid, if PROJ cannot transform the heights."""
         _ = self._transformer
 
     @cached_property

@@ -9,15 +9,15 @@ from ..errors import InvalidInput, PartError
 from ..imagery.raster.reading import ReadError, filled
 
 Heights32 = NDArray[np.float32]
-#: Greatest distance of a hole from heights on all sides, px; the default of `gdal_fillnodata.py`.
+#: Largest distance of a hole from heights on all sides, px; the default of `gdal_fillnodata.py`.
 REACH_PX = 100
 
 
 def interpolated(heights_m: Heights32) -> Heights32:
     """Heights (rows, columns) with holes filled by GDAL's FillNodata.
 
-    NaN stays where one of the four quadrants around a pixel has no height within `REACH_PX`. A height depends on those
-    within that distance only, and has millimetres, as further digits differ between processors.
+    NaN stays if one of the four quadrants around a pixel has no height within `REACH_PX`. Heights depend on those
+    within that distance only, and are rounded to millimetres, as further digits differ between processors.
 
     Raises
     ------

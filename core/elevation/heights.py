@@ -1,4 +1,4 @@
-"""Sources of heights: heights over the ellipsoid on the pixel grid of the source."""
+"""Sources of heights over the ellipsoid, on the pixel grid of the source."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class HeightOptions:
     Parameters
     ----------
     datum : str
-        As in `Datum.named`; empty for that of the source, or the ellipsoid where it states none.
+        As for `Datum.named`; empty for that of the source, or the ellipsoid if it states none.
     unit : str
         m, ft or us-ft; empty for that of the source.
     offset_m : float
@@ -79,7 +79,7 @@ class Layer(Protocol):
         """Pixel grid; heights are those of the pixel centres."""
 
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
-        """Heights in metres, (height_px, width_px); NaN where missing."""
+        """Read heights (height_px, width_px) in metres, NaN if missing."""
 
 
 class ConstantHeight:
@@ -103,7 +103,7 @@ class TiledHeights:
     Parameters
     ----------
     source : Source
-        With heights in its first band, or encoded in its colours.
+        Source with heights in its first band, or encoded in its colours.
     decoded : callable or None
         Converts colours (h, w, 3) to heights; None for a band.
     datum : Datum
@@ -111,7 +111,7 @@ class TiledHeights:
     scale, offset : float
         The heights of a band are value * scale + offset.
     says_void : bool
-        Whether the source declares a value for no data, so that -9999 may be a value of a scaled band.
+        Whether the source declares a no-data value, so that -9999 may be a value of a scaled band.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class TiledHeights:
         return self._datum
 
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
-        """Heights of a window."""
+        """Read the heights of a window."""
         found = np.full((height_px, width_px), np.nan, np.float32)
         whole = Window(zoom, left_px, top_px, width_px, height_px)
         for part in tile_parts(whole, self.grid):
@@ -183,15 +183,14 @@ class TiledHeights:
             heights = values[..., 0] * self._scale + self._offset
         else:
             heights = self._decoded(values)
-            # Missing heights in such tiles, and black, the least that they encode. Rounded for the noise of floats, as
-            # steps are 4 mm or more.
+            # Missing heights in such tiles, and black, the least that they encode. Rounded, as steps are 4 mm or more.
             void = np.isin(np.round(heights, 3), (_VOID, -32767.0, -32768.0)) | ~values.any(axis=-1)
             heights = np.where(void, np.nan, heights)
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
         void = heights == _VOID
         if not self._says_void:
-            # The value for no data is stored unscaled.
+            # The no-data value is stored unscaled.
             void |= values[..., 0] == _VOID
         heights = heights * self._datum.unit_m + self._offset_m
         if self._datum.code:
@@ -218,7 +217,7 @@ class TiledHeights:
     def _datum_heights_m(self, tile: Window) -> Floats:
         """Heights of the datum at the pixels of a tile.
 
-        Below 30 km, between 17 points along each side, as geoids are straight to a centimetre there.
+        Tiles below 30 km are interpolated between 17 points along each side: geoids are straight to a centimetre there.
         """
         size = self.grid.tile_px
         middle = self._places(tile, np.array([size / 2.0]), np.array([size / 2.0]))
@@ -291,7 +290,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
 
 
 def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
-    """Source after an encoding, and the highest zoom and tile size after it."""
+    """Parse the source after an encoding, and the highest zoom and tile size after it."""
     source, _, behind = inner.partition("#")
     words = dict(word.split("=", 1) for word in behind.split("&") if "=" in word)
     if not words.keys() & {"maxzoom", "tilesize"}:
@@ -310,7 +309,7 @@ def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
 
 
 def _check_one(text: str) -> None:
-    """Refuse a text of several sources."""
+    """Raise InvalidInput for a text of several sources."""
     parts = re.split(r"\s*[;,]\s*", text)
     if len(parts) > 1 and not file_exists(text) and all(_may_be_heights(part, text) for part in parts):
         raise InvalidInput(
@@ -343,7 +342,7 @@ def whole_heights_path(text: str) -> str:
 
 
 def _check_known(named: NamedSource) -> None:
-    """Refuse an unknown name, with a hint for heights."""
+    """Raise InvalidInput for an unknown name, with a hint for heights."""
     try:
         _ = named.title
     except InvalidInput as unknown:

@@ -1,4 +1,4 @@
-"""The relief: what sources of heights say together, and surfaces of it for rays to meet."""
+"""The relief: combined sources of heights, and surfaces of it for ray tracing."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..geodesy.raytracing.surface import Surface
 from .filling import REACH_PX, interpolated
 from .heights import ConstantHeight, HeightOptions, Heights32, Layer, open_heights
 
-#: Cells of a surface at most: 32 MB of heights, and as much again several times over where rays are traced.
+#: Most cells of a surface: 32 MB of heights, and several times as much when rays are traced.
 MOST_CELLS = 1 << 23
-#: Pixels that a surface reaches beyond the ground that it is asked for.
+#: Pixels that a surface reaches beyond the requested ground.
 _MARGIN_PX = 2
-#: Size of the cells of level ground, which has no pixels of its own, metres.
+#: Size of the cells of level ground, which has no pixels, metres.
 _LEVEL_CELL_M = 1024.0
 
 
@@ -29,7 +29,7 @@ class LayeredElevation:
     Parameters
     ----------
     layers : sequence of Layer
-        The first that has a height counts; at least one.
+        At least one; the first with a height counts.
     interpolates : bool
         Whether holes that no layer fills are interpolated.
     """
@@ -39,7 +39,7 @@ class LayeredElevation:
 
     @property
     def title(self) -> str:
-        """What people see."""
+        """Title for people."""
         return ", then ".join(layer.title for layer in self.layers)
 
     @property
@@ -48,29 +48,29 @@ class LayeredElevation:
         return "; ".join(dict.fromkeys(layer.attribution for layer in self.layers if layer.attribution))
 
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
-        """Size of the first source's own pixels at a place, metres."""
+        """Size of the first source's pixels at a place, metres."""
         layer = self.layers[0]
         if isinstance(layer, ConstantHeight):
             return _LEVEL_CELL_M
         return _size_m(layer, lat_deg, lon_deg, layer.grid.native_zoom)
 
     def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
-        """Heights over the box, in the first source's own plane, about some positions.
+        """Read heights over the box of positions, in the first source's plane.
 
         Parameters
         ----------
         lat_deg, lon_deg : array (n,)
-            Longitudes are continuous.
+            Positions; longitudes are continuous.
         cell_m : float
-            Size of cells that is wanted; 0 for the finest. They are the source's own, or 2, 4, 8 … of those along each
-            side; and larger than asked for where there would be too many.
+            Largest size of cells; 0 for the finest. Cells are the source's pixels, or 2, 4, 8 … of them along each
+            side, and larger than asked for if there were too many.
 
         Raises
         ------
         InvalidInput
-            Heights that are none.
+            Heights are invalid.
         PartError, SourceError
-            Heights that cannot be had.
+            Heights cannot be read.
         """
         lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
         middle = float(np.mean(lat)), float(np.mean(lon))
@@ -80,7 +80,7 @@ class LayeredElevation:
         heights, holes = self._read(layer, zoom, left, top, right, bottom)
         made = None
         if self.interpolates and np.isnan(heights).any():
-            # A height depends on those within reach alone, wherever the window ends.
+            # Heights depend on those within reach only, so the window's edges do not matter.
             reach = REACH_PX
             wide, _ = self._read(layer, zoom, left - reach, top - reach, right + reach, bottom + reach)
             whole = interpolated(wide)[reach:-reach, reach:-reach]
@@ -91,7 +91,7 @@ class LayeredElevation:
     def _read(
         self, layer: Layer, zoom: int, left: int, top: int, right: int, bottom: int
     ) -> tuple[Heights32, NDArray[np.bool_] | None]:
-        """Heights of a window of a layer's pixels, and those of them that the first source does not have."""
+        """Read a window of a layer's pixels, and mark pixels missing from the first source."""
         heights = np.full((bottom - top, right - left), np.nan, np.float32)
         missing, holes = np.isnan(heights), None
         for other in self.layers:
@@ -108,7 +108,7 @@ class LayeredElevation:
 
     @staticmethod
     def _fill(layer: Layer, grid: PixelGrid, first: tuple[int, int, int], heights: Heights32) -> None:
-        """Fill what is missing, on the pixels of another grid from a first one on, with what a layer has."""
+        """Fill missing heights, on pixels of another grid from ``first`` on, with those of a layer."""
         zoom, left, top = first
         rows, columns = np.nonzero(np.isnan(heights))
         world = grid.world_px(zoom)
@@ -123,7 +123,7 @@ class LayeredElevation:
         surface = Surface(layer.grid, own_zoom, own_left, own_top, read)
         column, row = surface.position(lat, lon)
         found = surface.heights(column, row)
-        # Its outer pixels reach half of their size beyond their centres, to where those of a file beside it begin.
+        # Outer pixels reach half of their size beyond their centres, to the pixels of an adjacent file.
         on = [(at > -0.5) & (at < side - 0.5) for at, side in zip((row, column), read.shape)]
         alone = np.flatnonzero(np.isnan(found) & on[0] & on[1])
         nearest = (np.rint(at[alone]).astype(np.intp) for at in (row, column))
@@ -137,12 +137,12 @@ def open_relief(
     *,
     interpolates: bool = False,
 ) -> LayeredElevation:
-    """Open the sources of heights that texts name, see `open_heights`; the first that has a height counts.
+    """Open the sources of heights that texts name, see `open_heights`; the first with a height counts.
 
     Raises
     ------
     InvalidInput, SourceError
-        As `open_heights` does.
+        As for `open_heights`.
     """
     return LayeredElevation(tuple(open_heights(text, options) for text in texts), interpolates)
 
@@ -159,14 +159,14 @@ def _coarsest_m(layer: Layer, lat_deg: float, lon_deg: float) -> float:
 def _window(
     layer: Layer, lat: Floats, lon: Floats, cell_m: float, *, cut: bool
 ) -> tuple[int, tuple[int, int, int, int]]:
-    """Zoom, and left, top, right and bottom of a layer's pixels, over the box about positions (n,).
+    """Choose a zoom and a window (left, top, right, bottom) of a layer's pixels over the box of positions (n,).
 
     Parameters
     ----------
     cell_m : float
-        No pixel is larger, as far as there are so many as a surface may have; the largest of those are taken.
+        Largest size of pixels, unless a surface would have too many; the largest within it are chosen.
     cut : bool
-        Pixels well beyond the layer's own are left out.
+        Leave out pixels well beyond the layer.
     """
     grid = layer.grid
     u, v = grid.plane.forward(lat, lon)

@@ -1,11 +1,11 @@
-"""A capture in blocks of neighbouring images, which other processes and machines make.
+"""Capture in blocks of neighbouring images, which other processes and machines make.
 
 In reading order:
 
-- `division`: dividing captures into blocks
+- `division`: divide captures into blocks
 - `block`: a block as a plain value, and how it is made
 - `shards`: many images in one file
 - `journal`: the journal of a capture block by block
-- `engines`: executors that run blocks
-- `running`: handing blocks to an engine
+- `engines`: executors of blocks
+- `running`: hand blocks to an engine
 """

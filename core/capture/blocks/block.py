@@ -1,4 +1,4 @@
-"""A block: captures of a plan as a plain value, which any process can make."""
+"""A block: captures of a plan as a plain value, and how any process makes their images."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ RELIEF_FILE = "relief.npy"
 
 @dataclass(frozen=True)
 class Block:
-    """Captures of one map type, and all that is needed to make their images.
+    """Captures of one map type, with everything needed to make their images.
 
     Parameters
     ----------
@@ -56,11 +56,11 @@ class Block:
     indices : array (n,) of int64
         Indices of the captures in the whole plan.
     source : NamedSource
-        Imagery, which the block's maker opens.
+        Imagery, opened by the block's maker.
     destination : str
-        Absolute path of a folder, or address.
+        Absolute path or address of a folder.
     terrain : Terrain
-        The mission's, with absolute paths.
+        Terrain of the mission, with absolute paths.
     layout : str
         One of `choices.LAYOUTS`.
     exposures : Exposures or None
@@ -68,7 +68,7 @@ class Block:
     connections, workers : int
         As for `capture`, for this block alone.
     run : str
-        Name of the run, which finds its `Control` where both are in one process.
+        Name of the run, by which its `Control` is found in the same process.
     """
 
     number: int
@@ -106,11 +106,11 @@ class Record(NamedTuple):
     Attributes
     ----------
     outcomes : dict of str to Outcome
-        By the image's name.
+        Outcomes by image name.
     shard_bytes : int
-        Bytes of its shard; 0 for images in separate files.
+        Size of its shard in bytes; 0 for images in separate files.
     noted : bytes
-        Files of a provider and their places, as `Repeats` keeps them.
+        Files of a provider and their places, as packed by `Repeats`.
     """
 
     outcomes: dict[str, Outcome]
@@ -123,11 +123,11 @@ class Record(NamedTuple):
         return any(one.status == FAILED for one in self.outcomes.values())
 
     def matches(self, map_type: str, names: Sequence[str]) -> bool:
-        """Whether it has exactly the images of these names, of a map type."""
+        """Whether it has exactly the images of these names and map type."""
         return self.outcomes.keys() == {*names} and all(one.map_type == map_type for one in self.outcomes.values())
 
     def fits(self, shard: str) -> bool:
-        """Whether its images are in a shard, without overlap, or in separate files where ``shard`` is empty."""
+        """Whether its images are in a shard, without overlap, or in separate files if ``shard`` is empty."""
         made = [one for one in self.outcomes.values() if one.status != FAILED]
         if any(one.shard != shard for one in made):
             return False
@@ -136,7 +136,7 @@ class Record(NamedTuple):
         return not ends or borders == sorted(borders)
 
     def to_bytes(self) -> bytes:
-        """Content of its file: one line of JSON for the block, and one for each image."""
+        """Content of its file: a line of JSON for the block, then one for each image."""
         head: dict[str, Any] = {"images": len(self.outcomes), "shard_bytes": self.shard_bytes}
         if self.noted:
             head["noted"] = self.noted.hex()
@@ -144,12 +144,12 @@ class Record(NamedTuple):
         return b"".join(lines + [one.to_line() for one in self.outcomes.values()])
 
     def commit(self, destination: Path, name: str) -> None:
-        """Write the record of the block of a name, which then counts as done; raises OutputError."""
+        """Write the record of the named block, which then counts as done; raises OutputError."""
         write_whole(destination / BLOCKS_FOLDER / f"{name}.jsonl", self.to_bytes())
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Record | None:
-        """Record of a file's content; None where that is torn."""
+        """Parse a file's content; None if it is torn."""
         first, *lines = data.splitlines(keepends=True) or [b""]
         outcomes = [Outcome.from_line(line) for line in lines]
         try:
@@ -174,7 +174,7 @@ class BlockResult(NamedTuple):
 
 @dataclass
 class Control:
-    """Control of a run over the blocks that its own process makes.
+    """Control of a run over the blocks made in its process.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class Control:
     made : dict of str to int
         Images made so far of each block under way.
     check : callable
-        Raises OutputError where another run has taken the place.
+        Raises OutputError if another run has taken the place.
     """
 
     stopped: threading.Event = field(default_factory=threading.Event)
@@ -191,20 +191,20 @@ class Control:
     check: Callable[[], None] = lambda: None
 
 
-#: Controls of the runs of this process, by name. Blocks of other processes find none, and run to their end.
+#: Controls of the runs of this process by name. Blocks in other processes find none and run to their end.
 controls: dict[str, Control] = {}
 
 
 class Stopped(Exception):
-    """A block was stopped with its run, and nothing of it committed."""
+    """A block was stopped with its run; nothing of it is committed."""
 
 
 class _BlockOrders:
-    """Orders for the images of a block: those of its run, as far as they reach this process."""
+    """Orders for the images of a block: those of its run, if that is in this process."""
 
     def __init__(self, block: Block, plan: Plan, control: Control) -> None:
         self._control, self._name = control, block.name
-        self._is_wanted = _engine_question()
+        self._is_wanted = _engine_check()
         self._repeats = Repeats(plan.grid)
         self.outcomes: dict[str, Outcome] = {}
 
@@ -224,7 +224,7 @@ class _BlockOrders:
 
 
 class _Call:
-    """Call whose pickle makes a block when it is read."""
+    """Call that makes a block when its pickle is loaded."""
 
     def __init__(self, data: bytes) -> None:
         self._arguments = data, version(), platform.python_version()
@@ -234,9 +234,9 @@ class _Call:
 
 
 def packed_call(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
-    """Return a function of Python's library, and the argument with which another process makes a block by it.
+    """Return a function of Python's library, and the argument that has it make a block in another process.
 
-    So a worker without TerrAInav can report what is missing; Dask's workers end if they cannot unpickle a function.
+    A worker without TerrAInav can then report what is missing; Dask's workers die if they cannot unpickle a function.
     """
     return ForkingPickler.loads, bytes(ForkingPickler.dumps(_Call(bytes(ForkingPickler.dumps(block)))))
 
@@ -249,16 +249,16 @@ def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
     OutputError
         This process has another version of TerrAInav or of Python.
     """
-    for what, own, wanted in (
+    for what, found, wanted in (
         ("TerrAInav", version(), of_version),
         ("Python", _minor(platform.python_version()), _minor(of_python)),
     ):
-        if own != wanted:
+        if found != wanted:
             raise WrongWorker(
                 "worker on {0}: has {1} {2}, and the run has {3}: both need the same",
                 platform.node(),
                 what,
-                own,
+                found,
                 wanted,
             )
     block: Block = ForkingPickler.loads(data)
@@ -266,7 +266,7 @@ def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
 
 
 class WrongWorker(OutputError):
-    """The worker has another version than the run."""
+    """The worker has another version of TerrAInav or Python than the run."""
 
 
 def _minor(python: str) -> str:
@@ -274,9 +274,9 @@ def _minor(python: str) -> str:
 
 
 def make_block(block: Block) -> BlockResult:
-    """Make the images of a block and commit it: the record is written last.
+    """Make the images of a block and commit it by writing its record last.
 
-    The same block leaves the same bytes, wherever and however often it is made.
+    A block gives the same bytes wherever and however often it is made.
 
     Raises
     ------
@@ -306,11 +306,11 @@ def make_block(block: Block) -> BlockResult:
         )
         orders = _BlockOrders(block, plan, control)
         complete = maker.make([Piece(block.map_type, np.arange(len(plan)))], orders)
-        # Another worker or run may have committed the block meanwhile, which is left alone.
+        # Another worker or run may have committed the block meanwhile: do not overwrite it.
         if not (complete and orders.wants_more()):
             raise Stopped
         control.check()
-        # In the order of the plan, whatever order they were made in.
+        # In the plan's order, whatever the order of making.
         done = {name: orders.outcomes[name] for name in plan.names}
         shard_bytes = 0
         if gathered is not None:
@@ -321,8 +321,8 @@ def make_block(block: Block) -> BlockResult:
     return BlockResult(record, maker.requests, maker.unique_parts)
 
 
-def _engine_question() -> Callable[[], bool]:
-    """Question whether the engine still waits for this block: Dask's workers learn when a run has gone."""
+def _engine_check() -> Callable[[], bool]:
+    """Return a function that reports whether the engine still waits for this block, as Dask's workers know."""
     distributed = sys.modules.get("distributed")
     try:
         worker = distributed and distributed.get_worker()
@@ -341,7 +341,7 @@ def _engine_question() -> Callable[[], bool]:
 
 
 def _restore_heights(block: Block) -> Plan:
-    """Return the plan of a block, with the heights of its relief, which other processes do not send along."""
+    """Return the plan of a block with the heights of its relief, which are not pickled."""
     plan, options = block.plan, block.source.options
     if plan.relief.is_loaded:
         return plan
@@ -361,7 +361,7 @@ def _restore_heights(block: Block) -> Plan:
 
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
-    """Read the heights that a run has written for its workers."""
+    """Read the heights that a run wrote for its workers."""
     data = read_existing(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
@@ -372,7 +372,7 @@ def _surface(destination: str, _run: str) -> NDArray[Any]:
 
 
 def _read_heights(data: bytes) -> NDArray[Any]:
-    """Read heights in numpy's format, whose header may ask for more than there is; raises ValueError."""
+    """Read heights in numpy's format, and check them against their size; raises ValueError."""
     file = io.BytesIO(data)
     numpy_format: Any = np.lib.format
     if numpy_format.read_magic(file) != (1, 0):
@@ -404,7 +404,7 @@ def _write_shard(
     destination: Path,
     outcomes: dict[str, Outcome],
 ) -> int:
-    """Write the images of a block into one file, and note the position of each; returns the file's bytes."""
+    """Write the images of a block into one file, and note their positions; returns the file's size in bytes."""
     made = {name: one for name, one in outcomes.items() if one.status != FAILED}
     keys = {name: f"{index:09d}" for name, index in zip(plan.names, block.indices.tolist())}
     table = image_table(plan, source, made)

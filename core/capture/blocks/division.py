@@ -1,4 +1,4 @@
-"""Division of captures into blocks that share few tiles."""
+"""Divide captures into blocks that share few tiles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...arrays import Numbers
 from ...errors import InvalidInput
 from ...geodesy.frames import Windows
 
-#: Most images of a block: those of a shard are in memory together.
+#: Most images of a block, as the images of a shard are in memory together.
 MOST_IMAGES = 100_000
 
 
@@ -26,7 +26,7 @@ def parse_block_size(size: str, image_bytes: Callable[[], float]) -> int:
     Raises
     ------
     InvalidInput
-        The text is no size, or the size is too large.
+        The text is not a size, or the size is too large.
     """
     found = re.fullmatch(r"([0-9]{1,15}(?:\.[0-9]{1,15})?)\s*(MB)?", size.strip(), re.IGNORECASE)
     images = 0
@@ -46,12 +46,12 @@ def parse_block_size(size: str, image_bytes: Callable[[], float]) -> int:
 def divide(windows: Windows, images: int) -> list[Numbers]:
     """Divide captures into compact blocks of nearly equal size.
 
-    They are halved across their longer extent repeatedly, so two blocks share only tiles along a short cut.
+    Captures are halved repeatedly across their longer extent, so blocks share only tiles along short cuts.
 
     Parameters
     ----------
     windows : Windows
-        Windows of all captures, (n,).
+        Windows (n,) of all captures.
     images : int
         Most images of a block.
 

@@ -1,4 +1,4 @@
-"""Executors that run blocks: threads or processes of this machine, or a cluster."""
+"""Executors of blocks: threads or processes of this machine, or a cluster."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Engine:
     executor : Executor
         Its workers need TerrAInav, and may be processes of other machines.
     slots : callable
-        Returns the number of blocks that it can run at once now.
+        Returns the number of blocks that it can run at once at present.
     in_process : bool
         Whether its workers are threads of this process.
     workers : int
@@ -62,7 +62,7 @@ class Engine:
 
     @classmethod
     def from_executor(cls, executor: Executor | Engine, workers: int | None = None) -> Engine:
-        """Engine of any executor, which gets one block at a time unless an attribute has its number of workers."""
+        """Engine of any executor, which gets one block at a time unless an attribute states its number of workers."""
         if isinstance(executor, Engine):
             return executor
         count = next(
@@ -96,7 +96,7 @@ def open_engine(text: str) -> Iterator[Engine]:
     Raises
     ------
     InvalidInput
-        Another text, or one with credentials, which are not quoted.
+        The text is another one or has credentials, which the message does not quote.
     OutputError
         Dask is not installed, or no scheduler answers.
     """
@@ -115,7 +115,7 @@ def open_engine(text: str) -> Iterator[Engine]:
             yield replace(_cluster_engine(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
-            # An address with a word for its port is printed with asterisks, as the word may be a password.
+            # If the port of an address is a word, the message hides it, as it may be a password.
             "cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786",
             text,
             _MOST_WORKERS,
@@ -160,7 +160,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         except (MemoryError, Cancelled):
             raise
         except Exception as wrong:
-            # Dask passes on whatever the system raises for lack of processes, ports and threads.
+            # Dask passes on any error of the system for lack of processes, ports or threads.
             raise OutputError(
                 "cluster local:{0}: its processes cannot be started ({1})", processes, error_text(wrong)
             ) from wrong
@@ -182,7 +182,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
 
 def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
-    """Start processes that ignore Ctrl-C of their terminal, as this process ends them; returns the result.
+    """Start processes that ignore Ctrl-C of the terminal, as this process ends them; returns the result of ``begin``.
 
     Threads and processes inherit blocked signals, which Windows does not have.
     """
@@ -190,7 +190,7 @@ def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
 
     def run() -> None:
         if hasattr(signal, "pthread_sigmask"):
-            # Started later, it would unblock Ctrl-C in this thread.
+            # If started later, it would unblock Ctrl-C in this thread.
             resource_tracker.ensure_running()
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
@@ -208,7 +208,7 @@ def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
 
 
 def _end(close: Callable[[], object]) -> None:
-    """Close an object of Dask's, ignoring errors: the blocks are complete by then."""
+    """Close an object of Dask, ignoring errors, as the blocks are complete."""
     try:
         close()
     except Exception as wrong:  # noqa: BLE001  (Dask passes on any error of its processes)
@@ -216,9 +216,9 @@ def _end(close: Callable[[], object]) -> None:
 
 
 async def _stop_restarting(cluster: Any) -> None:
-    """Have Dask restart no workers, and wait for those that are starting, as it fails to close some of them.
+    """Stop Dask from restarting workers, and wait for those that are starting, which it may fail to close.
 
-    A worker that dies just after its start is mistaken for the next one, which has no process yet.
+    Dask mistakes a worker that dies just after its start for the next one, which has no process yet.
     """
     for nanny in list(cluster.workers.values()):
         nanny.close_gracefully()
@@ -227,7 +227,7 @@ async def _stop_restarting(cluster: Any) -> None:
 
 
 def _check_scheduler(address: str, what: str) -> None:
-    """Check that a scheduler answers: Dask's client waits for minutes, and ignores Ctrl-C meanwhile.
+    """Check that a scheduler answers, as Dask's client would wait for minutes and ignore Ctrl-C.
 
     Raises
     ------
@@ -312,7 +312,7 @@ class _Calls(Executor):
 
 
 class _Later:
-    """Call whose pickle makes it when it is read, by names alone, so that a worker need not have this module."""
+    """Call that is made when its pickle is loaded, by names alone, so that workers need not have this module."""
 
     def __init__(self, function: Callable[..., Any], *arguments: object) -> None:
         self._call = function, arguments
@@ -322,14 +322,14 @@ class _Later:
 
 
 class _Workers:
-    """Workers started by others, each of which is asked once whether it can make blocks."""
+    """Workers of a scheduler, each checked once for being able to make blocks."""
 
     def __init__(self, client: Any) -> None:
         self._client = client
         self._asked: set[str] = set()
 
     def slots(self) -> int:
-        """Number of blocks that they can make at once now; raises OutputError for a worker that cannot make any."""
+        """Number of blocks that they can make at once; raises OutputError for a worker that cannot make any."""
         there: dict[str, int] = self._client.nthreads()
         new = sorted(there.keys() - self._asked)
         if new:
@@ -352,22 +352,22 @@ class _Workers:
                 problem,
                 remedy=Message("install it there: pip install 'terrainav[cluster]=={0}'", version()),
             )
-        # A worker that could not be reached has gone, or is asked again.
+        # A worker that could not be reached has gone, or is checked again.
         self._asked.update(worker for worker, one in answers.items() if not isinstance(one, OSError))
 
 
 def _problem(answer: Any) -> Message | None:
-    """Problem with a worker that has answered; None where it can make blocks."""
+    """Problem of a worker by its answer; None if it can make blocks."""
     if isinstance(answer, OSError):
         return None
     if isinstance(answer, ImportError):
-        is_own = (answer.name or "").partition(".")[0] == _MAKING.partition(".")[0]
-        return Message("has no TerrAInav") if is_own else Message("has no {0}, which TerrAInav needs", answer.name)
+        is_ours = (answer.name or "").partition(".")[0] == _MAKING.partition(".")[0]
+        return Message("has no TerrAInav") if is_ours else Message("has no {0}, which TerrAInav needs", answer.name)
     if isinstance(answer, BaseException):
         return Message("cannot import TerrAInav ({0}: {1})", type(answer).__name__, str(answer).partition("\n")[0])
-    python, own, _ = answer
-    if own != version():
-        return Message("has TerrAInav {0}, and the run has {1}", own, version())
+    python, found, _ = answer
+    if found != version():
+        return Message("has TerrAInav {0}, and the run has {1}", found, version())
     if python.split(".")[:2] != platform.python_version().split(".")[:2]:
         return Message("has Python {0}, and the run has {1}", python, platform.python_version())
     return None

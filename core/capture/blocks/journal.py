@@ -1,4 +1,4 @@
-"""Journal of a capture in blocks: a record for each block, in a folder or an object store."""
+"""Journal of a capture in blocks: a record for each block, in a local folder or an object store."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .shards import INDEX_FILE, shard_index
 
 
 class BlockJournal(CaptureJournal):
-    """Journal with a record for each block, which the block's maker commits.
+    """Journal with a record for each block, committed by the block's maker.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class BlockJournal(CaptureJournal):
     block_images : int
         Most images of a block.
     hold : callable
-        Raises OutputError where another run has taken the place.
+        Raises OutputError if another run has taken the place.
 
     Raises
     ------
@@ -61,7 +61,7 @@ class BlockJournal(CaptureJournal):
     def opened(
         cls, plan: Plan, root: Path, layout: str, block_images: int, *, resume: bool, only_failed: bool
     ) -> Iterator[BlockJournal]:
-        """Claim a place for a plan and open its journal, which no other run may meanwhile; raises OutputError."""
+        """Claim a place for a plan and open its journal, which keeps other runs out; raises OutputError."""
         if only_failed and not is_file(root / BLOCKS_FOLDER / DIVISION_FILE):
             raise OutputError(
                 "{0}: holds no capture in blocks of this mission, so nothing of it has failed",
@@ -73,13 +73,13 @@ class BlockJournal(CaptureJournal):
             yield cls(plan, root, layout, block_images, hold)
 
     def check(self) -> None:
-        """Raise OutputError where another run has taken the place."""
+        """Raise OutputError if another run has taken the place."""
         self._hold()
 
     def read(
         self, map_type: str, placeholder: Placeholder, *, only_failed: bool
     ) -> tuple[dict[str, Outcome], list[Piece]]:
-        """Read the records of a map type; a block is made again whole where any of its images is to be made."""
+        """Read the records of a map type; a block with any image to make is made again as a whole."""
         records = self._read_records(map_type)
         known: dict[str, Outcome] = {}
         pieces = []
@@ -96,7 +96,7 @@ class BlockJournal(CaptureJournal):
         return known, pieces
 
     def _read_records(self, map_type: str) -> dict[int, Record]:
-        """Read the records of the blocks that are whole, by number."""
+        """Read the records of complete blocks, by number."""
         there = list_sizes(self.root / BLOCKS_FOLDER)
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(self._divided))}
         numbers = [number for number, name in wanted.items() if name in there]
@@ -114,7 +114,7 @@ class BlockJournal(CaptureJournal):
         }
 
     def _is_whole(self, map_type: str, number: int, record: Record, sizes: Mapping[str, int]) -> bool:
-        """Whether the files of a block are as long as when it was committed, and hold its images."""
+        """Whether the files of a block have the sizes with which it was committed, and hold its images."""
         shard = shard_name(map_type, number) if self.in_shards else ""
         if not record.fits(shard):
             return False
@@ -123,7 +123,7 @@ class BlockJournal(CaptureJournal):
         return all(is_complete(one, self._endings, sizes) for one in record.outcomes.values() if one.status != FAILED)
 
     def take(self, piece: Piece, record: Record) -> None:
-        """Take the record of a block that was made."""
+        """Take the record of a block."""
         self._note_shard(piece.map_type, piece.number, record)
 
     def give_up(self, piece: Piece, reason: str) -> Record:
@@ -135,7 +135,7 @@ class BlockJournal(CaptureJournal):
         return record
 
     def note(self, outcome: Outcome) -> None:
-        """The record of its block has it."""
+        """Do nothing: the record of the image's block has it."""
 
     def _note_shard(self, map_type: str, number: int, record: Record) -> None:
         if record.shard_bytes:
@@ -149,7 +149,7 @@ class BlockJournal(CaptureJournal):
             write_whole(self.root / map_type / INDEX_FILE, json_bytes(shard_index(shards)))
 
     def _check_division(self, layout: str, images: int) -> None:
-        """Note how the capture is divided, or refuse to go on with another division."""
+        """Note how the capture is divided, or raise OutputError for another division."""
         wanted: dict[str, Any] = {
             "layout_of_files": layout,
             "images": images,

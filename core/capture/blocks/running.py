@@ -1,4 +1,4 @@
-"""Making a capture in blocks: handing them to an engine, and making those again whose worker died."""
+"""Make a capture in blocks: hand them to an engine, and make those again whose worker died."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ from .block import (
 from .engines import Engine
 from .journal import BlockJournal
 
-#: How often a block is tried before it is given up.
+#: Number of times a block is tried before it is given up.
 TRIES = 4
 _POLL_S = 0.1
-#: Seconds without any worker before that is noticed: a worker that dies is soon replaced.
+#: Seconds without any worker before the caller gets notice: a worker that dies is soon replaced.
 _PATIENCE_S = 5.0
 
 
@@ -72,14 +72,14 @@ def opened_blocks(
     resume: bool,
     only_failed: bool,
 ) -> Iterator[tuple[BlockJournal, BlockMaker]]:
-    """Open the journal and the maker of a capture in blocks; parameters as of `capture`.
+    """Open the journal and the maker of a capture in blocks; parameters as for `capture`.
 
     Parameters
     ----------
     connections : int
-        Requests under way at once, of all blocks together.
+        Requests under way at once, in all blocks together.
     notice : callable
-        As of `Listener`.
+        As for `Listener`.
     """
     if str(root).startswith("memory:") and not engine.in_process:
         raise InvalidInput(
@@ -107,9 +107,9 @@ class BlockMaker:
     engine : Engine
     blocks : Blocks
     connections : int
-        Requests under way at once, of all blocks together.
+        Requests under way at once, in all blocks together.
     notice : callable
-        As of `Listener`.
+        As for `Listener`.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class BlockMaker:
 
     @property
     def under_way(self) -> int:
-        """Images made so far of blocks that are not finished."""
+        """Images made so far in blocks under way."""
         return sum(self._control.made.copy().values())
 
     @property
@@ -160,7 +160,7 @@ class BlockMaker:
             write_relief(self._plan, self._journal.root)
 
     def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
-        """Make blocks; returns False where the run stopped it."""
+        """Make blocks; returns False if the run stopped it."""
         self._pending.extend(pieces)
         controls[self._name] = control = self._control
         try:
@@ -181,7 +181,7 @@ class BlockMaker:
             for future in self._under_way:
                 future.cancel()
             if self._engine.in_process:
-                # Its threads would go on with what the caller is about to close.
+                # Wait for its threads, which use what the caller is about to close.
                 self._take(wait(self._under_way).done, orders, ended=True)
             del controls[self._name]
 
@@ -192,7 +192,7 @@ class BlockMaker:
         sharers = slots if most is None else min(slots, most)
         share = Fraction(1, max(sharers, 1))
         while self._pending and len(self._under_way) < sharers:
-            # Blocks that were begun when there were fewer workers have larger shares of the provider's limits.
+            # Blocks begun with fewer workers have larger shares of the provider's limits.
             if most is not None and sum(one for _, one in self._under_way.values()) + share > 1:
                 return
             piece = self._pending.popleft()
@@ -208,7 +208,7 @@ class BlockMaker:
             self._under_way[future] = (piece, share)
 
     def _count_slots(self) -> int:
-        """Count the blocks that workers can make at once; gives notice where there have been none for a while."""
+        """Count the blocks that workers can make at once; gives notice after a while without workers."""
         try:
             slots = self._engine.slots()
         except (RuntimeError, OSError) as wrong:
@@ -258,15 +258,15 @@ class BlockMaker:
                 self._retry(piece, wrong, orders)
 
     def _note(self, piece: Piece, record: Record, orders: Orders) -> None:
-        """Note the record of a block that was made or given up."""
+        """Note the record of a block made or given up."""
         self._journal.take(piece, record)
         orders.repeats(piece.map_type).add(record.noted)
         for outcome in record.outcomes.values():
             orders.note(outcome)
 
     def _retry(self, piece: Piece, wrong: BaseException, orders: Orders) -> None:
-        """Queue a block again, or give it up; raises what ends the whole run."""
-        # Ray wraps errors in its own.
+        """Queue a block again or give it up; raises errors that end the run."""
+        # Ray wraps errors.
         cause = getattr(wrong, "cause", None)
         wrong = cause if isinstance(cause, BaseException) else wrong
         if isinstance(wrong, (WrongWorker, SourceError, InvalidInput)) or (
@@ -295,7 +295,7 @@ class BlockMaker:
         if isinstance(wrong, OutputError):
             raise wrong
         self._lost_in_a_row += 1
-        # So many blocks given up, with none made in between, are the workers' fault.
+        # If so many blocks fail in a row, the workers are at fault.
         if self._lost_in_a_row > 5:
             raise OutputError(
                 "workers: {0} blocks in a row could not be made ({1})",
@@ -308,7 +308,7 @@ class BlockMaker:
 
 
 def _find_error(future: Future[BlockResult]) -> BaseException | None:
-    """Error that ended a block, of any kind: sys.exit() on a worker does not end the run."""
+    """Error of any kind that ended a block, as sys.exit() on a worker must not end the run."""
     try:
         return future.exception()
     except CancelledError as wrong:
@@ -318,7 +318,7 @@ def _find_error(future: Future[BlockResult]) -> BaseException | None:
 def _describe(wrong: BaseException) -> Message:
     """Describe the error of a worker briefly."""
     kind = type(wrong).__name__
-    # Names of errors that Dask and Ray raise where a worker ends.
+    # Errors that Dask and Ray raise if a worker dies.
     if kind in (
         "KilledWorker",
         "CancelledError",
@@ -332,5 +332,5 @@ def _describe(wrong: BaseException) -> Message:
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    # Dask's text is about its own connections.
+    # Dask's text is about its connections only.
     return OutputError("workers: all are gone ({0})", type(wrong).__name__)

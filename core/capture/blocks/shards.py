@@ -1,4 +1,4 @@
-"""Many images in one file: a tar of images, their table rows and products, as WebDataset reads it."""
+"""Many images in one file: a tar of images, table rows and products for WebDataset."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Member(NamedTuple):
 
 
 class Gathered:
-    """Files of images, gathered from several threads in any order until they are packed."""
+    """Files of images, gathered from several threads until they are packed."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._files: dict[tuple[str, str], bytes] = {}
 
     def write(self, path: Path, data: bytes) -> None:
-        """Take a file, by the folder and name that it would have as a separate file."""
+        """Take a file, with the path that it would have as a separate file."""
         with self._lock:
             self._files[path.parent.name, path.name] = data
 
@@ -40,9 +40,9 @@ class Gathered:
     ) -> tuple[bytes, dict[str, Member]]:
         """Pack the images of a table into a tar.
 
-        Its bytes depend on the images and the table alone. Members of an image share a key, and have its ending, those
-        of the files beside it, ``.json`` with its row of the table, and endings of products such as ``.depth.tif``. The
-        image's name would not do as a key: WebDataset takes everything after the first dot as the ending.
+        Its bytes depend on the images and the table alone. Members of an image share a key, and have the endings of the
+        image and its sidecar files, ``.json`` for its row of the table, and endings of products such as ``.depth.tif``.
+        The image's name cannot be the key, as WebDataset takes everything after the first dot as the ending.
 
         Parameters
         ----------
@@ -58,7 +58,7 @@ class Gathered:
         bytes, dict of str to Member
             Positions of the image files, by name without ending.
         """
-        # Times are text, as in tables.
+        # Times stay text, as in tables.
         columns = [
             one._replace(kind=TEXT, values=table.time_utc) if one.kind == TIME else one
             for one in written_columns(table)

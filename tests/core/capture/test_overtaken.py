@@ -91,7 +91,7 @@ def contents(folder):
             marks=pytest.mark.thorough,
         ),
         ("no-locks-blocks", "another run has taken over, as this one gave no sign of life for 4 s"),
-        ("lost", "another run has taken over, as its journal.jsonl tells"),
+        ("lost", "another run has taken over, as its journal.jsonl shows"),
         ("flock", "its journal.jsonl was replaced or removed, so that another run may be at work in it"),
         pytest.param(
             "flock-blocks",
