@@ -65,31 +65,16 @@ _EDGES = ("xmin", "ymin", "xmax", "ymax")
 def write_stac(folder: Address, target: Address, map_type: str | None = None) -> list[Path]:
     """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` beside a dataset's tables; return them.
 
-    Items are all existing images of all map types, including those rejected by cleaning. Earlier descriptions are
-    replaced.
-
-    Parameters
-    ----------
-    folder : path or address
-        Folder of a dataset.
-    target : path or address
-        The same folder.
-    map_type : str or None
-        None for all.
-
-    Raises
-    ------
-    InvalidInput
-        The folder is not a dataset, lacks the map type, or is not the target.
-    OutputError
-        The folder cannot be written, or pyarrow is not installed.
+    Items are all existing images, including those that cleaning has rejected. Earlier descriptions are replaced.
+    Parameters and errors are those of `write_croissant`; the dataset may also be at an address, and OutputError is
+    raised without pyarrow, too.
     """
     import_pyarrow("stac")
     return describe(own_folder(read_dataset(folder), target, COLLECTION_FILE), map_type)
 
 
 def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
-    """Write the descriptions of a dataset, see `write_stac`."""
+    """Write the descriptions of a dataset; see `write_stac`."""
     arrow = import_pyarrow("stac")
     shown: dict[Path, FootprintGeometries | None] = {}
     parts = []

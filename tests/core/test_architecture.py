@@ -307,7 +307,7 @@ OWN_READS = {
     "core/cli/__init__.py": {"os.open(os.devnull, os.O_WRONLY)": "is written"},
     "core/dataset/dataset.py": {
         "path.read_bytes()": "of a StoredImage, which reads up to a limit",
-        "Image.open(opened.enter_context(file), formats=_FORMATS)": "of open_foreign, and asked for its size",
+        "Image.open(opened.enter_context(file), formats=formats)": "of open_foreign, and asked for its size",
     },
     "core/dataset/loading/streaming.py": {"partial.open('r+b')": "a copy in a folder of ours"},
     "core/imagery/cache/database.py": {
