@@ -89,8 +89,8 @@ def planned(file: str, columns: int, rows: int, overlap: float) -> Any:
     from terrainav.core.mission.plan import plan
 
     source = open_raster(file)
-    own = source.grid.own
-    if own is None:
+    own = source.grid.plane
+    if own.wraps:
         raise SystemExit(f"{file}: has no pixels of its own in a projected CRS")
     size_px = source._sizes[0]  # noqa: SLF001
     pixel = source.grid.pixel_size(source.grid.native_zoom)[0]

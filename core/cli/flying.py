@@ -218,8 +218,8 @@ def _print_figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     from ..bands import RGB
     from ..picture.cost import timed_cost
 
-    policy, own = source.policy, worked_out.grid.own
-    facts = filter(None, (source.title, source.date, own.name if own else ""))
+    policy = source.policy
+    facts = filter(None, (source.title, source.date, worked_out.grid.plane.label))
     lines = [("source", ", ".join(facts))]
     if not source.is_local:
         needed = _requests(worked_out)

@@ -182,12 +182,12 @@ def mesh_noise_px(scene: ImageGeometry) -> Floats:
     return _SERIES_ROUNDING_PX + 4.0 * _MAP_ROUNDING_M / scene.nadir_px_m
 
 
-def outside_flat_domain(scene: ImageGeometry, bend: float | None = None) -> str:
+def outside_flat_domain(scene: ImageGeometry, bend: Floats | float | None = None) -> str:
     """Reason why flat-ground methods have no bound, with value and limit; empty if they have one.
 
     Parameters
     ----------
-    bend : float or None
+    bend : array (n,), float, or None
         Largest curvature of straight ground lines in the plane of the map, relative to the Earth's; None for Mercator,
         where it is the tangent of the latitude.
     """

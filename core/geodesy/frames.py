@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
-from .accuracy import ImageGeometry, bound_px, map_noise_px
+from .accuracy import ImageGeometry, bound_px, map_frame_px, map_noise_px
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import MERCATOR, PixelGrid, Plane, lat_to_v, lon_to_u, wrap_lon_deg
-from .planes import ProjectedPlane
 
 #: Poses processed at a time, to bound memory.
 _BATCH = 1 << 16
@@ -171,13 +170,15 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pla
     return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
 
 
-def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Floats:
-    """Bound of map frames on the plane of a source's CRS, with a small attitude ignored, (n,).
+def plane_frame_px(scene: ImageGeometry, plane: Plane, bend: Floats | float) -> Floats:
+    """Bound of map frames on a plane, with a small attitude ignored, (n,); on Web Mercator see `map_frame_px`.
 
     The error of convergence, scale and curvature is measured at the corners of the image, the middles of its edges and
     its centre. Between these nine points a quadratic surface is at most (5/4)² times as large; ρ(max(w, h)/R)²(1 + B²)
     bounds higher orders, with B the plane's greatest ``bend``.
     """
+    if plane.wraps:
+        return map_frame_px(scene)
     count = len(scene.poses.lat_deg)
     if count > _BATCH:
         sizes = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
@@ -185,7 +186,7 @@ def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Fl
         parts = [
             plane_frame_px(
                 ImageGeometry(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground),
-                own,
+                plane,
                 bend,
             )
             for at in (slice(start, start + _BATCH) for start in range(0, count, _BATCH))
@@ -195,10 +196,10 @@ def plane_frame_px(scene: ImageGeometry, own: ProjectedPlane, bend: float) -> Fl
     x, y = (points.ravel() for points in np.meshgrid(across, across))
     rays = scene.camera.rays_enu(tuple(zip(x.tolist(), y.tolist())), *poses.attitude)
     seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, scene.ground)
-    u, v = own.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
-    edges = map_frame_edges(scene.camera, poses, scene.ground, own)
+    u, v = plane.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
+    edges = map_frame_edges(scene.camera, poses, scene.ground, plane)
     width, height = edges.size
-    turns = quarter_turns(poses, own)
+    turns = quarter_turns(poses, plane)
     column, row = (np.broadcast_to(part, (count, len(x))) for part in ((x + 1.0) / 2.0, (1.0 - y) / 2.0))
     share_x, share_y = on_map(turns, column, row)
     off_x = (u - edges.west_u[:, np.newaxis]) / width[:, np.newaxis] - share_x

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
-from .ellipsoid import WGS84
+from .ellipsoid import WGS84, Ellipsoid
 from .planes import At, ProjectedPlane
 
 #: Whole numbers, one or many.
@@ -78,6 +78,7 @@ class WebMercator:
     wraps: ClassVar[bool] = True
     widest_cell: ClassVar[float] = 90.0 / 360.0
     name: ClassVar[str] = "EPSG:3857"
+    label: ClassVar[str] = ""
     unit_m: ClassVar[float] = 1.0
 
     crs: str = "EPSG:3857"
@@ -136,6 +137,23 @@ class WebMercator:
         """Bend at positions: the tangent of the latitude."""
         steepness: Floats = np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
         return steepness
+
+    def frame_bend(self, lat_deg: Floats, _lon_deg: Floats, /) -> Floats:
+        """Bend at positions (n,): the tangent of the latitude."""
+        return np.asarray(np.abs(np.tan(np.radians(lat_deg))), np.float64)
+
+    def focal_px(
+        self, lat_deg: Floats, _lon_deg: Floats, agl_m: Floats, ground: Ellipsoid, world_px: float, /
+    ) -> tuple[Floats, Floats]:
+        """Focal lengths along x and y, px, of map frames from ``agl_m`` above ``ground`` at positions (n,)."""
+        # Pixels per radian of the camera's ground: a metre is 1/(N cos φ) of longitude or 1/M of latitude.
+        px_per_rad = agl_m * world_px / (2.0 * math.pi * np.cos(np.radians(lat_deg)))
+        return px_per_rad / ground.normal_radius_m(lat_deg), px_per_rad / ground.meridional_radius_m(lat_deg)
+
+    def nearest_px(self, offset_px: Floats, world_px: float) -> Floats:
+        """Offsets along x, px, by the shorter way around the world."""
+        nearest: Floats = np.mod(offset_px + world_px / 2.0, world_px) - world_px / 2.0
+        return nearest
 
     def lacks_frames(self, _u: Floats, dlon_deg: Floats, /) -> Flags:
         """Whether no rectangle holds a frame (n,), by the midpoints of its top, right, bottom and left edges (n, 4)."""
@@ -214,11 +232,6 @@ class PixelGrid:
     def world_px(self, zoom: int) -> int:
         """Width (and height) of the world in px at ``zoom``."""
         return self.tile_px << zoom
-
-    @property
-    def own(self) -> ProjectedPlane | None:
-        """Plane of another CRS than Web Mercator; None for the map."""
-        return self.plane if isinstance(self.plane, ProjectedPlane) else None
 
     def pixel_size(self, zoom: int) -> tuple[float, float]:
         """Width and height of a pixel at ``zoom`` in the CRS's unit; on the map, in metres at the equator."""

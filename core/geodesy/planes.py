@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
-from .ellipsoid import WGS84, arctan2, sin_cos, trace
+from .ellipsoid import WGS84, Ellipsoid, arctan2, sin_cos, trace
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -101,6 +101,31 @@ class ProjectedPlane:
         bend = self.bend(*(np.where(shown, angle, 0.0) for angle in places()))
         # With such a bend no cell is within any tolerance.
         return np.where(shown & np.isfinite(bend), bend, 1e12)
+
+    def frame_bend(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Bend that bounds map frames at positions (n,): the greatest, one number."""
+        return np.asarray(self.greatest_bend(lat_deg, lon_deg))
+
+    def focal_px(
+        self, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, ground: Ellipsoid, world_px: float
+    ) -> tuple[Floats, Floats]:
+        """Focal lengths along x and y, px, of map frames from ``agl_m`` above ``ground`` at positions (n,).
+
+        Parameters
+        ----------
+        ground : Ellipsoid
+            WGS 84, or raised to the height of the ground.
+        world_px : float
+            Pixels of the plane's width and height.
+        """
+        # A metre of raised ground is less on the ellipsoid, by the ratio of the radii.
+        agl = agl_m * (WGS84.normal_radius_m(lat_deg) / ground.normal_radius_m(lat_deg))
+        across_m, down_m = (size / world_px for size in self.ground_m(lat_deg, lon_deg))
+        return agl / across_m, agl / down_m
+
+    def nearest_px(self, offset_px: Floats, _world_px: float, /) -> Floats:
+        """Offsets along x, px, by the shorter of two ways on a plane that wraps."""
+        return offset_px
 
     def lacks_frames(self, u: Floats, _dlon_deg: Floats, /) -> Flags:
         """Whether no rectangle holds a frame (n,), by u and degrees east of the midpoints of its edges (n, 4)."""
@@ -193,6 +218,11 @@ class ProjectedPlane:
         """Code of the CRS, or its name in WKT."""
         # Codes such as EPSG:32616 are shorter than 32 characters, WKT longer.
         return self.crs if len(self.crs) < 32 else str(_system(self.crs).name)
+
+    @property
+    def label(self) -> str:
+        """Name to show beside a source's title; empty for the Web-Mercator map."""
+        return self.name
 
     @cached_property
     def _is_geographic(self) -> bool:

@@ -488,7 +488,7 @@ class FileSource(NamedSource):
         plane = source.grid.plane
         if wanted not in ("", plane.crs):
             source.close()
-            raise refused_crs(wanted, source.title, [source.grid.own.name if source.grid.own else MAP, MAP])
+            raise refused_crs(wanted, source.title, [plane.name, MAP])
         return source
 
     @property

@@ -238,13 +238,16 @@ class XYZSource:
     def _opened_store(self, map_type: str) -> NoStore:
         if self._cache is None:
             return NoStore()
-        template, own = self._template(map_type), self.grid.own
-        return self._cache.store(
+        template, plane = self._template(map_type), self.grid.plane
+        key, title = template.text, self.title
+        if not plane.wraps:
             # In another plane, the same numbers name another tile.
-            template.text + (f"\n{astuple(own)}" if own else ""),
+            key, title = f"{key}\n{astuple(plane)}", f"{title} ({plane.crs})"
+        return self._cache.store(
+            key,
             # The path of a template may hold secrets.
             source=template.host if "{" in self.name else self.name,
-            title=f"{self.title} ({own.crs})" if own else self.title,
+            title=title,
             attribution=self.attribution,
             map_type=map_type,
             date=self.date,

@@ -13,8 +13,7 @@ from ..geodesy import accuracy
 from ..geodesy.accuracy import ImageGeometry
 from ..geodesy.camera import Poses
 from ..geodesy.frames import plane_frame_px, plane_runs
-from ..geodesy.mercator import PixelGrid
-from ..geodesy.planes import ProjectedPlane
+from ..geodesy.mercator import MERCATOR, PixelGrid, Plane
 from ..geodesy.view import ImageRays, mesh_serves
 from .areas.area import ANGLES, Points
 from .layout.framing import (
@@ -197,19 +196,19 @@ def exact_footprint(scene: ImageGeometry) -> Method:
     return Method(Message("footprint"), "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
-def map_frame(scene: ImageGeometry, outside: str = "", own: ProjectedPlane | None = None) -> Method:
-    """Pictures that are rectangles of the map, or of the plane ``own`` of the source's CRS.
+def map_frame(scene: ImageGeometry, outside: str = "", plane: Plane = MERCATOR) -> Method:
+    """Pictures that are rectangles of the map, or of the plane of the source's CRS.
 
     Parameters
     ----------
     outside : str
         Reason against map frames that does not follow from the scene; else empty.
     """
-    bend = None if own is None else own.greatest_bend(scene.poses.lat_deg, scene.poses.lon_deg)
+    bend = plane.frame_bend(scene.poses.lat_deg, scene.poses.lon_deg)
     outside = outside or accuracy.outside_flat_domain(scene, bend)
     if outside:
         return Method(_PICTURE, "map", math.inf, math.inf, outside)
-    px = accuracy.map_frame_px(scene) if own is None or bend is None else plane_frame_px(scene, own, bend)
+    px = plane_frame_px(scene, plane, bend)
     # Pixels span most ground at the corners of a level picture, where slanted rays stretch them by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
     return Method(_PICTURE, "map", float(np.max(px)), metres)
@@ -273,7 +272,7 @@ def choose_methods(
                 outside = wrong.message
         if not outside:
             scene = _resolved(image_geometry(mission, flown, grid))
-            found, footprint = map_frame(scene, own=grid.own), exact_footprint(scene)
+            found, footprint = map_frame(scene, plane=grid.plane), exact_footprint(scene)
             fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
             if fits or mission.accuracy.frame == "map" or no_camera_frame:
                 return flown, _gather(mission, grid, scene, Choice(footprint), Choice(found), None)

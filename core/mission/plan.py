@@ -14,6 +14,7 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners
 from ..geodesy.frames import Windows
 from ..geodesy.mercator import PixelGrid
+from ..geodesy.planes import ProjectedPlane
 from .areas.area import check_area, check_polygons
 from .flight.direct import DirectFlight, stated_times_s
 from .flight.legs import intervals_s, legs
@@ -230,11 +231,11 @@ class Plan:
     @cached_property
     def imagery(self) -> ImageryShare:
         """Share of the area, and pictures, on the source's imagery, where its grid states an extent."""
-        own, extent = self.grid.own, self.grid.extent
+        plane, extent = self.grid.plane, self.grid.extent
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
-        if own is None or extent is None or not self.mission.area.covers_ground:
+        if not isinstance(plane, ProjectedPlane) or extent is None or not self.mission.area.covers_ground:
             return found
-        return found._replace(share=plane_share(self.mission.area, own, extent))
+        return found._replace(share=plane_share(self.mission.area, plane, extent))
 
     @cached_property
     def overlap(self) -> Overlap:

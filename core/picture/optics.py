@@ -20,9 +20,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..geodesy.camera import Camera
-from ..geodesy.ellipsoid import WGS84
 from ..geodesy.frames import in_image, swapped
-from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
 from ..mission.parts import utc_time
 from ..mission.plan import Plan
@@ -115,28 +113,13 @@ def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floa
 
 def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
     """The same along the axes of the map, from the upper left corner of the windows."""
-    world_px = float(plan.grid.world_px(plan.zoom))
-    lat, ground, own = plan.lat_deg[at], plan.ground, plan.grid.own
-    if own is not None:
-        # Metres of raised ground are as many more as its radius is longer.
-        raised = WGS84.normal_radius_m(lat) / ground.normal_radius_m(lat)
-        across_m, down_m = (size / world_px for size in own.ground_m(lat, plan.lon_deg[at]))
-        u, v = own.forward(lat, plan.lon_deg[at])
-        left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])
-        agl = plan.agl_m[at] * raised
-        return agl / across_m, agl / down_m, u * world_px - left, v * world_px - top
-    # Pixels of the map for each radian that the camera's ground moves along: a metre is 1/N cos or 1/M of one.
-    px_per_rad = plan.agl_m[at] * world_px / (2.0 * math.pi * np.cos(np.radians(lat)))
+    world_px, plane = float(plan.grid.world_px(plan.zoom)), plan.grid.plane
+    lat, lon = plan.lat_deg[at], plan.lon_deg[at]
+    u, v = plane.forward(lat, lon)
     left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])
-    # A camera and its window may be given on different sides of the antimeridian.
-    across = np.mod(lon_to_u(plan.lon_deg[at]) * world_px - left + world_px / 2.0, world_px) - world_px / 2.0
-    down = lat_to_v(lat) * world_px - top
-    return (
-        px_per_rad / ground.normal_radius_m(lat),
-        px_per_rad / ground.meridional_radius_m(lat),
-        across,
-        down,
-    )
+    focal_x, focal_y = plane.focal_px(lat, lon, plan.agl_m[at], plan.ground, world_px)
+    # A camera and its window may lie on different sides of the antimeridian.
+    return focal_x, focal_y, plane.nearest_px(u * world_px - left, world_px), v * world_px - top
 
 
 @dataclass(frozen=True)

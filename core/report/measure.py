@@ -241,8 +241,8 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
     """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
     plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     own = plan.accuracy.picture
-    plane = plan.grid.own
-    bend = None if plane is None else plane.greatest_bend(scene.poses.lat_deg, scene.poses.lon_deg)
+    plane = plan.grid.plane
+    bend = plane.frame_bend(scene.poses.lat_deg, scene.poses.lon_deg)
     outside = outside_flat_domain(scene, bend) or positions.map_frame_problem(plan)
     if not outside and own.rejected is not None and own.rejected.outside:
         outside = own.rejected.outside

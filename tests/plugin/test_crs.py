@@ -72,5 +72,5 @@ def test_a_dataset_that_states_its_system_is_of_the_mission_that_left_it_to_the_
     questions = Questions(None, None, None, None)
     assert not questions.belongs_to_another(worked_out, tmp_path / "out")
     on_map = mission.replace(crs="EPSG:3857")
-    assert mission_grid(on_map).own is None
-    assert mission_grid(mission).own.crs == "EPSG:32616"
+    assert mission_grid(on_map).plane.wraps
+    assert mission_grid(mission).plane.crs == "EPSG:32616"

@@ -101,7 +101,7 @@ def test_bends_are_those_of_conformal_projections():
 @DRAWS
 def test_map_frames_are_within_their_bound(crs, lat, lon, agl, draws):
     grid = grid_about(crs, lat, lon)
-    plane = grid.own
+    plane = grid.plane
     yaw = -plane.north_deg(np.array([lat]), np.array([lon]))
     pose = Poses(np.array([lat]), np.array([lon]), np.array([agl]), yaw, np.zeros(1), np.zeros(1))
     scene = ImageGeometry(CAMERA, *SIZE, pose)
@@ -134,7 +134,7 @@ def test_map_frames_are_within_their_bound(crs, lat, lon, agl, draws):
 @DRAWS
 def test_cells_and_rays_of_camera_frames_are_within_their_bounds(crs, lat, lon, tilt, draws):
     grid = grid_about(crs, lat, lon)
-    plane = grid.own
+    plane = grid.plane
     attitude = 30.0, tilt, 3.0
     pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([120.0]), *attitude)
     scene = ImageGeometry(CAMERA, *SIZE, pose)

@@ -208,7 +208,7 @@ def test_the_named_source_has_the_chart_s_grid_and_what_it_opens_too():
     for crs, code in (("", None), ("EPSG:3857", None), (NORTH, NORTH), (SOUTH.lower(), SOUTH)):
         named = named_source("world", SourceOptions(crs=crs, seed=7))
         assert named.grid == named.open().grid
-        assert (named.grid.own.crs if named.grid.own else None) == code
+        assert (None if named.grid.plane.wraps else named.grid.plane.crs) == code
         assert named.open().world == World(7, code or "")
     with pytest.raises(InvalidInput, match="tile"):
         _ = named_source("world", SourceOptions(crs=SOUTH, tile_px=512)).grid

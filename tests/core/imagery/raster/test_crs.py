@@ -45,13 +45,13 @@ def captured(file, folder, crs="", **options):
 
 def test_a_raster_has_its_own_system_and_the_map_s(file, tmp_path):
     own, stated = captured(file, tmp_path / "own")
-    assert own.grid.own.crs == OWN
+    assert own.grid.plane.crs == OWN
     assert json.loads(stated.read_text())["imagery"]["crs"] == OWN
     by_name, same = captured(file, tmp_path / "named", OWN)
     assert same.read_bytes() == stated.read_bytes()
     assert by_name.names == own.names
     on_map, other = captured(file, tmp_path / "map", "EPSG:3857")
-    assert on_map.grid.own is None
+    assert on_map.grid.plane.wraps
     assert json.loads(other.read_text())["imagery"]["crs"] == "EPSG:3857"
     picture = gdal.Open(str(tmp_path / "map/satellite" / f"{on_map.names[0]}.tif"))
     assert picture.GetSpatialRef().GetAuthorityCode(None) == "3857"
@@ -68,7 +68,7 @@ def test_degrees_become_the_map_s_pixels_only(tmp_path):
     values = np.zeros((3, 300, 300), np.uint8)
     rasters.write(tmp_path / "degrees.tif", values, (LON, 1e-5, 0.0, LAT, 0.0, -1e-5), 4326)
     named = str(tmp_path / "degrees.tif")
-    assert named_source(named, SourceOptions(crs="EPSG:3857")).grid.own is None
+    assert named_source(named, SourceOptions(crs="EPSG:3857")).grid.plane.wraps
     with pytest.raises(InvalidInput, match=r"EPSG:4326: degrees\.tif has EPSG:3857$"):
         named_source(named, SourceOptions(crs="EPSG:4326")).grid  # noqa: B018
 
@@ -84,7 +84,7 @@ def test_a_system_without_a_code_is_stated_by_its_wkt_and_taken_again(tmp_path):
     changed = None
     worked_out, stated = captured(str(path), tmp_path / "out")
     mission = Mission.load(stated)
-    assert mission.imagery.crs == worked_out.grid.own.crs
+    assert mission.imagery.crs == worked_out.grid.plane.crs
     source = open_source(str(path), crs=mission.imagery.crs)
     assert capture(plan(mission, source.grid), source, tmp_path / "out", resume=True).skipped == 1
     source.close()

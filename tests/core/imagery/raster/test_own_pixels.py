@@ -106,8 +106,8 @@ def test_orthophotos_of_national_systems_keep_their_pixels(crs, lat, lon, tmp_pa
         source = open_raster(tmp_path / "o.tif")
         grid = source.grid
         source.close()
-        assert grid.own is not None
-        assert (grid.own.crs, grid.own.west, grid.own.north) == (crs, west, north)
+        assert not grid.plane.wraps
+        assert (grid.plane.crs, grid.plane.west, grid.plane.north) == (crs, west, north)
         assert grid.pixel_size(grid.native_zoom) == pytest.approx((pixel, pixel), rel=1e-12)
 
 
@@ -240,7 +240,7 @@ def test_tables_say_where_images_lie(tmp_path):
         left, width, _, top, _, height = image.GetGeoTransform()
         stated = table.west[index], table.pixel_width[index], table.north[index], -table.pixel_height[index]
         assert stated == pytest.approx((left, width, top, height), abs=1e-9)
-    assert table.yaw_deg == pytest.approx(-worked_out.grid.own.north_deg(table.pose_lat_deg, table.pose_lon_deg))
+    assert table.yaw_deg == pytest.approx(-worked_out.grid.plane.north_deg(table.pose_lat_deg, table.pose_lon_deg))
 
 
 def test_a_layout_of_the_map_and_the_horizon_are_refused(tmp_path):
@@ -262,13 +262,13 @@ def test_degrees_and_turned_rasters_become_pixels_of_the_map(tmp_path):
         ("turned", turned, 32632),
     ):
         path = rasters.write(tmp_path / f"{name}.tif", values, geotransform, epsg)
-        assert open_raster(path).grid.own is None
+        assert open_raster(path).grid.plane.wraps
     # So do pixels that are the map's own.
     size = 2 * math.pi * 6378137 / 2**8 / 2**15
     corner = (-math.pi * 6378137 + 5000 * size, size, 0.0, math.pi * 6378137 - 7000 * size, 0.0, -size)
-    assert open_raster(rasters.write(tmp_path / "map.tif", values, corner, 3857)).grid.own is None
+    assert open_raster(rasters.write(tmp_path / "map.tif", values, corner, 3857)).grid.plane.wraps
     off = (corner[0] + 0.3 * size, *corner[1:])
-    assert open_raster(rasters.write(tmp_path / "off.tif", values, off, 3857)).grid.own is not None
+    assert not open_raster(rasters.write(tmp_path / "off.tif", values, off, 3857)).grid.plane.wraps
 
 
 def test_a_report_measures_pictures_in_the_raster_s_crs(tmp_path):
@@ -289,7 +289,7 @@ def test_points_keep_yaws_of_their_own_and_missions_count_theirs_from_grid_north
     noise(tmp_path / "noise.tif", epsg, lat, lon)
     grid = open_raster(tmp_path / "noise.tif").grid
     place = ((lat, lon, 60.0),)
-    north_deg = float(grid.own.north_deg(np.array(lat), np.array(lon)))
+    north_deg = float(grid.plane.north_deg(np.array(lat), np.array(lon)))
     assert abs(north_deg) > 40.0
     assert plan(Mission(Points(place, (30.0,)), 60.0), grid).poses.yaw_deg == pytest.approx([30.0])
     assert plan(Mission(Points(place), 60.0, yaw_deg=30.0), grid).poses.yaw_deg == pytest.approx([30.0 - north_deg])

@@ -115,7 +115,7 @@ def test_images_of_a_wmts_are_its_own_pixels(place, server, tmp_path):
     tiles, lat, lon, choice, agl_m, finest = PLACES[place]
     name = serve(server, tiles) + choice
     source = open_source(name)
-    assert source.grid.own.crs == f"EPSG:{tiles.epsg}"
+    assert source.grid.plane.crs == f"EPSG:{tiles.epsg}"
     assert source.grid.pixel_size(source.grid.native_zoom) == pytest.approx((finest, finest), rel=1e-9)
     ring = about(tiles.epsg, lat, lon, agl_m)
     area = Points(((lat, lon, agl_m),)) if "Pole" in place else Polygon((ring,))
@@ -190,7 +190,7 @@ def crs_of(name, **options):
 def test_web_mercator_is_taken_where_there_is_one_and_any_other_by_name(server):
     name = serve(server, DUTCH, EUROPEAN, mercator=True)
     assert crs_of(name) == "EPSG:3857"
-    assert named_source(name).grid.own is None
+    assert named_source(name).grid.plane.wraps
     for wanted in ("EPSG:3857", "EPSG:28992", "EPSG:3035"):
         assert crs_of(name, crs=wanted) == wanted
     assert crs_of(name + "&tilematrixset=inspire") == "EPSG:3035"
@@ -266,7 +266,7 @@ def test_of_two_sets_of_a_system_the_finer_is_taken(server):
 @pytest.mark.parametrize("written", ["by easting", "by northing"])
 def test_corners_in_another_order_than_the_system_s_are_known_by_the_layer_s_ground(server, crs, written):
     text = EUROPEAN.text(northing_first=written == "by northing", crs=crs)
-    plane = named_source(serve(server, EUROPEAN, texts=[text], bounds=(9.5, 46.4, 17.2, 49.0))).grid.own
+    plane = named_source(serve(server, EUROPEAN, texts=[text], bounds=(9.5, 46.4, 17.2, 49.0))).grid.plane
     assert (plane.west, plane.north) == (900_000.0, 5_500_000.0)
 
 
