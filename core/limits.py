@@ -63,6 +63,12 @@ MAX_HEIGHT_SOURCES = 16
 MAX_IMAGERIES = 64
 #: Poses that are drawn at random, or flown along a line.
 MAX_POSES = 10_000_000
+#: Places of cross-view pairs spread over a box, each of which is compared with all before it.
+MAX_PAIR_PLACES = 1_000_000
+#: Views of a place in cross-view pairs; University-1652 has 54.
+MAX_PAIR_VIEWS = 10_000
+#: Pixels along a side of a mosaic.
+MAX_MOSAIC_SIDE_PX = 1 << 22
 #: Tiles of one image: the largest image, from pixels half as large, takes some 12,000 of 256 px.
 MAX_IMAGE_TILES = 32_768
 #: Pixels of all images in progress: one that is made while the next is fetched.

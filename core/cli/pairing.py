@@ -60,7 +60,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     sources = _sources(settings, values, None if arguments.dry_run else open_cache(values))
     options = SourceOptions(
         seed=settings.seed,
-        crs=landscape_crs(settings.imagery_of(DRONE).source, settings.crs),
+        crs=landscape_crs(settings.view_imagery(DRONE).source, settings.crs),
         connections=values["connections"],
         cache=open_cache(values) if settings.terrain.elevation else None,
         named_by_user=values[NAMED],
@@ -87,7 +87,7 @@ def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | 
     """Source of the satellite, and of the drone if that has another imagery."""
     from ..pairs.planning import DRONE, SATELLITE
 
-    asked = [settings.imagery_of(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
+    asked = [settings.view_imagery(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
     return {
         one.name: requested_source(
             replace(settings, source=one.source, date=one.date, map_type=one.map_type, imageries=()),
@@ -205,7 +205,7 @@ def _capture(
             source,
             requests,
             accept_terms=arguments.accept_terms,
-            map_types=(worked_out.settings.imagery_of(view).map_type,),
+            map_types=(worked_out.settings.view_imagery(view).map_type,),
             bounds_deg=worked_out.bounds_deg,
         )
     bar = Bar(arguments.quiet)

@@ -541,6 +541,7 @@ def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]
 def _encoded(image: Image.Image, wanted: str) -> bytes:
     """Image encoded in one of Pillow's formats."""
     buffer = io.BytesIO()
+    # JPEGs as captures are written.
     options: dict[str, Any] = {"quality": 95, "subsampling": 0} if wanted == "JPEG" else {}
     # Readers expect three channels.
     image.convert("RGB").save(buffer, wanted, **options)

@@ -1,11 +1,11 @@
-"""Cross-view pairs: the same places from a satellite and from a drone, as University-1652 has them.
+"""Cross-view pairs: the same places seen by a satellite and a drone, in the layout of University-1652.
 
 In reading order:
 
 - `places`: read from a file, or spread over a box
-- `views`: from where the drone looks at a place
-- `parts`: which places are for training and which for testing
-- `planning`: a dataset worked out before anything is fetched
-- `capturing`: the run, and the folders that it leaves
+- `views`: drone poses around a place
+- `parts`: split of the places into training and test
+- `planning`: the missions of a dataset, planned before anything is fetched
+- `capturing`: the run, and its folders
 - `sheet`: a contact sheet of some places
 """

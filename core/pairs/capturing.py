@@ -1,4 +1,4 @@
-"""The run that makes a cross-view dataset: captures, then the folders that University-1652's readers expect."""
+"""The run that makes a cross-view dataset: captures, then folders in the layout of University-1652."""
 
 from __future__ import annotations
 
@@ -33,17 +33,16 @@ from .planning import DRONE, SATELLITE, PairPlan
 
 SETTINGS_FILE, TABLE_FILE = "pairs.json", "pairs.csv"
 CAPTURES_FOLDER = "captures"
-README_FILE = "README.txt"
-#: Views of University-1652 that no drone takes, but that its baseline opens (the second one to train): the most oblique
-#: drone view stands in.
+#: Ground-level views that University-1652's baseline opens (the second one for training only); the most oblique drone
+#: view stands in for them.
 STAND_INS = ("street", "google")
 _README = """Cross-view pairs in the layout of University-1652, made with TerrAInav.
 
-The folders `street`, `google`, `query_street` and `gallery_street` hold no photographs from the ground. They are
-stand-ins, there so that programs which open them start: of each place, the most oblique view of the drone, under the
-name that it has in `drone`. No figure that is worked out with them says anything about street views.
+The folders `street`, `google`, `query_street` and `gallery_street` hold no photographs from the ground, but stand-ins
+for programs that open these folders: the most oblique drone view of each place, under its name in `drone`. Results
+computed from them say nothing about street views.
 """
-#: Held while a run is at work in a folder.
+#: Locked while a run works in the folder.
 _LOCK_FILE = "run.lock"
 COLUMNS = (
     *("id", "name", "part", "view", "image", "status", "reason", "place_lat_deg", "place_lon_deg"),
@@ -54,12 +53,12 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class PairResult(CaptureResult):
-    """What a run did: all captures together, whose names stand for the map types.
+    """Result of a run: the sum of all captures, with their names in place of map types.
 
     Parameters
     ----------
     left_out : tuple of str
-        Ids of places without a satellite view or any view of the drone, which are in no part's folders.
+        Ids of places without a satellite view or without any drone view, which are in no part.
     """
 
     left_out: tuple[str, ...] = ()
@@ -67,7 +66,7 @@ class PairResult(CaptureResult):
 
 @dataclass(frozen=True)
 class _PairImage:
-    """One image of a place: what it is called in the parts' folders, and the picture of a capture that it is."""
+    """Image of a place: its view and file name in the parts' folders, its mission, and its index in the plan."""
 
     view: str
     name: str
@@ -76,7 +75,7 @@ class _PairImage:
 
 
 def capture_pairs(
-    worked_out: PairPlan,
+    planned: PairPlan,
     source: Source,
     folder: str | os.PathLike[str],
     *,
@@ -86,48 +85,47 @@ def capture_pairs(
     resume: bool = False,
     listener: Listener = SILENT,
 ) -> PairResult:
-    """Capture the views of all places, and lay them out as University-1652 has them.
+    """Capture the views of all places and lay them out as in University-1652.
 
-    The captures are datasets like any other, in ``captures/satellite`` and ``captures/drone`` (one for each tilt where
-    there are several). Their images are placed in ``train/<view>/<id>``, ``test/query_<view>/<id>`` and
-    ``test/gallery_<view>/<id>`` as further names of the same files (hard links), or as copies where the disk has no
-    such. The views of `STAND_INS` are the most oblique one of the drone. A place without a satellite view, or without
-    any view of the drone, is left out of all of them. The same settings leave the same bytes, in one go or in several.
+    The captures are ordinary datasets in ``captures/satellite`` and ``captures/drone`` (one for each tilt if there are
+    several). Their images are hard-linked, or copied where the disk has no hard links, to ``train/<view>/<id>``,
+    ``test/query_<view>/<id>`` and ``test/gallery_<view>/<id>``. The most oblique drone view fills the views of
+    `STAND_INS`. Places without a satellite view or without any drone view are left out. The same settings write the
+    same bytes, however often the run is interrupted.
 
     Parameters
     ----------
     source, drone_source : Source
-        Of the satellite's imagery, and of the drone's where that is another, with the pixel grids that the plan was
-        made for.
+        Imagery of the satellite, and of the drone if it differs, with the pixel grids that the plan was made for.
     resume : bool
-        Go on with a folder that holds these settings: what is missing or has failed is made.
+        Continue in a folder with these settings: make what is missing or failed.
     connections, workers, listener
-        As for `capture`; progress has the capture's name in place of the map type.
+        As in `capture`; progress has the capture's name in place of the map type.
 
     Raises
     ------
     InvalidInput
-        A map type the source does not have, a plan for another pixel grid: before anything is written.
+        The source lacks the map type, or the plan is for another pixel grid; nothing is written.
     OutputError
-        A folder that cannot be written, or holds other settings, these ones without ``resume``, or foreign files.
+        The folder cannot be written, or holds other settings, these ones without ``resume``, or foreign files.
     SourceError
-        The source cannot serve; what was finished is kept.
+        The source fails; finished images are kept.
     """
     captures = {
         name: (plan, source if name == SATELLITE or drone_source is None else drone_source)
-        for name, plan in worked_out.plans.items()
+        for name, plan in planned.plans.items()
     }
     for plan, one in captures.values():
         check_source(plan, one)
     path = Path(folder)
-    wanted = json_bytes(worked_out.to_dict())
+    wanted = json_bytes(planned.to_dict())
     _refuse(path, wanted, resume=resume)
     make_folder(path / CAPTURES_FOLDER)
     lock = path / CAPTURES_FOLDER / _LOCK_FILE
     with locked(lock) as check:
-        # Another run may have made the folder its own meanwhile.
+        # Another run may have claimed the folder meanwhile.
         _refuse(path, wanted, resume=resume, ours=True)
-        check_settings(path, SETTINGS_FILE, worked_out.to_dict())
+        check_settings(path, SETTINGS_FILE, planned.to_dict())
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
         results = capture_each(
             captures,
@@ -137,12 +135,12 @@ def capture_pairs(
             listener=listener.guarded(check),
         )
         check()
-        total = replace(combined(path, results), total=worked_out.images)
-        return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, worked_out))
+        total = replace(combined(path, results), total=planned.images)
+        return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, planned))
 
 
 def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> None:
-    """Refuse a folder that is not for these settings."""
+    """Raise OutputError for a folder that these settings may not be written to."""
     mark = path / SETTINGS_FILE
     try:
         found = read_limited(mark, MAX_MISSION_BYTES) if mark.exists() else None
@@ -166,7 +164,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     inside = path / CAPTURES_FOLDER
     foreign = [path / name for name in (TRAIN, TEST, TABLE_FILE, MISSION_FILE) if (path / name).exists()]
     if inside.exists() and not ours:
-        # A run that was killed as it began leaves its lock.
+        # A run that was killed at its start leaves its lock.
         foreign += (
             [one for one in sorted(inside.iterdir()) if one.name not in (_LOCK_FILE, LEASE_FILE)]
             if inside.is_dir()
@@ -182,36 +180,36 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         )
 
 
-def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
-    """Place the images, write their table; returns the ids of the places that are left out."""
+def _lay_out(path: Path, planned: PairPlan) -> tuple[str, ...]:
+    """Place the images and write their table; returns the ids of the places left out."""
     outcomes: dict[str, dict[str, Outcome]] = {}
-    for name in worked_out.plans:
+    for name in planned.plans:
         journal = Journal(path / CAPTURES_FOLDER / name / JOURNAL_FILE)
         outcomes[name] = {picture: outcome for (_, picture), outcome in journal.outcomes.items()}
     rows: list[dict[str, object]] = []
     left_out: list[str] = []
-    for place, one in enumerate(worked_out.ids):
-        images = list(_images(worked_out, place))
-        found = [outcomes[image.mission].get(_picture(worked_out, image)) for image in images]
+    for place, one in enumerate(planned.ids):
+        images = list(_images(planned, place))
+        found = [outcomes[image.mission].get(_picture(planned, image)) for image in images]
         made = [outcome is not None and outcome.status != FAILED for outcome in found]
         complete = made[0] and any(made[1:])
         if not complete:
             left_out.append(one)
-        oblique = _most_oblique(worked_out, made[1:])
-        for view in STAND_INS if worked_out.parts[place] == TRAIN else STAND_INS[:1]:
-            for at, image in enumerate(images[1 : 1 + len(worked_out.settings.views)]):
+        oblique = _most_oblique(planned, made[1:])
+        for view in STAND_INS if planned.parts[place] == TRAIN else STAND_INS[:1]:
+            for at, image in enumerate(images[1 : 1 + len(planned.settings.views)]):
                 stand_in = replace(image, view=view)
                 if at == oblique:
                     images.append(stand_in)
                     found.append(found[1 + at])
                     made.append(made[1 + at])
                 else:
-                    # One that stood in while a more oblique view was missing.
-                    for file in _files(worked_out.parts[place], one, stand_in):
+                    # It may have stood in while a more oblique view was missing.
+                    for file in _files(planned.parts[place], one, stand_in):
                         _withdraw(path / file)
         for image, outcome, there in zip(images, found, made):
-            captured = _captured(path, worked_out, image) if there else None
-            files = _files(worked_out.parts[place], one, image)
+            captured = _captured(path, planned, image) if there else None
+            files = _files(planned.parts[place], one, image)
             for file in files:
                 if captured is not None and complete:
                     _put(path / file, captured)
@@ -219,44 +217,44 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
                     _withdraw(path / file)
             reason = "" if outcome is None else outcome.reason
             shown = captured.relative_to(path).as_posix() if captured is not None else ""
-            rows.append(_row(worked_out, place, image, reason, there, files if there and complete else [], shown))
+            rows.append(_row(planned, place, image, reason, there, files if there and complete else [], shown))
     cells = ([row[name] for name in COLUMNS] for row in rows)
     write_whole(path / TABLE_FILE, csv_bytes([COLUMNS, *cells]))
-    write_whole(path / README_FILE, _README.encode("utf-8"))
+    write_whole(path / "README.txt", _README.encode("utf-8"))
     return tuple(left_out)
 
 
-def _most_oblique(worked_out: PairPlan, made: Sequence[bool]) -> int:
-    """Which of a place's drone views is most oblique, and of several the lowest one: of those made, if any is."""
-    views = worked_out.settings.views
+def _most_oblique(planned: PairPlan, made: Sequence[bool]) -> int:
+    """Index of the most oblique drone view, and of several the lowest; of those made, if there are any."""
+    views = planned.settings.views
     among = [at for at, there in enumerate(made) if there] or list(range(len(views)))
     return max(among, key=lambda at: (views[at].tilt_deg, -views[at].agl_m, -at))
 
 
-def _images(worked_out: PairPlan, place: int) -> Iterator[_PairImage]:
-    """Images of a place, the satellite's first."""
-    yield _PairImage(SATELLITE, f"{worked_out.ids[place]}.jpg", SATELLITE, place)
-    shots = worked_out.shots(place)
+def _images(planned: PairPlan, place: int) -> Iterator[_PairImage]:
+    """Yield the images of a place, the satellite's first."""
+    yield _PairImage(SATELLITE, f"{planned.ids[place]}.jpg", SATELLITE, place)
+    shots = planned.shots(place)
     digits = max(2, len(str(len(shots))))
     for number, (mission, index) in enumerate(shots, 1):
         yield _PairImage(DRONE, f"image-{number:0{digits}d}.jpeg", mission, index)
 
 
-def _picture(worked_out: PairPlan, image: _PairImage) -> str:
-    return worked_out.plans[image.mission].names[image.index]
+def _picture(planned: PairPlan, image: _PairImage) -> str:
+    return planned.plans[image.mission].names[image.index]
 
 
-def _captured(path: Path, worked_out: PairPlan, image: _PairImage) -> Path:
-    """File of a captured picture; cleaning may have moved it."""
+def _captured(path: Path, planned: PairPlan, image: _PairImage) -> Path:
+    """File of a captured image, which cleaning may have moved."""
     view = SATELLITE if image.mission == SATELLITE else DRONE
-    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.imagery_of(view).map_type
-    name = f"{_picture(worked_out, image)}.jpg"
+    folder = path / CAPTURES_FOLDER / image.mission / planned.settings.view_imagery(view).map_type
+    name = f"{_picture(planned, image)}.jpg"
     moved = folder / REJECTED_FOLDER / name
     return moved if moved.exists() and not (folder / name).exists() else folder / name
 
 
 def _files(part: str, one: str, image: _PairImage) -> list[str]:
-    """Where an image goes: of a test's images to the gallery, and those that are asked for to the queries as well."""
+    """Paths of an image in the parts' folders: test images are both in the gallery and among the queries."""
     if part == TRAIN:
         return [f"{TRAIN}/{image.view}/{one}/{image.name}"]
     kinds = ("gallery", "query") if part == TEST else ("gallery",)
@@ -264,7 +262,7 @@ def _files(part: str, one: str, image: _PairImage) -> list[str]:
 
 
 def _put(target: Path, captured: Path) -> None:
-    """Give a captured image another name, or make a copy of it; what is there already has to be the same."""
+    """Link or copy a captured image to a target; raises OutputError where the target differs from it."""
     try:
         if target.exists():
             if target.samefile(captured) or filecmp.cmp(target, captured, shallow=False):
@@ -281,7 +279,7 @@ def _put(target: Path, captured: Path) -> None:
 
 
 def _withdraw(target: Path) -> None:
-    """Take an image away that an earlier run has placed, and that counts as missing by now."""
+    """Remove an image of an earlier run that is missing now."""
     try:
         target.unlink(missing_ok=True)
     except OSError as wrong:
@@ -289,7 +287,7 @@ def _withdraw(target: Path) -> None:
 
 
 def _row(
-    worked_out: PairPlan,
+    planned: PairPlan,
     place: int,
     image: _PairImage,
     reason: str,
@@ -297,14 +295,14 @@ def _row(
     files: list[str],
     captured: str,
 ) -> dict[str, object]:
-    plan, where = worked_out.plans[image.mission], worked_out.places[place]
+    plan, where = planned.plans[image.mission], planned.places[place]
     width, height, _ = plan.mission.output.img_size or (0, 0, 0)
     pose = {name: float(values[image.index]) for name, values in zip(plan.poses._fields, plan.poses)}
     pose["lon_deg"] = float(wrap_lon_deg(plan.lon_deg[image.index : image.index + 1])[0])
     return {
-        "id": worked_out.ids[place],
+        "id": planned.ids[place],
         "name": table_cell(where.name),
-        "part": worked_out.parts[place],
+        "part": planned.parts[place],
         "view": image.view,
         "image": image.name,
         "status": "done" if there else "failed",

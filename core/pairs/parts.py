@@ -1,4 +1,4 @@
-"""Assign places to training and testing so that no ground is in both."""
+"""Split of places into training and test without shared ground."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from .places import PairPlace, cartesian_m
 
-#: Distractors are only in the gallery.
+#: Distractors are in the gallery only.
 PARTS = TRAIN, TEST, DISTRACTOR = ("train", "test", "distractor")
-#: University-1652's buildings: 701 to train on, 701 to ask for, 250 more that are only in the galleries.
+#: University-1652's buildings: 701 for training, 701 for test, 250 distractors.
 SHARES = (701.0, 701.0, 250.0)
 
 
 class PlaceParts(NamedTuple):
-    """Part of each place, and whether any ground is seen from places of two parts."""
+    """Part of each place, and whether places of two parts show the same ground."""
 
-    of: tuple[str, ...]
+    part: tuple[str, ...]
     ground_shared: bool
 
 
 def check_shares(shares: Sequence[float]) -> None:
-    """Refuse shares that are not three numbers >= 0, some above."""
+    """Raise InvalidInput unless shares are three numbers >= 0 with a positive sum."""
     if len(shares) != len(PARTS):
         raise InvalidInput("split {0}: give three shares, for {1}s", _text(shares), ", ".join(PARTS))
     if not all(share >= 0.0 for share in shares) or not 0.0 < sum(shares) < math.inf:
@@ -51,26 +51,26 @@ def part_places(
     gap_m: float = 0.0,
     allow_shared_ground: bool = False,
 ) -> PlaceParts:
-    """Share places out.
+    """Assign places to parts.
 
-    Places from which the same ground is seen go to the same part, all together. The order is that of a hash of seed
-    and coordinates, whatever the order of the list.
+    Places whose views share ground, directly or through others, go to the same part. The order is that of a hash of
+    seed and coordinates, whatever the order of the list.
 
     Parameters
     ----------
     shares : three numbers
-        For training, testing and distractors, relative to their sum.
+        Of training, test and distractors, relative to their sum.
     reach_m : array (n,)
         Farthest ground in any view of each place.
     gap_m : float
-        Ground to leave between what is seen in two parts, >= 0.
+        Least distance between the ground of two parts, >= 0.
     allow_shared_ground : bool
-        Share places out one by one; only the places are then different.
+        Assign places one by one; parts then may share ground, but no places.
 
     Raises
     ------
     InvalidInput
-        Where a part that should hold places would be left empty.
+        A part with a positive share would be empty.
     """
     check_shares(shares)
     if not (math.isfinite(gap_m) and gap_m >= 0.0):
@@ -117,7 +117,7 @@ def _crowd(reach_m: Floats, gap_m: float) -> str:
 
 
 def _counts(count: int, shares: Sequence[float]) -> list[int]:
-    """Whole numbers in these shares, by the largest remainders."""
+    """Whole numbers in proportion to shares, by the largest remainders."""
     exact = [count * share / sum(shares) for share in shares]
     counts = [math.floor(one) for one in exact]
     by_remainder = sorted(range(len(shares)), key=lambda at: counts[at] - exact[at])
@@ -135,7 +135,7 @@ def _order(places: Sequence[PairPlace], seed: int) -> list[int]:
 
 
 def _filled(groups: Numbers, order: list[int], wanted: list[int]) -> Numbers:
-    """Index of the part of each place: the largest groups first, each where most places are missing."""
+    """Index of the part of each place: largest groups first, each to the part that lacks most places."""
     members: dict[int, list[int]] = {}
     for index in order:
         members.setdefault(int(groups[index]), []).append(index)
@@ -149,10 +149,10 @@ def _filled(groups: Numbers, order: list[int], wanted: list[int]) -> Numbers:
 
 
 def _neighbours(places: Sequence[PairPlace], reach_m: Floats, gap_m: float) -> Numbers:
-    """Number of the group of each place: those whose views meet, over others or directly."""
+    """Group of each place: places whose views share ground, directly or through others."""
     points = cartesian_m(np.array([p.lat_deg for p in places]), np.array([p.lon_deg for p in places]))
     group = np.arange(len(places))
-    # Bounds the distances in memory.
+    # At most 4 million distances at a time, 32 MB for each array of them.
     rows = max((1 << 22) // len(places), 1)
     for start in range(0, len(places), rows):
         block = slice(start, start + rows)

@@ -16,7 +16,7 @@ from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
-from ..limits import MAX_MISSION_BYTES
+from ..limits import MAX_MISSION_BYTES, MAX_PAIR_PLACES
 from ..mission.areas.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
 from ..storage.files import read_limited
@@ -28,27 +28,20 @@ _FORMATS = (
 )
 _NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _BETWEEN = r"[\s,;_]+"
-_LINE = re.compile(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?")
-#: Hyphens, dashes and signs that text processors make of a minus.
+#: Signs and dashes that text processors put for a minus.
 _MINUS = str.maketrans(dict.fromkeys("\u2212\u2013\ufe63\uff0d", "-"))
-#: Rest of a line of the paper's file: a height, and perhaps a yaw.
-_HEIGHT = re.compile(rf"({_NUMBER})(?:{_BETWEEN}{_NUMBER})?")
-#: Decimals of a place that is chosen: 1 cm, and the same on machines whose sines differ in the last digit.
-_DECIMALS = 7
-#: Places of a box at most: each is compared with all before it.
-_MOST_PLACES = 1_000_000
 
 
 @dataclass(frozen=True)
 class PairPlace:
-    """A point on the ground that is looked at from above.
+    """A point on the ground.
 
     Parameters
     ----------
     lat_deg, lon_deg : float
         Latitude within Web Mercator, ±85.0511 degrees; longitude within ±360.
     name : str
-        Readable name; may be empty.
+        May be empty.
     """
 
     lat_deg: float
@@ -62,16 +55,16 @@ class PairPlace:
 
 
 def read_places(path: str | Path) -> tuple[PairPlace, ...]:
-    """Places of a text file, one a line: ``lat lon``, or ``lat lon name``.
+    """Read places from a text file, one a line: ``lat lon``, or ``lat lon name``.
 
-    Commas, semicolons and underscores separate as well as spaces; empty lines and those that begin with # are none.
-    Where every line goes on with a number or two, it is the paper's coordinate file, ``lat lon agl [yaw]``: its heights
-    and yaws are of captures, not of places, and are not used.
+    Separators are spaces, commas, semicolons and underscores; empty lines and those that begin with # are skipped. A
+    file whose lines all go on with one or two numbers is the paper's coordinate file, ``lat lon agl [yaw]``; heights
+    and yaws, which are those of captures, are ignored.
 
     Raises
     ------
     InvalidInput
-        Names the line that cannot be read, or is of the same place as one before; or no line holds a place.
+        A line cannot be read or repeats a place, or there is none; the message names the line.
     """
     try:
         lines = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=True)).splitlines()
@@ -80,12 +73,12 @@ def read_places(path: str | Path) -> tuple[PairPlace, ...]:
             "places {0}: cannot be read as text ({1})", path, wrong, remedy=Message("give {0}", _FORMATS)
         ) from wrong
     places: list[PairPlace] = []
-    met: dict[tuple[float, float], int] = {}
+    line_numbers: dict[tuple[float, float], int] = {}
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         place = _place(line, f"places {path}, line {number}:")
-        before = met.setdefault((place.lat_deg, place.lon_deg), number)
+        before = line_numbers.setdefault((place.lat_deg, place.lon_deg), number)
         if before != number:
             raise InvalidInput(
                 "places {0}, line {1}: the place of line {2} again",
@@ -97,9 +90,10 @@ def read_places(path: str | Path) -> tuple[PairPlace, ...]:
         places.append(place)
     if not places:
         raise InvalidInput("places {0}: holds none", path, remedy=Message("give {0}", _FORMATS))
-    heights = [_HEIGHT.fullmatch(place.name) for place in places]
+    # Of the paper's file the rest of a line is a height and perhaps a yaw.
+    heights = [re.fullmatch(rf"({_NUMBER})(?:{_BETWEEN}{_NUMBER})?", place.name) for place in places]
     if all(heights):
-        for number, place, height in zip(met.values(), places, heights):
+        for number, place, height in zip(line_numbers.values(), places, heights):
             if height is not None and float(height[1]) <= 0.0:
                 raise InvalidInput(
                     "places {0}, line {1}: {2:g} {3:g} with height {4}: must be above 0; commas separate, "
@@ -116,11 +110,11 @@ def read_places(path: str | Path) -> tuple[PairPlace, ...]:
 
 def _place(line: str, where: str) -> PairPlace:
     stripped = line.strip()
-    found = _LINE.fullmatch(stripped.translate(_MINUS))
+    found = re.fullmatch(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?", stripped.translate(_MINUS))
     if found is None:
         raise InvalidInput("{0} {1!r} is not `lat lon` or `lat lon name`", where, stripped)
     lat, lon, rest = found.groups()
-    # The signs of a name stay what they are: the translation changes no length.
+    # The name keeps its dashes: the translation changes no length.
     name = "" if rest is None else stripped[len(stripped) - len(rest) :]
     try:
         return PairPlace(float(lat), float(lon), name.strip())
@@ -129,7 +123,7 @@ def _place(line: str, where: str) -> PairPlace:
 
 
 def read_box(text: str) -> Box:
-    """Box of ``latTL_lonTL_latBR_lonBR``, or of the paper's form with a height after it, which is not used.
+    """Read a box ``latTL_lonTL_latBR_lonBR``, or the paper's with a height after it, which is ignored.
 
     Raises
     ------
@@ -152,24 +146,24 @@ def read_box(text: str) -> Box:
 def spread_places(
     box: Box, count: int, spacing_m: float, seed: int, *, by_views: bool = False
 ) -> tuple[PairPlace, ...]:
-    """Places spread over a box, evenly by area, none nearer to another than a distance.
+    """Spread places over a box, evenly by area, with a least distance.
 
-    They come from a hash of the seed: the same on every machine, and the first ones of a larger count.
+    They come from a hash of the seed: equal on every machine, and the first of any larger count.
 
     Parameters
     ----------
     spacing_m : float
-        Least distance, straight through the ground, >= 0.
+        Least distance in space, >= 0.
     by_views : bool
-        The distance is that of what the views see, for the message where there is no room.
+        Whether the spacing follows from the views, for the message where there is no room.
 
     Raises
     ------
     InvalidInput
-        Where the box has no room for so many.
+        The box has no room for so many.
     """
-    if not 1 <= count <= _MOST_PLACES:
-        raise InvalidInput("{0:,} places: must be from 1 to {1:,}", count, _MOST_PLACES)
+    if not 1 <= count <= MAX_PAIR_PLACES:
+        raise InvalidInput("{0:,} places: must be from 1 to {1:,}", count, MAX_PAIR_PLACES)
     if not (math.isfinite(spacing_m) and spacing_m >= 0.0):
         raise InvalidInput("spacing {0} m: must be 0 or more", spacing_m)
     for lat in (box.south_deg, box.north_deg):
@@ -182,7 +176,7 @@ def spread_places(
         nearest = np.sqrt(np.min(np.sum((taken[: len(places)] - point) ** 2, axis=-1), initial=np.inf))
         if nearest == 0.0 or nearest < spacing_m:
             misses += 1
-            # As many misses in a row: less than a hundredth of the box is free.
+            # After a thousand misses in a row less than a hundredth of the box is free, all but surely.
             if misses == 1000:
                 break
             continue
@@ -202,21 +196,19 @@ def spread_places(
 
 
 def _darts(box: Box, seed: int) -> Iterator[tuple[float, float]]:
-    """Points of a box without end, evenly by the area of a sphere."""
+    """Yield random points of a box endlessly, evenly by area on a sphere."""
     south, north = (math.sin(math.radians(lat)) for lat in (box.south_deg, box.north_deg))
     for number in itertools.count():
         digest = hashlib.blake2b(f"{seed}:{number}".encode(), digest_size=16).digest()
         across, up = (int.from_bytes(part, "big") / 2.0**64 for part in (digest[:8], digest[8:]))
         lat = math.degrees(math.asin(south + (north - south) * up))
         lon = box.west_deg + box.span_deg * across
-        yield (
-            round(min(max(lat, box.south_deg), box.north_deg), _DECIMALS),
-            round(lon - 360.0 * (lon > 180.0), _DECIMALS),
-        )
+        # To 1 cm, as sines differ between machines in the last digit.
+        yield round(min(max(lat, box.south_deg), box.north_deg), 7), round(lon - 360.0 * (lon > 180.0), 7)
 
 
 def cartesian_m(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Points of the WGS84 ellipsoid from the Earth's centre, (..., 3) in metres (EPSG method 9602)."""
+    """Geocentric coordinates (..., 3) in metres of points on the WGS 84 ellipsoid (EPSG method 9602)."""
     phi, theta = np.radians(lat_deg), np.radians(lon_deg)
     normal = WGS84.normal_radius_m(lat_deg)
     return np.stack(

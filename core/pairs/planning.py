@@ -1,4 +1,4 @@
-"""A cross-view dataset worked out before anything is fetched: its missions, its parts, what it needs."""
+"""A cross-view dataset planned before anything is fetched: its missions and parts."""
 
 from __future__ import annotations
 
@@ -26,16 +26,14 @@ from .parts import PARTS, SHARES, check_shares, part_places
 from .places import PairPlace, cartesian_m, spread_places
 from .views import PairView, reach_m, spiral, standing_poses
 
-#: University-1652's pictures.
+#: Of University-1652's images.
 DEFAULT_SIZE_PX = 512
-#: Side of the largest images, which are squares where they show a place from above.
+#: Side of the largest square images.
 MOST_SIZE_PX = math.isqrt(MAX_PICTURE_PX)
-#: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
+#: The paper's field of view, in University-1652's squares.
 DEFAULT_CAMERA = Camera(aspect_ratio=1.0)
 SATELLITE, DRONE = "satellite", "drone"
-#: Points along each edge of an image over relief, and what it may reach beyond them, as a share of how far they are.
-_ALONG_EDGE, _BULGE_OVER_RELIEF = 9, 1.05
-#: Decimals of the heights and distances that are worked out: 1 mm, the same on machines that differ in the last digit.
+#: Decimals of computed heights and distances: 1 mm, as machines differ in the last digit.
 _DECIMALS = 3
 
 
@@ -46,31 +44,30 @@ class PairSettings:
     Parameters
     ----------
     views : tuple of PairView
-        Of each place by the drone, in the order of the images.
+        Drone views of each place, in the order of the images.
     camera : Camera
-        The drone's.
+        Of the drone.
     size_px : int
         Longer side of the drone's images, and side of the satellite's.
     satellite_m : float or None
-        Ground that the satellite view is wide, metres; None for as wide as the widest of the drone's views is at the
-        place.
+        Width of the satellite view on the ground; None for that of the widest drone view at the place.
     source, map_type, date, crs
-        Of the imagery, as a Mission has them.
+        Of the imagery, as in `Mission`.
     imageries : tuple of NamedImagery
-        Of the views that have another: ``satellite``, ``drone``, or both.
+        Other imagery of ``satellite``, ``drone``, or both.
     seed : int
-        Of the embedded world, and of the order in which places are shared out.
+        Of the embedded world, and of the order in which places are assigned to parts.
     shares : three numbers
-        Places to train on, to test with, and distractors, relative to their sum.
+        Of training, test and distractors, relative to their sum.
     gap_m : float
-        Ground left between what is seen in two parts, >= 0.
+        Least distance between the ground of two parts, >= 0.
     allow_shared_ground : bool
-        Share places out one by one, even if the same ground is seen in two parts.
+        Assign places one by one, even if parts then share ground.
     terrain : Terrain
-        Where heights of the ground and of the surface come from, as a Mission has them: the drone sees the relief, the
-        satellite's view is the map. Its heights above the ground are those above the place.
+        Heights of the ground and of the surface, as in `Mission`, for the drone; the satellite view is the map. The
+        views' heights count from the ground at the place.
     upsample, ground_height_m, error_budget_px, accept_error, resampling
-        As a Mission has them.
+        As in `Mission`.
     """
 
     views: tuple[PairView, ...] = field(default_factory=spiral)
@@ -111,19 +108,19 @@ class PairSettings:
                     field="imageries",
                 )
 
-    def imagery_of(self, view: str) -> NamedImagery:
+    def view_imagery(self, view: str) -> NamedImagery:
         """Imagery of ``satellite`` or ``drone``."""
-        own = (one for one in self.imageries if one.name == view)
-        return next(own, NamedImagery(view, self.source, self.date, self.map_type))
+        named = (one for one in self.imageries if one.name == view)
+        return next(named, NamedImagery(view, self.source, self.date, self.map_type))
 
     @property
     def two_imageries(self) -> bool:
         """Whether drone and satellite have different imageries."""
-        return replace(self.imagery_of(DRONE), name=SATELLITE) != self.imagery_of(SATELLITE)
+        return replace(self.view_imagery(DRONE), name=SATELLITE) != self.view_imagery(SATELLITE)
 
     @property
     def satellite_width_m(self) -> float:
-        """Ground that the satellite view is wide."""
+        """Width of the satellite view on the ground."""
         if self.satellite_m is not None:
             return self.satellite_m
         slant_m = max(view.agl_m / math.cos(math.radians(view.tilt_deg)) for view in self.views)
@@ -138,21 +135,21 @@ class PairSettings:
 
     @property
     def ground(self) -> Ellipsoid:
-        """The ground that heights are over."""
+        """Level ground that heights refer to."""
         return WGS84.raised(self.ground_height_m)
 
     def missions(self, places: Sequence[PairPlace], heights: Heights | None = None) -> dict[str, Mission]:
-        """Missions by name: ``satellite``, and ``drone`` or, where there are several tilts, one for each of them."""
+        """Missions by name: ``satellite``, and ``drone`` or, for several tilts, ``drone_TILT`` of each."""
         lat = np.array([place.lat_deg for place in places])
         lon = np.array([place.lon_deg for place in places])
         tilts = list(dict.fromkeys(view.tilt_deg for view in self.views))
         names = [DRONE] if len(tilts) == 1 else [f"{DRONE}_{tilt:g}" for tilt in tilts]
-        ground = None if heights is None else _heights_of_places(places, heights)
+        ground = None if heights is None else _place_heights(places, heights)
         drones = {name: self._drone(lat, lon, tilt, ground) for name, tilt in zip(names, tilts)}
         return {SATELLITE: self._satellite(lat, lon), **drones}
 
     def _mission(self, view: str, points: Points, **more: Any) -> Mission:
-        imagery = self.imagery_of(view)
+        imagery = self.view_imagery(view)
         return Mission(
             points,
             points.poses[0][2],
@@ -170,7 +167,7 @@ class PairSettings:
         )
 
     def _satellite(self, lat_deg: Floats, lon_deg: Floats) -> Mission:
-        """Squares of the map, each as a camera straight above sees its sides' midpoints."""
+        """Square map frames, each as wide as a camera straight above sees it."""
         camera = Camera.from_horizontal_fov(self.camera.horizontal_fov_deg, 1.0)
         agl_m = round(self.satellite_width_m / camera.ground_size_m(1.0)[0], _DECIMALS)
         shrunk = np.cos(np.radians(lat_deg))
@@ -178,25 +175,25 @@ class PairSettings:
             SATELLITE,
             Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
             camera=camera,
-            # One zoom serves all latitudes: the pictures of the lowest are to be as sharp as those of the highest.
-            # Sharp when made smaller: the zoom nearest to pixels twice as fine can serve, and the lowest such is taken.
+            # All latitudes share a zoom. It is the nearest to pixels twice as fine as the image's, at the lowest
+            # latitude too, so that images are sharp when resized.
             image_px=math.ceil(self.size_px * 2 * float(shrunk.max() / shrunk.min())),
             img_size=(self.size_px, self.size_px, 3),
             frame="map",
-            # A satellite looks straight down everywhere: how far that is from one camera's picture is no error of it.
+            # A satellite sees all ground from above, and is not meant to resemble a camera's image.
             accept_error=True,
         )
 
     def _drone(self, lat_deg: Floats, lon_deg: Floats, tilt_deg: float, ground_m: Floats | None) -> Mission:
-        """Views of one tilt; ``ground_m`` (n,) are the heights of the places, None over level ground."""
+        """Mission of the views of one tilt; ``ground_m`` (n,) are heights of the places, None for level ground."""
         chosen = [view for view in self.views if view.tilt_deg == tilt_deg]
         ground, above, relief = self.ground, np.zeros(len(lat_deg)), {}
         if ground_m is not None:
-            # Stand-offs over one height are those over another, to a millionth or so for each ten metres between them.
+            # Stand-offs hardly depend on the height of the ground: by a millionth or so for each ten metres.
             ground, above = WGS84.raised(float(np.median(ground_m))), ground_m
             relief = {**vars(self.terrain), "height_above": ELLIPSOID}
         standing = [standing_poses(lat_deg, lon_deg, view, ground) for view in chosen]
-        # Place by place, and the views of each in their order.
+        # Ordered by place, then by view.
         where = np.stack(
             [(poses.lat_deg, poses.lon_deg, np.round(poses.agl_m + above, _DECIMALS)) for poses in standing],
             axis=-1,
@@ -220,24 +217,24 @@ class PairSettings:
 def places_in_box(
     box: Box, count: int, settings: PairSettings, spacing_m: float | None = None
 ) -> tuple[PairPlace, ...]:
-    """Places spread over a box by the settings' seed.
+    """Spread places over a box by the settings' seed.
 
     Parameters
     ----------
     spacing_m : float or None
-        Least distance between places; None for one at which no two see the same ground.
+        Least distance between places; None for one at which no two share ground.
 
     Raises
     ------
     InvalidInput
-        A box without room for so many, or views to the horizon where no spacing is given.
+        The box has no room for so many, or no spacing is given and a view sees the horizon.
     """
     by_views = spacing_m is None
     if spacing_m is None:
         lat = np.array([box.south_deg, box.north_deg, min(max(0.0, box.south_deg), box.north_deg)])
         for one in lat:
             PairPlace(float(one), box.west_deg)
-        # A hundredth more for the satellite's window, whose edges are those of pixels.
+        # A hundredth more for the satellite's window, whose edges are rounded to pixels.
         satellite_m = settings.satellite_width_m * math.sqrt(0.5) * 1.01
         farthest_m = max(float(reach_m(lat, settings.views, settings.camera, settings.ground).max()), satellite_m)
         if math.isinf(farthest_m):
@@ -250,18 +247,18 @@ def places_in_box(
 
 @dataclass(frozen=True, eq=False)
 class PairPlan:
-    """A cross-view dataset worked out: n places with k views each.
+    """Plans of a cross-view dataset: n places with k views each.
 
     Attributes
     ----------
     plans : mapping of str to Plan
-        By the missions' names, the satellite's first.
+        By name of the mission, the satellite's first.
     parts : tuple of str
         ``train``, ``test`` or ``distractor`` for each place.
     ground_shared : bool
-        Whether ground may be in two parts.
+        Whether two parts may show the same ground.
     reach_m : float
-        Farthest ground from a place that is in any of its images.
+        Greatest distance of a place from the ground in its images.
     """
 
     settings: PairSettings
@@ -273,22 +270,22 @@ class PairPlan:
 
     @cached_property
     def ids(self) -> tuple[str, ...]:
-        """Names of the places' folders: four digits, or more where there are more than 10,000."""
+        """Names of the places' folders: four digits, or more for more than 10,000 places."""
         digits = max(4, len(str(len(self.parts) - 1)))
         return tuple(f"{index:0{digits}d}" for index in range(len(self.parts)))
 
     @property
     def images(self) -> int:
-        """Images of all views, each counted once."""
+        """Number of images."""
         return sum(len(one) for one in self.plans.values())
 
     @property
     def requests(self) -> int:
-        """Parts to fetch; those that satellite and drone both need are counted for each."""
+        """Number of parts to fetch; those of both satellite and drone count twice."""
         return sum(one.requests for one in self.plans.values())
 
     def count_requests(self, view: str) -> int:
-        """Parts to fetch of the imagery of ``satellite`` or ``drone``."""
+        """Number of parts to fetch for ``satellite`` or ``drone``."""
         return sum(one.requests for name, one in self.plans.items() if (name == SATELLITE) == (view == SATELLITE))
 
     @property
@@ -298,11 +295,11 @@ class PairPlan:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Places of each part."""
+        """Number of places in each part."""
         return {part: self.parts.count(part) for part in PARTS}
 
     def shots(self, place: int) -> list[tuple[str, int]]:
-        """Mission and index in its plan of each view of a place, in the order of the settings' views."""
+        """Mission and index in its plan of each view of a place, in the order of ``settings.views``."""
         tilts: dict[float, str] = {
             one.mission.attitude.tilt_deg: name for name, one in self.plans.items() if name != SATELLITE
         }
@@ -315,7 +312,7 @@ class PairPlan:
         return found
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping: the same settings give the same text."""
+        """JSON-ready mapping; equal settings give equal mappings."""
         settings = self.settings
         left_out = ("agl_m", "tilt_deg", "image_px", "max_px", "frame")
         drone = self.plans[self.shots(0)[0][0]].mission.to_dict()
@@ -363,21 +360,21 @@ def plan_pairs(
     *,
     drone_grid: PixelGrid | None = None,
 ) -> PairPlan:
-    """Work a cross-view dataset out on its sources' pixel grids; fetches no imagery.
+    """Plan a cross-view dataset; fetches no imagery.
 
     Parameters
     ----------
     places : sequence of PairPlace
-        Their order is that of the ids.
+        In the order of their ids.
     grid, drone_grid : PixelGrid
-        Of the satellite's imagery, and of the drone's where that is another.
+        Of the satellite's imagery, and of the drone's if it differs.
     heights : Heights or None
         Those of the settings' terrain (`picture.heights.heights_for`), where it has some.
 
     Raises
     ------
     InvalidInput
-        No places, views that cannot be had, as `plan` has it, or places that cannot be shared out.
+        There are no places, a mission cannot be planned, or a part would be empty.
     """
     if not places:
         raise InvalidInput("no places: needs one or more")
@@ -394,7 +391,7 @@ def plan_pairs(
     seen_m = reach_m(lat, settings.views, settings.camera, settings.ground)
     for one in plans.values():
         if not one.relief.is_level:
-            seen_m = np.maximum(seen_m, _reach_over_relief_m(one, places))
+            seen_m = np.maximum(seen_m, _relief_reach_m(one, places))
     farthest_m = np.maximum(seen_m, _window_reach_m(plans[SATELLITE]))
     parts = part_places(
         places,
@@ -404,11 +401,11 @@ def plan_pairs(
         gap_m=settings.gap_m,
         allow_shared_ground=settings.allow_shared_ground,
     )
-    return PairPlan(settings, tuple(places), plans, parts.of, parts.ground_shared, float(farthest_m.max()))
+    return PairPlan(settings, tuple(places), plans, parts.part, parts.ground_shared, float(farthest_m.max()))
 
 
-def _heights_of_places(places: Sequence[PairPlace], heights: Heights) -> Floats:
-    """Heights of the ground at places, (n,), each from the finest cells around it."""
+def _place_heights(places: Sequence[PairPlace], heights: Heights) -> Floats:
+    """Heights (n,) of the ground at places, each from the finest cells around it."""
     found = np.empty(len(places))
     for index, place in enumerate(places):
         at = np.array([place.lat_deg]), np.array([place.lon_deg])
@@ -419,9 +416,9 @@ def _heights_of_places(places: Sequence[PairPlace], heights: Heights) -> Floats:
     return found
 
 
-def _reach_over_relief_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
-    """Farthest ground from each place, (n,), that the edges of its images see over relief; metres."""
-    along = np.linspace(-1.0, 1.0, _ALONG_EDGE)
+def _relief_reach_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
+    """Greatest distance (n,) of each place from the ground at the edges of its images over relief; metres."""
+    along = np.linspace(-1.0, 1.0, 9)
     edge = [(x, y) for x in along for y in along if max(abs(x), abs(y)) == 1.0]
     each = len(drone) // len(places)
     found = np.empty(len(places))
@@ -430,12 +427,13 @@ def _reach_over_relief_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
         seen, _ = drone.relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
         middle = cartesian_m(np.array(place.lat_deg), np.array(place.lon_deg))
         distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
-        found[index] = np.where(seen.hit, distance * _BULGE_OVER_RELIEF, np.inf).max()
+        # Between nine points an edge, relief may reach a little farther.
+        found[index] = np.where(seen.hit, distance * 1.05, np.inf).max()
     return found
 
 
 def _window_reach_m(satellite: Plan) -> Floats:
-    """Distance from each place to the farthest corner of its satellite view, (n,)."""
+    """Distance (n,) from each place to the farthest corner of its satellite view."""
     world = satellite.grid.world_px(satellite.zoom)
     left, top, right, bottom = (np.asarray(edge, np.float64) / world for edge in satellite.windows.bounds_px)
     middle = cartesian_m(satellite.lat_deg, satellite.lon_deg)

@@ -1,4 +1,4 @@
-"""A contact sheet of cross-view pairs: some places, each with its satellite view and some of the drone's."""
+"""A contact sheet of cross-view pairs: some places, each with its satellite view and some drone views."""
 
 from __future__ import annotations
 
@@ -18,38 +18,36 @@ from ..text.safe_json import decoded
 from .capturing import TABLE_FILE
 from .planning import DRONE, SATELLITE
 
-#: Places and views of the drone that are shown, at most.
+#: Greatest numbers of places and of drone views shown.
 PLACES, VIEWS = 3, 6
-#: Side of a cell, room for its caption and between cells, px.
+#: Side of a cell, height of its caption, gap between cells.
 _CELL_PX, _CAPTION_PX, _GAP_PX = 200, 16, 6
-#: Of the ring around the place.
-_RING_PX = 7
 _PAPER, _INK = (255, 255, 255), (32, 32, 32)
 
 Row = dict[str, str]
 
 
 def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]) -> Path:
-    """Draw a contact sheet of a dataset that `capture_pairs` has made, as a JPEG; a ring is around the place.
+    """Draw a contact sheet of a dataset of `capture_pairs` as a JPEG, with a ring around each place.
 
-    It shows `PLACES` places, of each part in turn, and `VIEWS` of the drone for each, evenly along its flight.
+    It shows up to `PLACES` places, of each part in turn, and `VIEWS` drone views of each, evenly along the flight.
 
     Parameters
     ----------
     target : path
-        Of the sheet, ``.jpg``.
+        File of the sheet, ``.jpg``.
 
     Returns
     -------
     Path
-        The target.
+        ``target``.
 
     Raises
     ------
     InvalidInput
-        No such dataset, one without images, or an image that cannot be read.
+        The folder is not such a dataset, has no images, or an image cannot be read.
     OutputError
-        A target that cannot be written.
+        The target cannot be written.
     """
     path, file = Path(folder), Path(target)
     check_sheet(file)
@@ -66,20 +64,20 @@ def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]
             sheet.paste(_cell(path / row["file"]), (left, top))
             draw.text((left, top + _CELL_PX + 2), _caption(row), fill=_INK)
     buffer = io.BytesIO()
-    # Enough for small pictures that people look at.
+    # Captions stay legible in a small file.
     sheet.save(buffer, "JPEG", quality=85)
     write_whole(file, buffer.getvalue())
     return file
 
 
 def check_sheet(target: str | os.PathLike[str]) -> None:
-    """Refuse a sheet that is no JPEG by its name."""
+    """Raise InvalidInput unless the name is that of a JPEG."""
     if Path(target).suffix.lower() not in (".jpg", ".jpeg"):
         raise InvalidInput("sheet {0!r}: must end in .jpg", os.fspath(target))
 
 
 def _read_places(folder: Path) -> list[list[Row]]:
-    """Rows of the images of each place that are there, the satellite's first."""
+    """Rows of the existing images of each place, the satellite's first."""
     try:
         text = decoded(read_limited(folder / TABLE_FILE, MAX_MISSION_BYTES))
     except (OSError, InvalidInput) as wrong:
@@ -96,7 +94,7 @@ def _read_places(folder: Path) -> list[list[Row]]:
 
 
 def _alternate_parts(places: list[list[Row]]) -> list[list[Row]]:
-    """Places of all parts in turn, so that a few show each of them."""
+    """Places of all parts in turn, so that the first few show every part."""
     met: dict[str, int] = {}
     order = []
     for rows in places:
@@ -107,7 +105,7 @@ def _alternate_parts(places: list[list[Row]]) -> list[list[Row]]:
 
 
 def _even(rows: list[Row]) -> list[Row]:
-    """The satellite's row, and as many of the drone's, evenly from the first to the last."""
+    """Row of the satellite, and up to `VIEWS` of the drone, evenly from first to last."""
     satellite, drone = rows[:1], rows[1:]
     count = min(VIEWS, len(drone))
     return satellite + [drone[at * (len(drone) - 1) // max(count - 1, 1)] for at in range(count)]
@@ -116,10 +114,10 @@ def _even(rows: list[Row]) -> list[Row]:
 def _cell(file: Path) -> Image.Image:
     cell = open_image(file).convert("RGB")
     cell.thumbnail((_CELL_PX, _CELL_PX), Image.LANCZOS)
-    # The place is in the middle of every view.
+    # The place is at the centre of every view.
     middle = np.array(cell.size) / 2.0
     draw = ImageDraw.Draw(cell)
-    for radius, colour in ((_RING_PX, _INK), (_RING_PX - 1, _PAPER)):
+    for radius, colour in ((7, _INK), (6, _PAPER)):
         draw.ellipse([*(middle - radius), *(middle + radius)], outline=colour)
     return cell
 

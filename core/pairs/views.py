@@ -1,4 +1,4 @@
-"""Views of a place by the drone: rings or a spiral around it, with each camera's axis through the place."""
+"""Drone views of a place: rings or a spiral around it, with the optical axis through the place."""
 
 from __future__ import annotations
 
@@ -13,21 +13,15 @@ from ..errors import InvalidInput
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.footprint import ground_corners
+from ..limits import MAX_PAIR_VIEWS
 from ..mission.areas.area import check_agl, check_yaw
 from .places import cartesian_m
 
 #: University-1652's flight (Zheng, Wei, Yang 2020, section 3): three rounds from 256 m down to 121.5 m, 54 views.
 HEIGHTS_M, ROUNDS, VIEWS = (256.0, 121.5), 3, 54
 DEFAULT_TILT_DEG = 45.0
-#: From a tilt of 80 degrees the camera stands 5.7 heights off; beyond, a place is a strip below the horizon.
+#: At a tilt of 80 degrees the camera stands 5.7 heights off; beyond, a place is a strip below the horizon.
 MOST_TILT_DEG = 80.0
-#: Views of one flight at most: University-1652 has 54, and each is worked out on its own.
-MOST_VIEWS = 10_000
-#: Cameras are placed to 10 micrometres, far below a pixel, so that noise of the last digits does not show.
-_DECIMALS = 10
-#: Places are settled when no axis misses by more than this, 0.1 micrometre; each pass gains the digits of
-#: stand-off over the Earth's radius, so that a handful are enough and more say that something is wrong.
-_SETTLED_DEG, _PASSES = 1e-12, 40
 
 
 @dataclass(frozen=True)
@@ -39,7 +33,7 @@ class PairView:
     agl_m : float
         Height of the camera above the ground, > 0.
     yaw_deg : float
-        Direction in which it looks, clockwise from north: at 0 it stands south of the place.
+        Direction of view, clockwise from north; at 0 the camera is south of the place.
     tilt_deg : float
         From straight down, 0..80.
     """
@@ -56,15 +50,15 @@ class PairView:
 
 
 def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> tuple[PairView, ...]:
-    """Views in rings around a place: for each tilt and each height, so many yaws evenly around.
+    """Views in rings around a place: for each tilt and height, ``yaws`` views evenly around.
 
     Raises
     ------
     InvalidInput
     """
     _check(heights_m, tilts_deg)
-    if not 1 <= yaws <= MOST_VIEWS:
-        raise InvalidInput("{0} yaws: must be from 1 to {1:,}", yaws, MOST_VIEWS)
+    if not 1 <= yaws <= MAX_PAIR_VIEWS:
+        raise InvalidInput("{0} yaws: must be from 1 to {1:,}", yaws, MAX_PAIR_VIEWS)
     return tuple(
         PairView(float(height), 360.0 * at / yaws, float(tilt))
         for tilt in tilts_deg
@@ -79,22 +73,22 @@ def spiral(
     rounds: float = ROUNDS,
     tilts_deg: Sequence[float] = (DEFAULT_TILT_DEG,),
 ) -> tuple[PairView, ...]:
-    """Views along a spiral that falls from the greatest height to the least, one spiral for each tilt.
+    """Views along a spiral from the greatest height down to the least, a spiral for each tilt.
 
     Parameters
     ----------
     count : int
         Views of a spiral, evenly along it.
     rounds : float
-        Times it goes around, > 0.
+        Turns around the place, > 0.
 
     Raises
     ------
     InvalidInput
     """
     _check(heights_m, tilts_deg)
-    if not 1 <= count <= MOST_VIEWS:
-        raise InvalidInput("{0} views: must be from 1 to {1:,}", count, MOST_VIEWS)
+    if not 1 <= count <= MAX_PAIR_VIEWS:
+        raise InvalidInput("{0} views: must be from 1 to {1:,}", count, MAX_PAIR_VIEWS)
     if not (math.isfinite(rounds) and 0.0 < rounds <= count):
         raise InvalidInput("{0:g} rounds of {1} views: must be above 0, and no more than the views", rounds, count)
     top, bottom = float(max(heights_m)), float(min(heights_m))
@@ -117,35 +111,35 @@ def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
 
 
 def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ellipsoid = WGS84) -> Poses:
-    """Poses from which the camera's axis meets the ground at places.
+    """Poses from which the optical axis meets the ground at places.
 
-    Found by tracing the axis to the ground and moving the camera by what it misses.
+    Found iteratively: the axis is traced to the ground, and the camera moved by the distance that it misses.
 
     Parameters
     ----------
     lat_deg, lon_deg : array (n,)
         Places.
     ground : Ellipsoid
-        That the heights are over.
+        That heights refer to.
 
     Raises
     ------
     InvalidInput
-        An axis that passes the Earth.
+        The axis misses the Earth.
     """
     agl = np.full(lat_deg.shape, view.agl_m)
     axis = Camera().rays_enu(((0.0, 0.0),), view.yaw_deg, view.tilt_deg)[0]
     lat, lon = lat_deg.copy(), lon_deg.copy()
-    for _ in range(_PASSES):
+    # Each pass gains the digits of stand-off over the Earth's radius: a handful are enough, unless it cannot converge.
+    for _ in range(40):
         seen = trace(lat, agl, np.broadcast_to(axis, (*lat.shape, 3)), ground)
         if not seen.hit.all():
             break
         miss_lat, miss_lon = lat_deg - seen.lat_deg, lon_deg - (lon + seen.dlon_deg)
         lat, lon = np.clip(lat + miss_lat, -90.0, 90.0), lon + miss_lon
-        if max(np.abs(miss_lat).max(), np.abs(miss_lon).max()) <= _SETTLED_DEG:
-            return Poses.from_attitude(
-                np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
-            )
+        # 1e-12 degrees are 0.1 micrometres. Rounding to 10 micrometres, far below a pixel, removes noise.
+        if max(np.abs(miss_lat).max(), np.abs(miss_lon).max()) <= 1e-12:
+            return Poses.from_attitude(np.round(lat, 10), np.round(lon, 10), agl, view.yaw_deg, view.tilt_deg, 0.0)
     raise InvalidInput(
         "view from {0:g} m at a tilt of {1:g} deg: the camera cannot look at the place",
         view.agl_m,
@@ -155,9 +149,9 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ell
 
 
 def reach_m(lat_deg: Floats, views: Sequence[PairView], camera: Camera, ground: Ellipsoid = WGS84) -> Floats:
-    """Farthest ground, from places at latitudes (n,), that the drone sees in any of its views; metres.
+    """Greatest distance from places at latitudes (n,) of the ground in any of their views; metres.
 
-    Measured straight through the Earth, as all distances between places are. Infinite where a view sees the horizon.
+    A distance in space, as all between places. Infinite where a view sees the horizon.
     """
     lon = np.zeros_like(lat_deg)
     middle = cartesian_m(lat_deg, lon)[:, np.newaxis]

@@ -24,7 +24,7 @@ def parted(places, reach=0.5, shares=SHARES, seed=2024, **options):
 def test_shares_are_those_of_university_1652():
     places = spread_places(BOX, 1652, 1.0, 3)
     parts = parted(places, reach=0.5)
-    assert [parts.of.count(part) for part in ("train", "test", "distractor")] == [701, 701, 250]
+    assert [parts.part.count(part) for part in ("train", "test", "distractor")] == [701, 701, 250]
     assert not parts.ground_shared
 
 
@@ -44,7 +44,7 @@ def test_no_two_parts_share_ground(gap_m):
         (one, other): GEOD.inv(one.lon_deg, one.lat_deg, other.lon_deg, other.lat_deg)[2]
         for one, other in itertools.combinations(places, 2)
     }
-    of = dict(zip(places, parts.of))
+    of = dict(zip(places, parts.part))
     apart = min(metres for (one, other), metres in distance.items() if of[one] != of[other])
     assert apart >= 2.0 * reach + gap_m
     # The places are dense enough that this was not so by chance.
@@ -58,7 +58,7 @@ def test_shared_ground_is_allowed_where_asked_for_and_told():
         parted(places, 500.0)
     parts = parted(places, 500.0, allow_shared_ground=True)
     assert parts.ground_shared
-    assert [parts.of.count(part) for part in ("train", "test", "distractor")] == [4, 4, 2]
+    assert [parts.part.count(part) for part in ("train", "test", "distractor")] == [4, 4, 2]
 
 
 def test_views_of_the_horizon_share_all_ground():
