@@ -33,8 +33,8 @@ _HEAD = """# Every option of a mission
 
 Made by `python tools/options.py` from the fields declared in `core/mission/parts.py`, `core/mission/flight/wind.py` and
 `core/geodesy/lens.py`. Set an option on the command line with `--name value`, in the environment as
-`TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line takes precedence. A mission file holds the options in
-several parts (see `resources/mission.schema.json`) and omits default values. In Python, they are flat:
+`TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line takes precedence. A mission file holds the options
+in several parts (see `resources/mission.schema.json`) and omits default values. In Python, they are flat:
 `Mission(area, agl_m=120.0, overlap_along=0.6)`.
 """
 _PRESETS = """`--preset NAME` sets these values, unless another option does. If you also set a camera, a sensor or an

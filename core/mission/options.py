@@ -195,7 +195,7 @@ OPTIONS: tuple[Option, ...] = (
         count=(2, 2),
         metavar=("W", "H"),
     ),
-    Option("focal_length", float, None, "focal length of the lens itself in mm, with --sensor"),
+    Option("focal_length", float, None, "real focal length of the lens in mm, with --sensor"),
     Option("aspect_ratio", float, None, "width and height of the image (4 3)", count=(2, 2), metavar=("W", "H")),
     *_fields(Attitude),
     Option(
@@ -225,12 +225,12 @@ OPTIONS: tuple[Option, ...] = (
         "dataset",
         str,
         "TerrAInav",
-        "layout of a dataset that is read; plan and capture write TerrAInav's own",
+        "layout of a dataset to read; plan and capture always write TerrAInav's",
         choices=("TerrAInav", "VBN"),
     ),
     Option("batch_size", int, 8, "images in a batch of a loaded dataset; plan and capture do not use it"),
     Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
-    Option("connections", int, 8, "requests that are under way at once"),
+    Option("connections", int, 8, "simultaneous requests"),
     Option(
         "placeholder",
         str,
@@ -240,8 +240,8 @@ OPTIONS: tuple[Option, ...] = (
         count=(1, 100),
     ),
     Option("cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"),
-    Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
-    Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
+    Option("cache_limit", int, None, "largest size of the cache, in MB", metavar="MB"),
+    Option("no_cache", str, False, "do not use the cache of tiles", flag=True),
 )
 
 

@@ -205,8 +205,8 @@ class Attitude(CheckedFields):
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north, or from grid north of a source's CRS; it turns "
-        "with rows that are turned from east, and points may state other yaws",
+        help="direction of the image's top edge, clockwise from north, or from grid north of the source's CRS; "
+        "images turn with rotated rows, and points may state other yaws",
         unit="deg",
         option="yaw",
         least=-360.0,
@@ -263,7 +263,7 @@ class Flight(CheckedFields):
     overlap_along: float = declared(
         0.0,
         title="front overlap",
-        help="share of an image that the next one of its row shows again",
+        help="share of an image that the next one in its row also shows",
         unit="share",
         least=0.0,
         below=1.0,
@@ -272,7 +272,7 @@ class Flight(CheckedFields):
     overlap_across: float = declared(
         0.0,
         title="side overlap",
-        help="share of an image that the next row shows again",
+        help="share of an image that the next row also shows",
         unit="share",
         least=0.0,
         below=1.0,
@@ -288,7 +288,7 @@ class Flight(CheckedFields):
     row_azimuth_deg: float = declared(
         EASTWARD_DEG,
         title="row azimuth",
-        help="direction of an area's rows, clockwise from north: 90 flies them east; points have none",
+        help="direction of an area's rows, clockwise from north: 90 flies them east; not for points",
         unit="deg",
         option="row_azimuth",
         least=0.0,
@@ -297,8 +297,8 @@ class Flight(CheckedFields):
     facing: str = declared(
         NORTH,
         title="camera faces",
-        help="where the top of the images points, from which the yaw counts: north, turned with the rows where these "
-        "are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images",
+        help="direction of the top of the images, to which the yaw is added: north, which turns with rotated rows; "
+        "track, the flight direction of each row; or an azimuth in degrees, the same for all images",
         check=_check_facing,
         schema={"pattern": f"^({NORTH}|{TRACK}|{_NUMBER})$"},
     )
@@ -316,7 +316,7 @@ class Flight(CheckedFields):
     margin_m: float = declared(
         0.0,
         title="margin",
-        help="width of the ground around an area that is covered as well; points have none",
+        help="width of the ground around an area that is also covered; not for points",
         unit="m",
         option="margin",
         least=0.0,
@@ -594,8 +594,8 @@ class Terrain(CheckedFields):
     vertical_datum: str = declared(
         "",
         title="vertical datum",
-        help="what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; "
-        "left out, what the source states, and the ellipsoid where it states nothing",
+        help="reference of the heights: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as "
+        "EPSG:5773; by default the one that the source states, otherwise the ellipsoid",
         advanced=True,
         check=check_vertical,
         schema={"pattern": "^[^\\s]*$"},
@@ -603,14 +603,14 @@ class Terrain(CheckedFields):
     height_unit: str = declared(
         "",
         title="height unit",
-        help="unit of the sources of heights; left out, the one that they state, and metres where they state none",
+        help="unit of the sources of heights; by default the one that they state, otherwise metres",
         choices={"": "As the source says", "m": "Metres", "ft": "Feet", "us-ft": "US survey feet"},
         advanced=True,
     )
     height_offset_m: float = declared(
         0.0,
         title="height offset",
-        help="added to the heights of all sources, as for a datum that has no grid here",
+        help="added to the heights of all sources, for example for a datum whose grid is missing",
         unit="m",
         option="height_offset",
         least=-1000.0,
@@ -633,8 +633,8 @@ class Terrain(CheckedFields):
     height_above: str = declared(
         GROUND,
         title="height above",
-        help="over relief, what the heights of captures are above: the ground below each one; the ground at the "
-        "take-off (an area's north-western corner, or the first point), one height for all; or the ellipsoid",
+        help="over relief, reference of the heights of captures: the ground below each one; the ground at the take-"
+        "off (an area's north-western corner, or the first point), for one height of all; or the ellipsoid",
         choices={GROUND: "The ground below", TAKEOFF: "The take-off", ELLIPSOID: "The ellipsoid"},
         advanced=True,
     )
@@ -704,7 +704,7 @@ class Route(CheckedFields):
     entry: str = declared(
         FIRST,
         title="entry",
-        help="corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. "
+        help="corner of the rows where the flight begins; for rotated rows the corner nearest to that direction. "
         "first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order",
         choices={
             FIRST: "As laid out",
@@ -761,8 +761,8 @@ class Route(CheckedFields):
     drone: str = declared(
         "mavic-3e",
         title="drone",
-        help="drone that a file for DJI's programs (.kmz) is for; M300 and M350 are those with the camera P1, and "
-        "dji-fly stands for the drones that DJI Fly flies, such as Mini 4 Pro, Air 3 and Mavic 3",
+        help="drone for DJI files (.kmz); M300 and M350 with the camera P1; dji-fly for drones that use DJI Fly, "
+        "such as Mini 4 Pro, Air 3 and Mavic 3",
         choices={
             "mavic-3e": "Mavic 3E",
             "mavic-3t": "Mavic 3T",

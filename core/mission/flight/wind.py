@@ -40,7 +40,7 @@ class Wind(CheckedFields):
         least=0.0,
         suggested=0.2,
     )
-    seed: int = declared(Imagery.seed, title="seed of the wind", help="of the gusts", least=0)
+    seed: int = declared(Imagery.seed, title="seed of the wind", help="seed of the gusts", least=0)
 
     def checked(self, airspeed_m_per_s: float) -> Wind:
         """Return this wind if an aircraft of that airspeed can fly in it.
