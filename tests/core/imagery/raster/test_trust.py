@@ -228,7 +228,7 @@ def test_files_that_cannot_be_there_are_left_to_gdal(folder, outside, name):
 
 def test_no_folder_of_the_user_opens_the_network(folder, outside, server, library, monkeypatch):
     monkeypatch.setenv("TERRAINAV_RASTER_FOLDERS", Path.cwd().anchor)
-    assert "no file beside it" in refusal(naming(folder / "map.vrt", outside, f"/vsicurl/{server.url}/x.tif"))
+    assert "not a file beside it" in refusal(naming(folder / "map.vrt", outside, f"/vsicurl/{server.url}/x.tif"))
     assert server.asked == []
 
 
