@@ -21,8 +21,6 @@ from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
-#: Types of fields by the kinds of columns; others are texts.
-_TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
 #: JSON-LD context that Croissant 1.0 prescribes.
 _CONTEXT: dict[str, Any] = {
     "@language": "en",
@@ -215,6 +213,7 @@ def _samples(name: str) -> dict[str, Any]:
 def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
     """Record set of a map type: the table and, unless they are in shards, the images."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
+    types = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
     # Foreign tables may lack columns.
     first, *columns = (one for one in written_columns(images.table) if one.header in headers)
     names = {"fileObject": table, "extract": {"column": first.header}}
@@ -230,7 +229,7 @@ def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
         ]
     fields += [
         {
-            **_field(name, one.header, _TYPES.get(one.kind, "sc:Text")),
+            **_field(name, one.header, types.get(one.kind, "sc:Text")),
             "source": {"fileObject": table, "extract": {"column": one.header}},
         }
         for one in columns

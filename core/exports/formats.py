@@ -17,9 +17,6 @@ from ..geodesy.quaternions import quaternions_from_matrices
 from ..storage.files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_record
 
-#: Rotation from OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
-_OPENGL = np.diag([1.0, -1.0, -1.0])
-
 
 def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     """Write views in a format; return the folder.
@@ -76,10 +73,12 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
 
 def nerfstudio(views: Views, path: Path) -> dict[str, str]:
     """Nerfstudio's ``transforms.json``: poses from camera to world with OpenGL's axes, and relative image paths."""
+    # From OpenCV's camera axes (right, down, view) to OpenGL's (right, up, back).
+    opengl = np.diag([1.0, -1.0, -1.0])
     frames = []
     for at, name in enumerate(views.names):
         pose = np.eye(4)
-        pose[:3, :3] = views.rotations[at].T @ _OPENGL
+        pose[:3, :3] = views.rotations[at].T @ opengl
         pose[:3, 3] = views.centres_m[at]
         frames.append(
             {

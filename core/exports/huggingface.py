@@ -20,11 +20,7 @@ from ..map_types import SATELLITE
 from ..storage.files import link_or_copy, new_folder, write_whole
 from .tables import chosen_sets
 
-CARD_FILE, METADATA_FILE = "README.md", "metadata.jsonl"
-#: Types of columns by kind; others are texts.
-_TYPES = {WHOLE: "int64", NUMBER: "float64"}
-#: Size categories of cards, by the exclusive limit of images.
-_SIZES = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<1M", 10**7: "1M<n<10M"}
+METADATA_FILE = "metadata.jsonl"
 
 
 def write_huggingface(
@@ -61,12 +57,12 @@ def write_huggingface(
     sets = chosen_sets(read_dataset(folder), map_type)
     parts = {name: _parts(name, images) for name, images in sets.items()}
     root = new_folder(target)
-    card, written = root / CARD_FILE, []
+    card, written = root / "README.md", []
     count, total = 0, sum(len(rows) for one in parts.values() for rows in one.values())
-    features = {}
+    features, types = {}, {WHOLE: "int64", NUMBER: "float64"}
     for name, images in sets.items():
         columns = _columns(images, np.concatenate([*parts[name].values()]))
-        features[name] = {one.header: _TYPES.get(one.kind, "string") for one in columns}
+        features[name] = {one.header: types.get(one.kind, "string") for one in columns}
         for part, rows in parts[name].items():
             place = root / name / part
             for row in rows.tolist():
@@ -120,7 +116,8 @@ def _card(
 ) -> str:
     """Card: YAML, then Markdown."""
     count = sum(len(rows) for one in parts.values() for rows in one.values())
-    size = next((text for most, text in _SIZES.items() if count < most), "n>10M")
+    limits = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<1M", 10**7: "1M<n<10M"}
+    size = next((text for limit, text in limits.items() if count < limit), "n>10M")
     lines = [
         "---",
         "license: other",

@@ -40,7 +40,6 @@ from ..storage.files import (
 from .scenes import Ortho, OrthoGrid, SceneGround, local_frame
 from .views import ORIGIN_FILE, origin_record
 
-README_FILE = "README.txt"
 #: Pillow's formats by file ending.
 _FORMATS = {".jpg": "JPEG", ".jpeg": "JPEG", ".png": "PNG"}
 #: Limits of AnyVisLoc's names: scenes, and samples of a scene.
@@ -118,7 +117,7 @@ class _Export:
         ]
         if named:
             lines.append(f"The imagery: {'; '.join(named)}.")
-        self.write(README_FILE, ("\n\n".join(lines) + "\n").encode("utf-8"))
+        self.write("README.txt", ("\n\n".join(lines) + "\n").encode("utf-8"))
 
 
 def export_benchmark(

@@ -39,9 +39,6 @@ _NUMBER = r"([-+.\deE]+)"
 _GPX_POINT = re.compile(
     rf'<rtept lat="{_NUMBER}" lon="{_NUMBER}">.*?<terrainav:agl_m>{_NUMBER}</terrainav:agl_m>', re.DOTALL
 )
-_KML_LINE = re.compile(
-    "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>([^<]*)</coordinates></LineString>"
-)
 _WPML_MARK = re.compile(
     rf"<coordinates>{_NUMBER},{_NUMBER}</coordinates>.*?<wpml:index>(\d+)</wpml:index>.*?"
     rf"<wpml:executeHeight>{_NUMBER}</wpml:executeHeight>.*?"
@@ -232,7 +229,8 @@ def gpx_points(text: str) -> Floats:
 
 def kml_points(text: str) -> Floats:
     """Like `gpx_points`, for the flight lines in a part of a KML file that divides no line."""
-    lines = (np.array(line.replace(",", " ").split(), np.float64) for line in _KML_LINE.findall(text))
+    pattern = "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>([^<]*)</coordinates></LineString>"
+    lines = (np.array(line.replace(",", " ").split(), np.float64) for line in re.findall(pattern, text))
     return np.concatenate([_BREAK, *chain.from_iterable((_BREAK, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)])
 
 

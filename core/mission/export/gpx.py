@@ -14,16 +14,14 @@ from ..plan import Plan
 from .rows import parts
 from .waypoints import Waypoint, takeoff_deg, waypoint_notes, waypoints
 
-#: XML namespace of the extensions; it is not a page.
-NAMESPACE = "https://github.com/terrainav/terrainav/gpx/1"
-
 
 def gpx_text(plan: Plan) -> Iterator[str]:
     """Text of the route, in blocks."""
+    # The namespace of the extensions is not a page.
     yield (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
-        f'xmlns:terrainav="{NAMESPACE}">\n'
+        'xmlns:terrainav="https://github.com/terrainav/terrainav/gpx/1">\n'
         f"<metadata><name>TerrAInav plan</name><time>{plan.direct.start}</time></metadata>\n"
     )
     path = plan.path

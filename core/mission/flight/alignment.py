@@ -24,7 +24,7 @@ from .legs import legs
 
 #: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.
 _STEPS_DEG = (5.0, 1.25, 0.4, 0.1)
-#: Called with the progress of a search, 0 to 1; returning False ends it.
+#: Called with the progress of a search, 0 to 1; returning False cancels it.
 GoOn = Callable[[float], bool]
 
 
@@ -79,9 +79,9 @@ def align_rows(
 ) -> Alignment:
     """Align the rows of a mission with the longest side of its area, or for the shortest flight.
 
-    Flights are compared without wind: from the first capture to the last, and with a route including all sorties, turns
-    and ways around no-fly areas. The search refines the best azimuths in ever finer steps, beginning with regular ones
-    and those of the area's sides. The flight before is kept unless another is shorter by a thousandth.
+    Flights are compared without wind, from the first capture to the last, or with a route including all sorties, turns
+    and detours around no-fly areas. The search begins with regular azimuths and those of the area's sides, and refines
+    the best in ever finer steps. The previous flight is kept unless another is shorter by a thousandth.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
     if not len(side):
         return [EASTWARD_DEG]
     heading = np.degrees(arctan2(side[:, 0], side[:, 1]))
-    # Consecutive sides that bend by less than a degree count as one.
+    # Consecutive sides within a degree count as one.
     bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > 1.0
     first = int(np.argmax(bends))
     whole = np.cumsum(np.roll(bends, -first)) - 1
@@ -196,7 +196,7 @@ class _Flights:
     def _laid_out_m(self, azimuth_deg: float) -> float:
         """Length of the flight at an azimuth, from positions of captures where these suffice, else from a plan."""
         mission = self._mission.replace(row_azimuth_deg=azimuth_deg)
-        # Map frames of rows along the map's axes shift captures by their rounding.
+        # Rounded map frames shift captures of rows along the axes of the map.
         along_axes = azimuth_deg % EASTWARD_DEG == 0.0
         from_positions = self._from_positions and self._heights is None and self._grid.plane.wraps
         if along_axes or not from_positions or not is_rotated(mission):

@@ -1,4 +1,4 @@
-"""The direct flight from capture to capture, without turns and ways to the take-off: its legs and exposures."""
+"""The direct flight from capture to capture, without turns and transits: legs and exposures."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .legs import Legs, intervals_s, legs
 
 @dataclass(frozen=True, eq=False)
 class DirectFlight:
-    """A flight through n captures in their order.
+    """Flight through captures (n) in order.
 
     Attributes
     ----------
     column : array (n,) of int64
-        Of points, their indices in the mission.
+        Column of each capture; of points, the index in the mission.
     meant, flown : Poses
-        As they were meant to be, (n,), and as wind has moved them.
+        Planned poses, (n,), and poses moved by wind.
     """
 
     mission: Mission
@@ -32,12 +32,12 @@ class DirectFlight:
 
     @cached_property
     def legs(self) -> Legs:
-        """Legs as they were meant to be."""
+        """Legs between planned poses."""
         return legs(self.meant.lat_deg, self.meant.lon_deg)
 
     @cached_property
     def distance_m(self) -> float:
-        """Geodesic length of the way from the first capture to the last, without climbs."""
+        """Geodesic length of the flight from the first capture to the last, without climbs."""
         is_moved = self.flown is not self.meant
         way = legs(self.flown.lat_deg, self.flown.lon_deg) if is_moved else self.legs
         return float(np.sum(way.distance_m))
@@ -46,8 +46,7 @@ class DirectFlight:
     def exposures_s(self) -> Floats:
         """Seconds of each exposure after the first one, (n,).
 
-        Those of the points, or the time of the legs at the ground speed and of climbs at the airspeed: see
-        `legs.intervals_s`.
+        Times are those of points, or of the legs, see `legs.intervals_s`.
         """
         mission = self.mission
         stated = stated_times_s(mission, self.column)
@@ -73,7 +72,7 @@ class DirectFlight:
 
     @property
     def start(self) -> str:
-        """UTC of the first exposure, as ISO 8601: that of the first point with a time, or the mission's."""
+        """UTC of the first exposure as ISO 8601: the time of the first point, or the mission's start."""
         stated = stated_times_s(self.mission, self.column)
         if stated is None:
             return self.mission.flight.start
@@ -81,6 +80,6 @@ class DirectFlight:
 
 
 def stated_times_s(mission: Mission, column: Numbers) -> Floats | None:
-    """Times of points of a mission, by their columns, (n,); None where it states none."""
+    """Times of points by column, (n,); None if the mission states none."""
     times = mission.area.times_s
     return np.array(times, np.float64)[column] if times else None

@@ -1,4 +1,4 @@
-"""Legs from capture to capture, and the time that they take."""
+"""Legs from capture to capture, and their durations."""
 
 from __future__ import annotations
 
@@ -36,8 +36,7 @@ def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | 
     """Seconds from each exposure to the next, (n - 1,).
 
     Legs are flown at the ground speed of their heading in the wind, climbs and descents at the airspeed; along a
-    slanting leg the two times combine as the sides of a right triangle. Turns and the ways from and to the take-off are
-    not included.
+    slanting leg the two times combine like the sides of a right triangle. Turns and transits are not included.
 
     Parameters
     ----------

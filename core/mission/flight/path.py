@@ -1,4 +1,4 @@
-"""The path that an aircraft flies: take-off, ways there and back, lead-ins, captures and turns, in sorties."""
+"""The path of an aircraft: take-off, transits, lead-ins, captures and turns, in sorties."""
 
 from __future__ import annotations
 
@@ -24,32 +24,29 @@ from ..relief.ground import PathGround, Relief, refuse_hole
 from .direct import DirectFlight
 from .legs import legs
 
-#: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
-#: the way back ends, are transit, as are those around no-fly polygons and over relief.
+#: Kinds of points. Take-off and landing are on the ground; the points above them are transit, as are detours around
+#: no-fly areas and points over relief.
 TAKEOFF, TRANSIT, LEAD_IN, CAPTURE, TURNAROUND, LANDING = range(6)
-#: Climb and descent where the mission states no climb rate, metres a second: what multirotors do unhurried.
+#: Default rate of climb and descent: a moderate one for multirotors.
 CLIMB_M_PER_S = 3.0
-#: A stop at a capture: to brake, to settle, to take the image and to go on, seconds.
+#: Stop at a capture: braking, coming to rest, taking the image and accelerating.
 HOVER_S = 3.0
-#: Share of the height above ground by which a leg between captures may come lower, where the flight follows the ground.
+#: Share of the height above ground by which a leg may be lower, where the flight follows the ground.
 SAG_SHARE = 0.1
-#: Sorties of one flight, at most: more are a slip of the pen.
+#: Limit of the sorties of a flight; more indicate an input error.
 MOST_SORTIES = 999
-#: What ways keep from no-fly areas, metres: about as much as the position of an aircraft is off by.
+#: Distance kept from no-fly areas: about the position error of an aircraft.
 _NO_FLY_M = 5.0
-#: Sides of no-fly areas are straight in longitude and latitude: pieces of this length leave their chords by 2 cm where
-#: parallels bend most; and no side is cut into more.
-_SIDE_M, _MOST_PIECES = 1000.0, 256
-#: Heights that are the same, and what a leg may be too low by, which is noise, metres.
-_SAME_M, _NOISE_M = 0.01, 1e-3
+#: Height by which a leg may be too low, which is noise.
+_NOISE_M = 1e-3
 
 
 class Planned(Protocol):
-    """What a path is made of: a plan."""
+    """Attributes of a `plan.Plan` that a path uses."""
 
     @property
     def mission(self) -> Mission:
-        """What was asked for."""
+        """Mission of the plan."""
         ...
 
     @property
@@ -59,17 +56,17 @@ class Planned(Protocol):
 
     @property
     def meant(self) -> Poses:
-        """Captures in flight order, where they were meant to be, (n,)."""
+        """Planned poses of captures in flight order, (n,)."""
         ...
 
     @property
     def ground_m(self) -> Floats:
-        """Heights of the ground below them, (n,)."""
+        """Heights of the ground below captures, (n,)."""
         ...
 
     @property
     def relief(self) -> Relief:
-        """The ground that they are flown over."""
+        """Ground below the flight."""
         ...
 
     @property
@@ -80,27 +77,27 @@ class Planned(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FlightPath:
-    """Points of a flight one after the other, m of them, as arrays (m,); straight lines lie between them.
+    """Points of a flight in order, arrays (m,), joined by straight lines.
 
     Attributes
     ----------
     lat_deg, lon_deg : array
         Degrees; longitudes are continuous with the plan's.
     height_m : array
-        Over the WGS 84 ellipsoid.
+        Heights above the WGS 84 ellipsoid.
     ground_m : array
-        Of the ground below, over the WGS 84 ellipsoid.
+        Heights of the ground below, above the WGS 84 ellipsoid.
     kind : array of int8
         `TAKEOFF`, `TRANSIT`, `LEAD_IN`, `CAPTURE`, `TURNAROUND` or `LANDING`.
     capture : array of int64
-        Index of the capture in the plan; -1 at points between.
+        Index of the capture in the plan; -1 at other points.
     sortie : array of int64
         Number of the sortie, from 0.
     time_s : array
-        When the aircraft gets there: seconds after the first capture, below 0 on the way to it.
+        Time of arrival: seconds after the first capture, negative before it.
     base_m : float
-        What heights count from in files of heights over the take-off: that of the ground there, or below the first
-        capture where no take-off is set; over the ellipsoid.
+        Reference of heights above take-off in files, above the ellipsoid: the ground at the take-off, or below the
+        first capture if none is set.
     """
 
     lat_deg: Floats
@@ -123,12 +120,12 @@ class FlightPath:
 
     @property
     def sorties(self) -> int:
-        """How many sorties there are."""
+        """Number of sorties."""
         return int(self.sortie[-1]) + 1
 
     @property
     def sorties_s(self) -> Floats:
-        """Seconds of each sortie from its first point to its last."""
+        """Duration of each sortie in seconds, (k,)."""
         first = np.searchsorted(self.sortie, np.arange(self.sorties))
         last = np.searchsorted(self.sortie, np.arange(self.sorties), side="right") - 1
         seconds: Floats = self.time_s[last] - self.time_s[first]
@@ -142,27 +139,27 @@ class FlightPath:
 
     @property
     def is_captures(self) -> bool:
-        """Whether it has nothing but the captures, in one sortie."""
+        """Whether the path has only captures, in one sortie."""
         return self.sorties == 1 and bool((self.kind == CAPTURE).all())
 
     def sortie_path(self, sortie: int) -> FlightPath:
-        """One sortie alone; its number and its times stay."""
+        """Path of one sortie; sortie numbers and times are kept."""
         first, last = np.searchsorted(self.sortie, [sortie, sortie + 1])
         arrays = {name: values[first:last] for name, values in vars(self).items() if name != "base_m"}
         return replace(self, **arrays)
 
 
 def flight_path(plan: Planned) -> FlightPath:
-    """Work out the path of a plan; of a mission without a route the captures, and what lifts legs over relief.
+    """Compute the path of a plan; without a route, the captures and points that raise legs over relief.
 
-    Where wind moves the captures it goes through the places that they were meant at. Sorties follow each other without
-    a pause; a leg takes what its length takes at the ground speed, or its height at the climb rate, whichever is
-    longer, and a capture that is hovered at `HOVER_S` more. Turns take no time of their own.
+    The path leads through planned positions, whatever the wind. Sorties follow each other without a pause. A leg takes
+    the longer of its length at the ground speed and its height at the climb rate, and a hovered capture `HOVER_S` more.
+    Turns take no extra time.
 
     Raises
     ------
     InvalidInput
-        A place of take-off inside a no-fly area, or without ground; a capture that no battery reaches.
+        The take-off is inside a no-fly area or has no ground height, or a capture is beyond the range of the battery.
     """
     route = plan.mission.route
     further = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
@@ -192,7 +189,7 @@ def _captures_alone(plan: Planned) -> FlightPath:
 
 
 class _Points(NamedTuple):
-    """Points one after the other, arrays (m,)."""
+    """Points in order, arrays (m,)."""
 
     lat: Floats
     lon: Floats
@@ -201,22 +198,22 @@ class _Points(NamedTuple):
     capture: Numbers
 
     @classmethod
-    def of(cls, kind: int, lat: Floats, lon: Floats, height: Floats) -> _Points:
-        """Points of one kind that are no captures."""
+    def create(cls, kind: int, lat: Floats, lon: Floats, height: Floats) -> _Points:
+        """Points of one kind other than captures."""
         return cls(lat, lon, height, np.full(len(lat), kind, np.int8), np.full(len(lat), -1, np.int64))
 
     @classmethod
     def joined(cls, parts: Sequence[_Points]) -> _Points:
-        """All of several parts, in their order."""
+        """Points of all parts, in order."""
         return cls(*(np.concatenate(values) for values in zip(*parts)))
 
-    def taken(self, which: Any) -> _Points:
-        """Some of them."""
+    def take(self, which: Any) -> _Points:
+        """Some of the points."""
         return _Points(*(values[which] for values in self))
 
 
 class _Maker:
-    """Makes the path of a plan that has more than its captures."""
+    """Computes a path that has more than captures."""
 
     def __init__(self, plan: Planned) -> None:
         self._mission, self._route = plan.mission, plan.mission.route
@@ -239,7 +236,7 @@ class _Maker:
         lat, lon = self._captures.lat, self._captures.lon
         middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0
         self._plane = LocalPlane(*middle)
-        self._no_fly = [_near(polygon, middle[1]) for polygon in self._mission.no_fly]
+        self._no_fly = [_nearby_rings(polygon, middle[1]) for polygon in self._mission.no_fly]
         self._rings = [[np.stack(self._plane.forward(y, x), axis=1) for x, y in one] for one in self._no_fly]
         self._home = self._takeoff(middle[1])
         self._is_level = plan.relief.is_level
@@ -257,7 +254,7 @@ class _Maker:
         points = _Points.joined(parts)
         sortie = np.repeat(np.arange(len(parts), dtype=np.int64), [len(part.kind) for part in parts])
         seconds = np.append(0.0, np.cumsum(self._legs_s(points)))
-        # From landing to take-off is a change of batteries, and no way.
+        # The change of batteries between landing and take-off takes no time.
         ends = np.flatnonzero(np.diff(sortie)) + 1
         for end in ends.tolist():
             seconds[end:] -= seconds[end] - seconds[end - 1]
@@ -288,7 +285,7 @@ class _Maker:
     # --- the ground
 
     def _takeoff(self, lon_deg: float) -> tuple[float, float] | None:
-        """Place of take-off, with its longitude next to another."""
+        """Position of the take-off, with its longitude within 180 degrees of another."""
         if self._route.takeoff is None:
             return None
         lat, lon = self._route.takeoff
@@ -320,27 +317,27 @@ class _Maker:
         return found
 
     def _ground_m(self, lat: Floats, lon: Floats) -> Floats:
-        """Heights of the ground below points; that of the take-off where there is none."""
+        """Heights of the ground below points; that of the take-off where unknown."""
         found = self._relief.ground_m(lat, lon)
         return np.where(np.isnan(found), self._base_m, found)
 
     def _least_m(self, lat: Floats, lon: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
-        """Least heights that a leg may have over places, and those that points there are given."""
+        """Least heights of legs at positions, and heights given to new points there."""
         return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
 
     def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
-        """The same of places with the highest that is near to them, and the ground below."""
+        """Least and given heights from the greatest height nearby and the ground below."""
         least = highest_m + self._mission.terrain.clearance_m
-        # Half a metre more than needed: a round hill would else take a point every few metres.
+        # Half a metre more, so that a round hill does not need a point every few metres.
         given = least + 0.5
         if self._mission.terrain.height_above != GROUND:
             return least, given
         return np.fmax(least, ground_m + (1.0 - SAG_SHARE) * agl_m), np.fmax(given, ground_m + agl_m)
 
-    # --- rows and what lies between them
+    # --- rows and the legs between them
 
     def _directions(self) -> tuple[Floats, Floats]:
-        """Azimuths in which captures are entered as the first of their row, and left as the last, (n,) each."""
+        """Azimuths of arrival at captures as the first of a row, and of departure as the last, (n,) each."""
         lat, lon, row = self._captures.lat, wrap_lon_deg(self._captures.lon), self._row
         count = len(lat)
         into, out = np.full(count, np.nan), np.full(count, np.nan)
@@ -353,7 +350,7 @@ class _Maker:
         turned = 0.0 if self._mission.flight.order == ONE_WAY else 180.0
         alone = np.flatnonzero(np.isnan(into))
         for one in alone.tolist():
-            # A row of one capture goes on as its neighbour does, or the other way.
+            # A row of one capture has the direction of its neighbour, or the opposite one.
             if one and not math.isnan(out[one - 1]):
                 into[one] = out[one] = out[one - 1] + turned
         for one in alone[::-1].tolist():
@@ -363,32 +360,32 @@ class _Maker:
         into[alone] = out[alone] = start[np.minimum(alone, count - 2)]
         return into, out
 
-    def _beyond(self, which: Numbers, kind: int) -> tuple[_Points, Numbers]:
-        """Lead-ins before captures, or turnarounds behind them, but those that a no-fly area forbids; and whose."""
+    def _extensions(self, which: Numbers, kind: int) -> tuple[_Points, Numbers]:
+        """Lead-ins before captures, or turnarounds after them, outside no-fly areas, with the capture of each."""
         lead_in = kind == LEAD_IN
         length_m = self._route.lead_in_m if lead_in else self._route.turnaround_m
         if not length_m or not len(which):
-            return _Points.of(kind, *np.empty((3, 0))), which[:0]
+            return _Points.create(kind, *np.empty((3, 0))), which[:0]
         azimuth = self._into_deg[which] + 180.0 if lead_in else self._out_deg[which]
-        own = self._captures.taken(which)
+        own = self._captures.take(which)
         lat, lon, _ = geodesic_ends(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
         lon = own.lon + wrap_lon_deg(lon - own.lon)
         least, _ = self._least_m(lat, lon, self._asked_agl[which])
         free = ~in_no_fly(self._mission.no_fly, lat, lon)
-        points = _Points.of(kind, lat, lon, np.fmax(own.height, least))
-        return points.taken(free), which[free]
+        points = _Points.create(kind, lat, lon, np.fmax(own.height, least))
+        return points.take(free), which[free]
 
     def _made_track(self) -> _Points:
-        """Captures, with what lies between them."""
+        """Captures with turnarounds, lead-ins, detours and raised legs."""
         turns = np.flatnonzero(np.diff(self._row))
-        behind, of_behind = self._beyond(turns, TURNAROUND)
-        before, of_before = self._beyond(turns + 1, LEAD_IN)
-        keys = np.concatenate([3 * self._captures.capture, 3 * of_behind + 1, 3 * of_before - 1])
-        points = _Points.joined([self._captures, behind, before]).taken(np.argsort(keys, kind="stable"))
-        return self._over_ground(self._around(points))
+        behind, left = self._extensions(turns, TURNAROUND)
+        before, entered = self._extensions(turns + 1, LEAD_IN)
+        keys = np.concatenate([3 * self._captures.capture, 3 * left + 1, 3 * entered - 1])
+        points = _Points.joined([self._captures, behind, before]).take(np.argsort(keys, kind="stable"))
+        return self._raise_legs(self._around(points))
 
     def _around(self, points: _Points) -> _Points:
-        """Points with legs that keep out of no-fly areas."""
+        """Points with detours around no-fly areas."""
         if not self._rings or len(points.kind) < 2:
             return points
         place = np.stack(self._plane.forward(points.lat, points.lon), axis=1)
@@ -403,14 +400,14 @@ class _Maker:
             if len(way):
                 lat, lon = self._plane.inverse(*way.T)
                 height = np.full(len(way), max(points.height[leg], points.height[leg + 1]))
-                added.append((leg, _Points.of(TRANSIT, lat, lon, height)))
-        return _with(points, added)
+                added.append((leg, _Points.create(TRANSIT, lat, lon, height)))
+        return _inserted(points, added)
 
-    def _over_ground(self, points: _Points) -> _Points:
-        """Points with further ones where a leg would come too low over the relief."""
+    def _raise_legs(self, points: _Points) -> _Points:
+        """Points with further ones where a leg is too low over the relief."""
         if self._is_level or len(points.kind) < 2:
             return points
-        agl = self._agl_of(points)
+        agl = self._leg_agl_m(points)
         points = self._raised(points, np.append(agl, agl[-1]))
         added: list[tuple[int, _Points]] = []
         for below in self._relief.profiles(points.lat, points.lon, self._plane):
@@ -422,17 +419,17 @@ class _Maker:
                 ends = float(points.height[one]), float(points.height[one + 1])
                 which, height = _lifted(below.share[at], least[at], given[at], ends)
                 lat, lon = below.lat_deg[at][which], below.lon_deg[at][which]
-                added.append((one, _Points.of(TRANSIT, lat, lon, height)))
-        return _with(points, added)
+                added.append((one, _Points.create(TRANSIT, lat, lon, height)))
+        return _inserted(points, added)
 
     def _raised(self, points: _Points, agl_m: Floats) -> _Points:
-        """Points of which those that are no captures, and stand too low over the relief, are lifted."""
+        """Points, with those other than captures raised where they are too low over the relief."""
         least, given = self._least_m(points.lat, points.lon, agl_m)
         low = (points.capture < 0) & (points.height < least)
         return points._replace(height=np.where(low, given, points.height))
 
-    def _agl_of(self, points: _Points) -> Floats:
-        """Height above ground that is asked for on each leg, (m - 1,): the lower one of the captures around it."""
+    def _leg_agl_m(self, points: _Points) -> Floats:
+        """Requested height above ground of each leg, (m - 1,): the lower of the captures before and after."""
         before = np.maximum(np.maximum.accumulate(points.capture), 0)
         after = np.minimum.accumulate(np.where(points.capture < 0, len(self._row) - 1, points.capture)[::-1])[::-1]
         agl: Floats = np.minimum(self._asked_agl[before[:-1]], self._asked_agl[after[1:]])
@@ -460,7 +457,7 @@ class _Maker:
                 )
             end = self._farthest(first, last, limit_s)
             row_end = ends[np.searchsorted(ends, end, side="right") - 1] if end >= ends[0] else -1
-            # A sortie that uses half of its battery ends with a row rather than within the next one.
+            # A sortie that uses half of the battery ends with a row rather than within the next.
             if first <= row_end < end and 0.5 * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
                 end = int(row_end)
             found.append((first, end))
@@ -468,7 +465,7 @@ class _Maker:
         return found
 
     def _farthest(self, first: int, last: int, limit_s: float) -> int:
-        """Last capture of a sortie that is as long as the battery allows."""
+        """Last capture of the longest sortie that the battery allows."""
         alone_s = self._sortie_s(first, first)
         if alone_s > limit_s:
             raise InvalidInput(
@@ -489,7 +486,7 @@ class _Maker:
 
     def _sortie(self, first: int, last: int) -> _Points:
         """Points of one sortie."""
-        own = self._track.taken(slice(self._at[first], self._at[last] + 1))
+        own = self._track.take(slice(self._at[first], self._at[last] + 1))
         return _Points.joined([self._way(first, True)[0], own, self._way(last, False)[0]])
 
     def _sortie_s(self, first: int, last: int) -> float:
@@ -498,20 +495,20 @@ class _Maker:
         return self._way(first, True)[1] + own + self._way(last, False)[1]
 
     def _way(self, capture: int, there: bool) -> tuple[_Points, float]:
-        """Way from take-off to a capture, without it, or from it back; and its seconds, its last leg among them."""
+        """Way from take-off to a capture (excluded), or back, and its duration with the leg at the capture."""
         key = capture, there
         if key not in self._ways:
-            end, _ = self._beyond(np.array([capture]), LEAD_IN if there else TURNAROUND)
-            own = self._captures.taken(slice(capture, capture + 1))
-            # A lead-in or a turnaround is flown as rows are, the rest high enough for all that is below.
+            end, _ = self._extensions(np.array([capture]), LEAD_IN if there else TURNAROUND)
+            own = self._captures.take(slice(capture, capture + 1))
+            # Lead-ins and turnarounds are flown like rows, the rest at one safe height.
             both = [end, own] if there else [own, end]
-            near = self._over_ground(self._around(_Points.joined(both)))
-            near = near.taken(slice(0, -1) if there else slice(1, None))
+            near = self._raise_legs(self._around(_Points.joined(both)))
+            near = near.take(slice(0, -1) if there else slice(1, None))
             outer = near if len(near.kind) else own
-            place = outer.taken(slice(0, 1) if there else slice(-1, None))
-            home = self._transit(place, capture) if self._home is not None else near.taken(slice(0, 0))
+            place = outer.take(slice(0, 1) if there else slice(-1, None))
+            home = self._transit(place, capture) if self._home is not None else near.take(slice(0, 0))
             if not there:
-                home = home.taken(slice(None, None, -1))
+                home = home.take(slice(None, None, -1))
                 home = home._replace(kind=np.where(home.kind == TAKEOFF, LANDING, home.kind).astype(np.int8))
             way = _Points.joined([home, near] if there else [near, home])
             timed = _Points.joined([way, own] if there else [own, way])
@@ -520,21 +517,22 @@ class _Maker:
         return self._ways[key]
 
     def _transit(self, place: _Points, capture: int) -> _Points:
-        """Points from take-off to a place, without it: up, across at one safe height, and above the place."""
+        """Points from take-off to a place (excluded): up, across at one safe height, and down."""
         if self._home is None:
-            return place.taken(slice(0, 0))
+            return place.take(slice(0, 0))
         home = np.array(self._home[:1]), np.array(self._home[1:])
-        start = _Points.of(TRANSIT, *home, place.height)
+        start = _Points.create(TRANSIT, *home, place.height)
         across = self._around(_Points.joined([start, place._replace(kind=start.kind, capture=start.capture)]))
-        cruise_m = max(float(place.height[0]), self._highest_along(across, float(self._asked_agl[capture])))
+        cruise_m = max(float(place.height[0]), self._safe_height_m(across, float(self._asked_agl[capture])))
         across = across._replace(height=np.full(len(across.kind), cruise_m))
-        if cruise_m - float(place.height[0]) <= _SAME_M:
-            across = across.taken(slice(0, -1))
-        takeoff = _Points.of(TAKEOFF, *home, np.array([self._base_m]))
+        # Within a centimetre there is no descent.
+        if cruise_m - float(place.height[0]) <= 0.01:
+            across = across.take(slice(0, -1))
+        takeoff = _Points.create(TAKEOFF, *home, np.array([self._base_m]))
         return _Points.joined([takeoff, across])
 
-    def _highest_along(self, points: _Points, agl_m: float) -> float:
-        """Height that is safe all along legs; minus infinity over level ground."""
+    def _safe_height_m(self, points: _Points, agl_m: float) -> float:
+        """Least height that is safe on all legs; minus infinity over level ground."""
         return max(
             (
                 float(self._kept_m(below.highest_m, below.ground_m, agl_m)[1].max())
@@ -550,7 +548,7 @@ class _Maker:
         return HOVER_S if self._mission.trigger == HOVER else 0.0
 
     def _legs_s(self, points: _Points) -> Floats:
-        """Seconds of each leg, (m - 1,), with the hovering at the capture that it begins at."""
+        """Seconds of each leg, (m - 1,), with hovering at the capture where it begins."""
         way = legs(points.lat, points.lon)
         flight, wind = self._mission.flight, self._mission.wind
         speed: Floats | float = flight.airspeed_m_per_s
@@ -562,43 +560,44 @@ class _Maker:
         return hovered
 
 
-def _near(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:
-    """Rings of a polygon, in the turn of the world that is next to a longitude."""
+def _nearby_rings(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:
+    """Rings of a polygon, shifted by whole turns to be near a longitude."""
     rings = polygon.arrays()
     turn = 360.0 * round((lon_deg - float(rings[0][0].mean())) / 360.0)
     return [_cut(lon + turn, lat) for lon, lat in rings]
 
 
 def _cut(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
-    """Ring whose sides are cut so that straight lines between their pieces' ends in a plane are them."""
+    """Ring with its sides divided into pieces that are straight in a plane."""
     along = legs(np.append(lat_deg, lat_deg[0]), np.append(lon_deg, lon_deg[0])).distance_m
-    pieces = np.clip(np.ceil(along / _SIDE_M), 1, _MOST_PIECES).astype(np.int64)
+    # Sides follow parallels: pieces of 1 km deviate by 2 cm where these bend most. 256 pieces bound the time.
+    pieces = np.clip(np.ceil(along / 1000.0), 1, 256).astype(np.int64)
     side = np.repeat(np.arange(len(pieces)), pieces)
     share = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[side]
     lon, lat = (part[side] + share * (np.roll(part, -1) - part)[side] for part in (lon_deg, lat_deg))
     return lon, lat
 
 
-def _with(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
-    """Points with others in legs, which are told by the point that they begin at."""
+def _inserted(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
+    """Points with others inserted into legs, keyed by start point."""
     if not added:
         return points
     keys = [np.arange(len(points.kind), dtype=np.float64)]
     keys += [leg + np.arange(1.0, len(more.kind) + 1.0) / (len(more.kind) + 1.0) for leg, more in added]
     whole = _Points.joined([points, *(more for _, more in added)])
-    return whole.taken(np.argsort(np.concatenate(keys), kind="stable"))
+    return whole.take(np.argsort(np.concatenate(keys), kind="stable"))
 
 
 def _lifted(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
-    """Nodes of a leg (k,) that it is to go through, by index, and heights there: nowhere is it below the least then.
+    """Nodes (k,) of a leg, by index, that a path must pass, and heights there, so that it is nowhere below the least.
 
-    The lowest node is lifted, and so on to both sides of it with what remains too low.
+    The lowest node is raised, then the same is done on both sides of it.
     """
     height = {0: ends[0], len(share) - 1: ends[1]}
     waiting = [(0, len(share) - 1)]
     while waiting:
         first, last = waiting.pop()
-        # Of several nodes at the ends there is one height.
+        # Nodes at the ends have the heights of the ends.
         inner = np.flatnonzero((share[first:last] > share[first]) & (share[first:last] < share[last])) + first
         if not len(inner):
             continue

@@ -21,7 +21,7 @@ _DIRECTIONS = (
 
 
 class Sun(NamedTuple):
-    """Sun over the middle of the area: height and azimuth, clockwise from north, at the start and end of the flight."""
+    """Sun over the middle of the area: height and azimuth (clockwise from north) at start and end of the flight."""
 
     height_deg: float
     azimuth_deg: float
@@ -42,10 +42,10 @@ class Sun(NamedTuple):
         heights = self.height_deg, self.end_height_deg
         if min(heights) < 0.0:
             return Message("{0}: night", text)
-        # Shadows are longer than 1.7 times the height of what casts them.
+        # Shadows are longer than 1.7 times the height of objects.
         if min(heights) < 30.0:
             return Message("{0}: long shadows", text)
-        # No shadows are visible opposite the sun, and water reflects it at the same angle.
+        # Opposite the sun no shadows are visible, and water reflects the sun at the same angle.
         if 90.0 - max(heights) < fov_deg / 2.0:
             return Message("{0}: a bright spot, and glint on water, lie in the images", text)
         return text
@@ -60,7 +60,7 @@ def _stands(height_deg: float, azimuth_deg: float) -> Message:
 
 def area_sun(plan: Plan) -> Sun | None:
     """Position of the sun during the flight; None where the mission has no start time."""
-    # The times of a line count from the start that is entered, so they add no date of their own.
+    # The times of a line are relative to the mission's start, so they state no date.
     if plan.mission.flight.start == Flight.start and (
         not plan.direct.has_times or utc_time(plan.direct.start) == utc_time(Flight.start)
     ):
@@ -113,7 +113,7 @@ def interval_warnings(plan: Plan) -> tuple[str, ...]:
     least_s, found_s = plan.mission.route.photo_interval_s, interval_s(plan)
     if least_s is None or found_s is None or found_s >= least_s:
         return ()
-    said = Message("images every {0:.2g} s: the camera takes one every {1:g} s", found_s, least_s)
+    warning = Message("images every {0:.2g} s: the camera takes one every {1:g} s", found_s, least_s)
     shots, moving_s = _shots(plan), least_s - _stop_s(plan)
     air = shots.length_m / moving_s + shots.headwind_m_per_s
     slowest = 0.0 if plan.mission.wind is None else plan.mission.wind.speed_m_per_s
@@ -121,8 +121,8 @@ def interval_warnings(plan: Plan) -> tuple[str, ...]:
     # Rounded down, so that the camera keeps up.
     speed = math.floor(speed * 10.0) / 10.0
     if speed <= slowest:
-        return (Message("{0}; overlap less or fly higher", said),)
-    return (Message("{0}; fly at {1:g} m/s or slower ({2})", said, speed, OptionName("airspeed")),)
+        return (Message("{0}; overlap less or fly higher", warning),)
+    return (Message("{0}; fly at {1:g} m/s or slower ({2})", warning, speed, OptionName("airspeed")),)
 
 
 def _stop_s(plan: Plan) -> float:

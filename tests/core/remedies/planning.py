@@ -331,10 +331,12 @@ planned(
 
 @remedy("mission/layout/paper.py", "{}: the layout {} does not support it; use --layout cover")
 def _more_than_paper_has(case: Case) -> None:
-    for asked in ({"facing": "track"}, {"margin_m": 20.0}):
-        mission = Mission(AREA, 120.0, layout="paper", **asked)
-        case.refused(partial(plan, mission, GRID))
-        case.follow("use --layout cover", partial(plan, mission.replace(layout="cover"), GRID))
+    facing, margin = (
+        Mission(AREA, 120.0, layout="paper", **asked) for asked in ({"facing": "track"}, {"margin_m": 20.0})
+    )
+    case.refused(partial(plan, facing, GRID))
+    case.follow("use --layout cover", partial(plan, facing.replace(layout="cover"), GRID))
+    assert len(plan(margin.replace(layout="cover"), GRID)) > 0
 
 
 @remedy("mission/flight/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
