@@ -241,9 +241,9 @@ class PolygonTool(TemporaryTool):
         for point in self._corners:
             corners.addPoint(point, point is self._corners[-1])
         if self._at is not None:
-            self._readout.say(self._readout(pointer[0]), self._at)
+            self._readout.say(self._readout_text(pointer[0]), self._at)
 
-    def _readout(self, pointer: QgsPointXY) -> str:
+    def _readout_text(self, pointer: QgsPointXY) -> str:
         """Length of the current edge, and the size of the polygon."""
         if not self._corners:
             return self._hint

@@ -373,10 +373,10 @@ class AreaTool(TemporaryTool):
         else:
             self._dragged = moved(self._area, dlat, dlon)
         self._draw()
-        self._readout.say(self._readout(), at)
+        self._readout.say(self._readout_text(), at)
         self.dragging.emit(self._dragged)
 
-    def _readout(self) -> str:
+    def _readout_text(self) -> str:
         """Readout of the area being dragged."""
         if self._held is not None and not is_sound(self._dragged) and is_sound(self._area):
             return tr("The outline would cross itself")
