@@ -170,7 +170,7 @@ def test_bad_rows_are_named(dataset):
 def test_folders_that_are_no_dataset_are_refused(tmp_path, layout):
     with pytest.raises(InvalidInput, match=r"nothing: (cannot be read|is not a VBN dataset)"):
         read_dataset(tmp_path / "nothing", layout)
-    with pytest.raises(InvalidInput, match=r"is no (dataset|VBN dataset)"):
+    with pytest.raises(InvalidInput, match=r"is not a (dataset|VBN dataset)"):
         read_dataset(tmp_path, layout)
 
 
