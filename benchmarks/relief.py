@@ -35,7 +35,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
 
@@ -198,7 +198,7 @@ def shot(source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: 
     area = Points(((at[0], at[1], agl),))
     mission = Mission(area, agl, CAMERA, source=source, elevation=elevation, tilt_deg=tilt, yaw_deg=yaw, upsample=True)
     opened = open_source(source)
-    made = plan(mission, opened.grid, heights_of(mission))
+    made = plan(mission, opened.grid, mission_heights(mission))
     parts, walls = picture_parts(made, opened, 0), wall_colours(made, opened, "satellite")
     pixels = {part.window: opened.fetch("satellite", part.window) for part in parts}
     picture = draw(make_shot(made, 0), parts, pixels, walls=walls).pixels[..., :3]

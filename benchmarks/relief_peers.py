@@ -45,7 +45,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 TOLERANCE_PX, YAW = 0.02, 30.0
 #: Cells along each side of what the surface model has for Embree, and steps to a cell of the third.
@@ -398,7 +398,7 @@ def flown(folder: Path, dsm: str, ground: Ground, tilt: float, *, level: bool) -
         image_format="png",
     )
     source = open_source(mission.imagery.source)
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     result = capture(made, source, folder / "flight")
     if result.failed or result.written != len(places):
         raise SystemExit(f"{result.written} of {len(places)} images were written")

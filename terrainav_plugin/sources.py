@@ -112,7 +112,7 @@ def mission_heights(mission: Mission) -> Heights | None:
     if not sources:
         return None
     from ..core.imagery.opening import SourceOptions
-    from ..core.picture.heights import heights_of
+    from ..core.picture.heights import mission_heights
 
     is_fetched = any("://" in text or text == TERRARIUM for text in sources)
     options = SourceOptions(
@@ -121,7 +121,7 @@ def mission_heights(mission: Mission) -> Heights | None:
         transport=source_transport("") if is_fetched else None,
         cache=Settings().tile_cache(),
     )
-    return heights_of(mission, options)
+    return mission_heights(mission, options)
 
 
 def request_costs(name: str) -> Costs:

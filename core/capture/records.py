@@ -184,7 +184,7 @@ def image_job(
             zoom=plan.zoom,
             imagery_date=source.date,
             effective_gsd_m_per_px=_effective_gsd_m(plan, index),
-            exposure=None if exposures is None else exposures.at(index),
+            exposure=None if exposures is None else exposures.exposure(index),
             **pose,
         ),
         source_bands(source),

@@ -131,7 +131,7 @@ def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
     if not mission.terrain.elevation:
         return None
     from ..imagery.opening import SourceOptions
-    from ..picture.heights import heights_of
+    from ..picture.heights import mission_heights
 
     options = SourceOptions(
         seed=mission.imagery.seed,
@@ -139,7 +139,7 @@ def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
         cache=open_cache(values),
         named_by_user=values[NAMED],
     )
-    return heights_of(mission, options)
+    return mission_heights(mission, options)
 
 
 def _plan_mission(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:

@@ -46,7 +46,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     from ..mission.settings import resolve
     from ..pairs.planning import DRONE
     from ..pairs.sheet import check_sheet, contact_sheet
-    from ..picture.heights import heights_for, landscape_crs
+    from ..picture.heights import landscape_crs, terrain_heights
 
     if not arguments.data_dir and not arguments.dry_run:
         # An empty one is probably from an unset variable; do not take it for the current folder.
@@ -65,7 +65,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         cache=open_cache(values) if settings.terrain.elevation else None,
         named_by_user=values[NAMED],
     )
-    heights = heights_for(settings.terrain, options)
+    heights = terrain_heights(settings.terrain, options)
     if arguments.dry_run:
         grids = {view: source.grid for view, source in sources.items()}
         _print_plan(_plan(places, settings, grids, heights), arguments.json)

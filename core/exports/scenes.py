@@ -18,7 +18,7 @@ from ..geodesy.raytracing.surface import Surface
 from ..geodesy.raytracing.tracing import ElevationModel, Tracing
 from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
-from ..picture.heights import heights_of
+from ..picture.heights import mission_heights
 from ..picture.resampling import sample
 from .views import camera_rotations
 
@@ -91,7 +91,7 @@ class SceneGround:
         asked = benchmark.about.get("queries")
         if not isinstance(asked, dict):
             raise InvalidInput("benchmark {0}: does not say how its queries were taken", benchmark.folder)
-        heights = heights_of(Mission.from_dict(asked))
+        heights = mission_heights(Mission.from_dict(asked))
         return cls(benchmark, None if heights is None else heights.surface)
 
     @cached_property

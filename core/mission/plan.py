@@ -283,7 +283,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     mission : Mission
     grid : PixelGrid
     heights : Heights or None
-        Heights of the mission's elevation (`elevation.relief.heights_of`), if it has one.
+        Heights of the mission's elevation (`picture.heights.mission_heights`), if it has one.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Images of a dataset as one orthophoto of the ground.
+"""Orthomosaics of the images of a dataset.
 
 In reading order:
 
-- `raster`: pixels of the map that it is made of, and the ground in them
-- `frames`: camera frames and map frames: which ground each shows, and where
+- `raster`: the mosaic's pixel grid, and the ground in its pixels
+- `frames`: camera frames and map frames: the ground each shows, and where
 - `bigtiff`: GeoTIFFs larger than memory
-- `orthomosaic`: the image that shows each pixel from most nearly above, and its colours there
+- `orthomosaic`: each pixel from the image that sees it most nearly from above
 """

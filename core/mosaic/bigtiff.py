@@ -1,4 +1,4 @@
-"""GeoTIFFs larger than memory: tiles of 8-bit pixels with alpha, written one after the other."""
+"""GeoTIFFs larger than memory: tiles of 8-bit pixels with alpha, written one by one."""
 
 from __future__ import annotations
 
@@ -19,16 +19,14 @@ from ..storage.files import partial_file
 
 #: Side of a tile, a multiple of 16.
 TILE_PX = 256
-#: Offsets of a classic TIFF have 32 bits; room for what tags may take.
-_MOST_BYTES = (1 << 32) - (1 << 24)
 
 
 def packed_tile(pixels: Bytes) -> bytes:
-    """Deflated differences (Predictor 2) of a tile (h, w, n) of at most `TILE_PX` a side, filled up with nothing."""
+    """Deflate a tile (h, w, n) with horizontal differencing (Predictor 2), padded with zeros to `TILE_PX`."""
     tile = np.zeros((TILE_PX, TILE_PX, pixels.shape[2]), np.uint8)
     tile[: pixels.shape[0], : pixels.shape[1]] = pixels
     tile[:, 1:] -= tile[:, :-1].copy()
-    # Level 6 is quick, and within some percent of the smallest.
+    # Level 6 is fast, and within a few per cent of the smallest.
     packer = zlib.compressobj(6, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
     return packer.compress(tile.tobytes()) + packer.flush()
 
@@ -42,34 +40,35 @@ def write_tiles(
     attribution: str = "",
     bands: Bands | None = None,
 ) -> None:
-    """Write a tiled GeoTIFF, whole or not at all; a BigTIFF where it might not fit a classic one.
+    """Write a tiled GeoTIFF atomically, as BigTIFF if it might not fit a classic TIFF.
 
     Parameters
     ----------
     channels : int
-        2 or 4: grey, or red, green and blue; the last is alpha.
+        2 (grey and alpha) or 4 (red, green, blue and alpha).
     tiles : iterable of (column, row, bytes)
-        `packed_tile` of each tile, in any order; those that are missing show nothing.
+        `packed_tile` of each tile, in any order; missing tiles are transparent.
     bands : Bands or None
-        Of what they are named, and what their values mean; None for nothing beyond their colours.
+        Names and values of the bands for the metadata, if known.
 
     Raises
     ------
     OutputError
     """
     columns, rows = (-(-size // TILE_PX) for size in (place.width_px, place.height_px))
-    is_big = columns * rows * TILE_PX * TILE_PX * channels > _MOST_BYTES
+    # Offsets of a classic TIFF have 32 bits; 16 MB are left for tags.
+    is_big = columns * rows * TILE_PX * TILE_PX * channels > (1 << 32) - (1 << 24)
     offsets, lengths = np.zeros((2, rows, columns), np.int64)
     try:
         with partial_file(target) as partial, partial.open("xb") as file:
-            # Where the directory stands is known at the end.
+            # The offset of the directory is filled in at the end.
             file.write(big_header(0) if is_big else header().ljust(16, b"\0"))
             for column, row, data in tiles:
                 offsets[row, column], lengths[row, column] = file.tell(), len(data)
                 file.write(data)
             missing = lengths == 0
             if missing.any():
-                # One tile stands for all of them, as not every reader knows tiles that are left out.
+                # All missing tiles share one, as not every reader supports sparse files.
                 data = packed_tile(np.zeros((1, 1, channels), np.uint8))
                 offsets[missing], lengths[missing] = file.tell(), len(data)
                 file.write(data)
@@ -84,14 +83,14 @@ def write_tiles(
                 Tag(262, TagType.SHORT, [1 if channels == 2 else 2]),  # black is zero; RGB
                 Tag(270, TagType.ASCII, title),
                 Tag(277, TagType.SHORT, [channels]),
-                Tag(284, TagType.SHORT, [1]),  # channels pixel by pixel
+                Tag(284, TagType.SHORT, [1]),  # chunky
                 Tag(305, TagType.ASCII, SOFTWARE),
-                Tag(317, TagType.SHORT, [2]),  # differences
+                Tag(317, TagType.SHORT, [2]),  # horizontal differencing
                 Tag(322, TagType.LONG, [TILE_PX]),
                 Tag(323, TagType.LONG, [TILE_PX]),
                 Tag(324, kind, offsets.ravel().tolist()),
                 Tag(325, kind, lengths.ravel().tolist()),
-                Tag(338, TagType.SHORT, [2]),  # the last channel is alpha, and the others are not multiplied by it
+                Tag(338, TagType.SHORT, [2]),  # unassociated alpha
                 Tag(33432, TagType.ASCII, attribution),
                 *place.tags(),
             ]

@@ -1,4 +1,4 @@
-"""Images and the ground that they show: camera frames by their poses, map frames by their places in the map."""
+"""Images and the ground that they show: camera frames by pose, map frames by georeference."""
 
 from __future__ import annotations
 
@@ -32,38 +32,30 @@ from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief.ground import Heights
 from ..numbers import real_number
-from ..picture.heights import heights_of
+from ..picture.heights import mission_heights
 from ..storage.files import open_foreign, read_limited
 from ..text.safe_json import decoded
 from .raster import BlockGround, PixelBlock, places, positions
 
 OpenHeights = Callable[[Mission], "Heights | None"]
 
-#: Ground is taken from images that see it at less than this from straight above, degrees: beyond, the pixels of a
-#: camera reach over 30 of those below it.
+#: Largest angle from the vertical at which images are used, degrees; beyond, a pixel spans over 30 times the ground
+#: that it spans at the nadir.
 FLATTEST_DEG = 80.0
-#: Rays along each side of an image by which the box of its ground is found, and what that may be larger by: ground
-#: bends between rays by less.
-_RAYS, _MARGIN = 9, 1.0 / 32.0
-#: Pixels from ray to ray in an image within which the relief ends; nodes along each side of a box by which the relief
-#: about it is found; rounding of rays along an image's edge.
-_EACH_PX, _NODES, _ON_EDGE = 2, 5, 1.0 + 1e-9
-#: Images whose boxes are worked out at a time, to bound memory: some 30 MB.
-_BOXED = 2048
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 
 
 class Sight(NamedTuple):
-    """Where an image shows the ground of a block, (h, w) each.
+    """Position of a block's ground in an image, (h, w) each.
 
     Attributes
     ----------
     x, y : array
-        In shares of the image's width and height, from its upper left corner; without meaning where it shows none.
+        Shares of the image's width and height from its upper left corner; meaningless where not ``inside``.
     inside : array of bool
-        Whether it holds the ground; relief in front may hide it all the same.
+        Whether the ground is in the image; relief may still hide it.
     steepness : array
-        Greater, the more nearly the ground lies below the camera.
+        Larger, the more vertically the camera sees the ground.
     """
 
     x: Floats
@@ -73,7 +65,7 @@ class Sight(NamedTuple):
 
 
 class ImageBoxes(NamedTuple):
-    """Boxes (n,) that hold what images show of the ground, in the unit of a CRS; NaN for none."""
+    """Bounding boxes (n,) of the ground in images, in the unit of a CRS; NaN for none."""
 
     west: Floats
     south: Floats
@@ -81,8 +73,8 @@ class ImageBoxes(NamedTuple):
     north: Floats
 
 
-class Ends(NamedTuple):
-    """Edges of a rectangle, in the unit of a CRS."""
+class Extent(NamedTuple):
+    """Rectangle in the unit of a CRS."""
 
     west: float
     south: float
@@ -92,22 +84,22 @@ class Ends(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class CameraImages:
-    """Images of cameras, n of them.
+    """Camera frames, n of them.
 
     Parameters
     ----------
     poses : Poses
-        ``agl_m`` over ``ground``; longitudes are continuous.
+        With heights above ``ground`` and continuous longitudes.
     ground : Ellipsoid
-        The level ground that they see; WGS 84 where there is relief.
+        Level ground, WGS 84 where there is relief.
     relief : ElevationModel or None
     paths : tuple of Path
     sizes_px : array (n, 2)
-        Widths and heights of the images as written.
+        Widths and heights of the image files.
     plane : Plane
-        Of the CRS that their mosaic is to have.
+        CRS of the mosaic.
     flattest_deg : float
-        Ground seen at more than this from straight above is left out.
+        Ground seen at a larger angle from the vertical is left out.
     """
 
     camera: Camera
@@ -124,7 +116,7 @@ class CameraImages:
 
     @classmethod
     def from_plan(cls, plan: Plan, index: int, path: Path) -> CameraImages:
-        """The image of one of a plan's captures, as far as it sees the ground."""
+        """Image of one of a plan's captures."""
         poses = plan.poses.take(slice(index, index + 1))
         if not plan.relief.is_level:
             poses = poses._replace(agl_m=plan.height_m[index : index + 1])
@@ -144,24 +136,24 @@ class CameraImages:
 
     @cached_property
     def centres(self) -> Floats:
-        """Cameras from the Earth's centre, (n, 3)."""
+        """Geocentric positions (n, 3) of the cameras."""
         return geocentric(self.poses.lat_deg, self.poses.lon_deg, self.poses.agl_m, self.ground)
 
     @cached_property
     def axes(self) -> Floats:
-        """Right, top and view of the images as rows, (n, 3, 3), in geocentric axes."""
-        own = np.stack(image_axes(*self.poses.attitude), axis=-2)
-        turned: Floats = own @ enu_axes(self.poses.lat_deg, self.poses.lon_deg)
+        """Right, up and viewing direction of the images as rows (n, 3, 3), in geocentric axes."""
+        local = np.stack(image_axes(*self.poses.attitude), axis=-2)
+        turned: Floats = local @ enu_axes(self.poses.lat_deg, self.poses.lon_deg)
         return turned
 
     @cached_property
     def nadirs(self) -> tuple[Floats, Floats]:
-        """Places below the cameras, (n,), in the CRS."""
+        """Nadirs (n,) of the cameras in the CRS."""
         return positions(self.plane, self.poses.lat_deg, self.poses.lon_deg)
 
     @property
     def gsd_m(self) -> float:
-        """Ground that a pixel in the middle of an image that looks straight down spans: the median of all."""
+        """Median ground sample distance of the images at the centre, if they looked straight down."""
         below = self.poses.agl_m
         if self.relief is not None:
             below = below - self._heights_below
@@ -169,25 +161,25 @@ class CameraImages:
 
     @property
     def coarsest_gsd_m(self) -> float:
-        """Ground that a pixel spans across the view where images look flattest, as far as that counts."""
+        """Ground that a pixel spans across the direction of view where images look flattest, up to ``flattest_deg``."""
         rays = self.camera.rays_enu(CORNERS, *self.poses.attitude)
         upright = float((-rays[..., 2] / np.linalg.norm(rays, axis=-1)).min())
         return self.gsd_m / max(upright, math.cos(math.radians(self.flattest_deg)))
 
     @cached_property
     def _heights_below(self) -> Floats:
-        """Heights of the relief below the cameras, (n,); NaN where it has none."""
+        """Heights (n,) of the relief below the cameras; NaN where it has none."""
         surface = self._surface(self.poses.lat_deg, self.poses.lon_deg)
         return surface.heights(*surface.position(self.poses.lat_deg, self.poses.lon_deg))
 
     @cached_property
     def _base_m(self) -> float:
-        """Height over ``ground`` of that below the cameras, at its highest."""
+        """Greatest height above ``ground`` of the relief below the cameras."""
         return 0.0 if self.relief is None else max(float(np.nanmax(self._heights_below)), 0.0)
 
     @cached_property
     def _levels_m(self) -> tuple[float, ...]:
-        """Heights over ``ground`` between which all ground lies that images show."""
+        """Heights above ``ground`` that enclose all ground in the images."""
         if self.relief is None:
             return (0.0,)
         lat, lon = self.poses.lat_deg, self.poses.lon_deg
@@ -200,77 +192,88 @@ class CameraImages:
             np.concatenate([lon - wider, lon + wider]),
         )
         lowest, highest = surface.lowest_m, surface.highest_m
-        # Larger cells than the finest leave peaks and hollows out.
+        # Coarse cells lack peaks and hollows.
         spare = 0.1 * (highest - lowest)
         return (lowest - spare, min(highest + spare, float(self.poses.agl_m.min()) - 1.0))
 
-    def boxes(self, rays: int = _RAYS, margin: float = _MARGIN) -> ImageBoxes:
-        """Boxes of the ground that images show."""
+    def boxes(self, rays: int = 9, margin: float = 1.0 / 32.0) -> ImageBoxes:
+        """Bounding boxes of the ground in images.
+
+        Parameters
+        ----------
+        rays : int
+            Rays traced along each axis of an image.
+        margin : float
+            Share of its size that a box is enlarged by, more than ground curves between rays.
+        """
         edges = np.full((4, len(self)), np.nan)
-        for start in range(0, len(self), _BOXED):
-            part = slice(start, start + _BOXED)
+        # 2048 images at a time take some 30 MB.
+        for start in range(0, len(self), 2048):
+            part = slice(start, start + 2048)
             edges[:, part] = self._boxes(self.poses.take(part), rays, margin)
         return ImageBoxes(*edges)
 
-    def ends(self, boxes: ImageBoxes) -> Ends:
-        """Ends of the ground that images show, to a pixel or two of theirs; not finite where they show none.
+    def extent(self, boxes: ImageBoxes) -> Extent:
+        """Extent of the ground in images, to a pixel or two; not finite without any.
 
-        Along each direction from below a camera, what it shows farthest away lies at the edge of its image, or where
-        it looks too flat: one ray a pixel goes there. Only images whose boxes reach beyond what others show count.
+        The farthest ground in each direction lies at the edge of an image, or at ``flattest_deg``, where one ray a
+        pixel is traced. Images whose boxes do not reach beyond the extent so far are skipped.
 
         Parameters
         ----------
         boxes : ImageBoxes
             Of all images.
         """
-        own: dict[int, Ends] = {}
+        extents: dict[int, Extent] = {}
         found = [math.inf, math.inf, -math.inf, -math.inf]
         for at, (box, sign) in enumerate(zip(boxes, (1.0, 1.0, -1.0, -1.0))):
             outermost = np.argsort(sign * box)[: int(np.isfinite(box).sum())]
             for index in outermost.tolist():
                 if sign * float(box[index]) >= sign * found[at]:
                     break
-                if index not in own:
-                    own[index] = self._ends(index, boxes)
-                    found = [*map(min, found[:2], own[index][:2]), *map(max, found[2:], own[index][2:])]
-        return Ends(*found)
+                if index not in extents:
+                    one = extents[index] = self._extent(index, boxes)
+                    found = [*map(min, found[:2], one[:2]), *map(max, found[2:], one[2:])]
+        return Extent(*found)
 
-    def _ends(self, index: int, boxes: ImageBoxes) -> Ends:
-        """Ends of the ground that one image shows."""
+    def _extent(self, index: int, boxes: ImageBoxes) -> Extent:
+        """Extent of the ground in one image."""
         width, height = self.sizes_px[index].tolist()
         x, y = np.linspace(-1.0, 1.0, width + 1), np.linspace(-1.0, 1.0, height + 1)
         edge = [*(np.stack([x, np.full_like(x, at)], axis=-1) for at in (-1.0, 1.0))]
         edge += [*(np.stack([np.full_like(y, at), y], axis=-1) for at in (-1.0, 1.0))]
-        east, north, all_met = self._met(index, np.concatenate(edge), boxes)
+        east, north, all_met = self._traced(index, np.concatenate(edge), boxes)
         if not all_met:
-            # The relief ends within the image.
-            x, y = (np.linspace(-1.0, 1.0, side // _EACH_PX + 2) for side in (width, height))
-            inner_east, inner_north, _ = self._met(index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes)
+            # The relief ends within the image: a ray every other pixel.
+            x, y = (np.linspace(-1.0, 1.0, side // 2 + 2) for side in (width, height))
+            inner_east, inner_north, _ = self._traced(index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes)
             east, north = np.concatenate([east, inner_east]), np.concatenate([north, inner_north])
         if not len(east):
-            return Ends(math.inf, math.inf, -math.inf, -math.inf)
-        return Ends(*(float(end) for end in (east.min(), north.min(), east.max(), north.max())))
+            return Extent(math.inf, math.inf, -math.inf, -math.inf)
+        return Extent(*(float(edge) for edge in (east.min(), north.min(), east.max(), north.max())))
 
-    def _met(self, index: int, points: Floats, boxes: ImageBoxes) -> tuple[Floats, Floats, bool]:
-        """Where rays of an image through points (k, 2) of it meet the ground, in the CRS; whether all do."""
+    def _traced(self, index: int, points: Floats, boxes: ImageBoxes) -> tuple[Floats, Floats, bool]:
+        """Trace image points (k, 2) to the ground; returns positions in the CRS, and whether all rays meet it."""
         pose = self.poses.take(np.array([index]))
-        rays = self._no_flatter(self.camera.rays_enu(points, *pose.attitude), pose)[0]
+        rays = self._limit_flatness(self.camera.rays_enu(points, *pose.attitude), pose)[0]
         right, up, depth = np.moveaxis(rays @ np.stack(image_axes(*pose.attitude), axis=-1)[0], -1, 0)
         tan_x, tan_y = self.camera.half_tangents
-        # Those that were bent may have left it.
-        rays = rays[(np.abs(right) <= _ON_EDGE * tan_x * depth) & (np.abs(up) <= _ON_EDGE * tan_y * depth)]
+        # Steeper rays may have left the image; those along its edge are in it but for rounding.
+        tolerance = 1.0 + 1e-9
+        rays = rays[(np.abs(right) <= tolerance * tan_x * depth) & (np.abs(up) <= tolerance * tan_y * depth)]
         lat, lon, agl = (np.broadcast_to(at, len(rays)) for at in pose[:3])
         if self.relief is None:
             seen = trace(lat, agl, rays, self.ground)
             seen_lat, dlon = seen.lat_deg, seen.dlon_deg
         else:
-            corners = np.meshgrid(
+            # The relief around a grid of five by five nodes, as edges of the box are curves in degrees.
+            nodes = np.meshgrid(
                 *(
-                    np.linspace(float(low[index]), float(high[index]), _NODES)
+                    np.linspace(float(low[index]), float(high[index]), 5)
                     for low, high in ((boxes.west, boxes.east), (boxes.south, boxes.north))
                 )
             )
-            about_lat, about_lon = (at.ravel() for at in places(self.plane, *corners))
+            about_lat, about_lon = (at.ravel() for at in places(self.plane, *nodes))
             known = np.isfinite(about_lat)
             surface = self._surface(np.append(about_lat[known], lat[:1]), np.append(about_lon[known], lon[:1]))
             seen_lat, dlon, _, _ = surface.first_points(lat, lon, agl, rays, surface.lowest_m)
@@ -279,14 +282,14 @@ class CameraImages:
         return east[met], north[met], bool(met.all())
 
     def _on_map(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Places in the CRS; what lies beyond the map's edge is on none of its images."""
+        """Positions in the CRS, clipped to Web Mercator's latitudes."""
         if isinstance(self.plane, WebMercator):
             lat_deg = np.clip(lat_deg, -MAX_LAT_DEG, MAX_LAT_DEG)
         return positions(self.plane, lat_deg, lon_deg)
 
-    def _no_flatter(self, rays: Floats, poses: Poses) -> Floats:
-        """Rays (n, k, 3), those that would see ground too flat bent down to where that begins."""
-        # The Earth bends away below a ray.
+    def _limit_flatness(self, rays: Floats, poses: Poses) -> Floats:
+        """Rays (n, k, 3), those flatter than ``flattest_deg`` at the ground tilted down to it."""
+        # The angle from the vertical grows along a ray, as the Earth curves away.
         radius = WGS84.b_m + self._base_m
         reach = radius / (WGS84.b_m + np.maximum(poses.agl_m, self._base_m))
         tangent = np.tan(np.arcsin(reach * math.sin(math.radians(self.flattest_deg))))[:, np.newaxis]
@@ -304,7 +307,7 @@ class CameraImages:
     def _boxes(self, poses: Poses, count: int, margin: float) -> Floats:
         side = np.linspace(-1.0, 1.0, count)
         points = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-        rays = self._no_flatter(self.camera.rays_enu(points, *poses.attitude), poses)
+        rays = self._limit_flatness(self.camera.rays_enu(points, *poses.attitude), poses)
         x: list[Floats] = []
         y: list[Floats] = []
         for level_m in self._levels_m:
@@ -326,7 +329,7 @@ class CameraImages:
         return np.where(there, box, np.nan)
 
     def block_ground(self, block: PixelBlock, candidates: Numbers) -> BlockGround:
-        """Ground of a block, which some images may show."""
+        """Ground of a block that candidate images may show."""
         if self.relief is None:
             return BlockGround.level(block, self.ground)
         known = np.isfinite(block.lat_deg)
@@ -335,7 +338,7 @@ class CameraImages:
         return BlockGround.from_surface(block, self._surface(lat, lon))
 
     def _surface(self, lat_deg: Floats, lon_deg: Floats) -> Surface:
-        """Relief over the box about places, of a bounded number of cells."""
+        """Relief over the bounding box of places, with a bounded number of cells."""
         relief = self.relief
         if relief is None:
             raise InvalidInput("relief: the ground is level")
@@ -347,7 +350,7 @@ class CameraImages:
         return relief.surface(lat_deg, lon_deg, least_m if least_m > finest_m else 0.0)
 
     def sight(self, index: int, block: PixelBlock, ground: BlockGround) -> Sight:  # noqa: ARG002  as of map frames
-        """Where one image shows the ground of a block."""
+        """Position of a block's ground in one image."""
         towards = ground.points - self.centres[index]
         right, up, depth = np.moveaxis(towards @ self.axes[index].T, -1, 0)
         tan_x, tan_y = self.camera.half_tangents
@@ -358,8 +361,8 @@ class CameraImages:
             inside &= steepness > math.cos(math.radians(self.flattest_deg))
         return Sight(x, y, inside, steepness)
 
-    def unhidden(self, index: int, ground: BlockGround, which: Flags) -> Flags:
-        """Those of some pixels (h, w) of a block whose ground no relief hides from an image."""
+    def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:
+        """Those of some pixels (h, w) of a block whose ground relief does not hide from an image."""
         surface = ground.surface
         if surface is None or not which.any():
             return which
@@ -375,14 +378,14 @@ class CameraImages:
         )
         met = geocentric(lat, pose.lon_deg + dlon, height)
         cell = float(surface.grid.ground_m_per_px(pose.lat_deg[:1], pose.lon_deg[:1], surface.zoom)[0])
-        # Rounding and grazing rays leave ground this share of a cell behind the point that a ray meets.
+        # Rounding puts ground seen at grazing angles up to this share of a cell behind the point that its ray meets.
         seen = ~(hit & (np.linalg.norm(met - points, axis=-1) > 0.02 * cell))
         found = which.copy()
         found[which] = seen
         return found
 
-    def steepest(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:
-        """Least upper bounds (k,) of the steepness that images have anywhere in a block."""
+    def steepness_bounds(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:
+        """Upper bounds (k,) of the steepness of images anywhere in a block."""
         away = _away(block, *(at[candidates] for at in self.nadirs)) * _metres_a_unit(block, ground)
         lowest = 0.0 if ground.surface is None else ground.surface.lowest_m
         above = np.maximum(self.poses.agl_m[candidates] - lowest, 1e-3)
@@ -390,23 +393,23 @@ class CameraImages:
         return np.where(np.isfinite(bound), bound, 1.0)
 
     def take(self, rows: Numbers) -> CameraImages:
-        """Some of the images."""
+        """Return some of the images."""
         paths = tuple(self.paths[row] for row in rows.tolist())
         return replace(self, poses=self.poses.take(rows), paths=paths, sizes_px=self.sizes_px[rows])
 
 
 @dataclass(frozen=True, eq=False)
 class MapImages:
-    """Images that are pieces of a map, n of them, however they are turned in it.
+    """Map frames, n of them, in any orientation.
 
     Parameters
     ----------
     affines : array (n, 6)
-        GDAL's six numbers of each.
+        Geotransform of each, in GDAL's order.
     sizes_px : array (n, 2)
         Width and height.
     nadirs : tuple of arrays (n,)
-        Places below the cameras, in the CRS.
+        Nadirs of the cameras in the CRS.
     gsd_m : float
         Ground that a pixel spans.
     """
@@ -423,29 +426,29 @@ class MapImages:
 
     @property
     def coarsest_gsd_m(self) -> float:
-        """As of camera frames: of a map all pixels are alike."""
+        """``gsd_m``: all pixels of a map are alike."""
         return self.gsd_m
 
     def boxes(self) -> ImageBoxes:
-        """Boxes of the ground that images show, exactly."""
+        """Exact bounding boxes of the ground in images."""
         x0, xx, xy, y0, yx, yy = self.affines.T
         width, height = self.sizes_px.T
         x = np.stack([x0 + xx * a * width + xy * b * height for a in (0, 1) for b in (0, 1)])
         y = np.stack([y0 + yx * a * width + yy * b * height for a in (0, 1) for b in (0, 1)])
         return ImageBoxes(x.min(axis=0), y.min(axis=0), x.max(axis=0), y.max(axis=0))
 
-    def ends(self, boxes: ImageBoxes) -> Ends:
-        """Ends of the ground that images show, exactly."""
+    def extent(self, boxes: ImageBoxes) -> Extent:
+        """Exact extent of the ground in images."""
         west, south, east, north = boxes
-        return Ends(*map(float, (west.min(), south.min(), east.max(), north.max())))
+        return Extent(*map(float, (west.min(), south.min(), east.max(), north.max())))
 
     def block_ground(self, block: PixelBlock, candidates: Numbers) -> BlockGround:  # noqa: ARG002  as of camera frames
-        """Ground of a block: none, as images show the map itself."""
-        none = np.zeros((*block.lat_deg.shape, 0))
-        return BlockGround(none, none)
+        """Return an empty ground, as images show the map itself."""
+        empty = np.zeros((*block.lat_deg.shape, 0))
+        return BlockGround(empty, empty)
 
     def sight(self, index: int, block: PixelBlock, ground: BlockGround) -> Sight:  # noqa: ARG002  as of camera frames
-        """Where one image shows a block of the map."""
+        """Position of a block's pixels in one image."""
         x0, xx, xy, y0, yx, yy = self.affines[index].tolist()
         width, height = self.sizes_px[index].tolist()
         x, y = np.meshgrid(block.x - x0, block.y - y0)
@@ -456,12 +459,12 @@ class MapImages:
         away = (block.x - nadir_x) ** 2 + ((block.y - nadir_y) ** 2)[:, np.newaxis]
         return Sight(across, down, inside, -away)
 
-    def unhidden(self, index: int, ground: BlockGround, which: Flags) -> Flags:  # noqa: ARG002  as of camera frames
-        """All pixels: nothing of a map is hidden."""
+    def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:  # noqa: ARG002  as of camera frames
+        """Return all of some pixels: nothing hides a map."""
         return which
 
-    def steepest(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:  # noqa: ARG002  likewise
-        """Least upper bounds (k,) of the steepness that images have anywhere in a block."""
+    def steepness_bounds(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:  # noqa: ARG002
+        """Upper bounds (k,) of the steepness of images anywhere in a block."""
         bound: Floats = -(_away(block, *(at[candidates] for at in self.nadirs)) ** 2)
         return bound
 
@@ -470,23 +473,23 @@ PlacedImages = Union[CameraImages, MapImages]
 
 
 def place_images(
-    folder: Path, map_type: str | None = None, open_heights: OpenHeights = heights_of
+    folder: Path, map_type: str | None = None, open_heights: OpenHeights = mission_heights
 ) -> tuple[PlacedImages, ImageSet, Numbers]:
-    """Images of a dataset's map type, of its first one for None, without those that failed or are rejected.
+    """Find the images of a dataset's map type (None for the first), without failed and rejected ones.
 
     Returns
     -------
     frames
     images : ImageSet
     rows : array (n,)
-        Of its table.
+        Rows of its table.
 
     Raises
     ------
     InvalidInput
-        A folder that is no capture, has no such map type or no image, or whose images say no place.
+        The folder is not a capture, lacks the map type or images, or an image has no georeference.
     SourceError
-        Heights that cannot be had.
+        The heights cannot be opened.
     """
     dataset = read_dataset(folder)
     images = dataset.image_set(map_type or next(iter(dataset.image_sets)))
@@ -499,14 +502,14 @@ def place_images(
 
 
 def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: OpenHeights) -> CameraImages:
-    """Camera frames of a dataset, of some rows of a map type's table; their files are not looked at.
+    """Camera frames of some rows of a map type's table; image files are not read.
 
     Raises
     ------
     InvalidInput
-        A folder without a mission file, which has the camera.
+        The folder lacks the mission file, which holds the camera.
     SourceError
-        Heights that cannot be had.
+        The heights cannot be opened.
     """
     if not (folder / MISSION_FILE).is_file():
         raise InvalidInput("folder {0}: has no {1}, which describes the camera", folder, MISSION_FILE)
@@ -518,7 +521,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     relief, ground = None, WGS84.raised(mission.flight.ground_height_m)
     heights = open_heights(mission)
     if heights is not None:
-        # Relief that is level leaves no heights in the table.
+        # Captures over level relief have no heights in the table.
         height = table.height_m[rows]
         relief, ground = heights.surface, WGS84
         if np.isnan(height).any():
@@ -552,7 +555,7 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
     x, y = positions(plane, lat, lon)
     if isinstance(plane, WebMercator):
         middle = affines[:, 0] + affines[:, 1] * sizes[:, 0] / 2.0 + affines[:, 2] * sizes[:, 1] / 2.0
-        # A camera and its image may be given on different sides of the antimeridian.
+        # A camera and its image may be on different sides of the antimeridian.
         x = x + np.rint((middle - x) / plane.width) * plane.width
         turns = np.rint((x - x[0]) / plane.width) * plane.width
         affines[:, 0] -= turns
@@ -563,10 +566,10 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
 
 
 def _read_affine(path: Path) -> tuple[float, ...]:
-    """GDAL's six numbers of a captured map frame, as its file or the world file beside it says."""
+    """Read the geotransform of a map frame from its file, or from the world file beside it."""
     try:
         if path.suffix not in _WORLD_FILES:
-            # Of a large file, its directory alone is read.
+            # Mapped, so that only the directory of a large file is read.
             with open_foreign(path) as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
                 found = parse_affine(data)
         else:
@@ -576,17 +579,17 @@ def _read_affine(path: Path) -> tuple[float, ...]:
     except (OSError, ValueError) as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     if found is None:
-        raise InvalidInput("image {0}: says no place on the map", path)
+        raise InvalidInput("image {0}: has no georeference", path)
     return found
 
 
 def _table_plane(table: Table, rows: Numbers) -> Plane:
-    """Plane of the CRS that images of a table have."""
+    """Plane of the CRS of a table's images."""
     return image_plane(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
 
 
 def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:
-    """Metres of ground that a unit of a CRS spans at a place, along its rows."""
+    """Metres of ground along a unit of a CRS at a place, along its rows."""
     lat, lon = np.array([lat_deg]), np.array([lon_deg])
     if isinstance(plane, ProjectedPlane):
         return float(plane.ground_m(lat, lon)[0][0]) / plane.width
@@ -594,15 +597,16 @@ def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:
 
 
 def _away(block: PixelBlock, x: Floats, y: Floats) -> Floats:
-    """Distances (k,) from places to a block, in the unit of the CRS; a little less, as maps stretch ground unevenly."""
+    """Lower bounds (k,) of distances from places to a block, in the unit of the CRS."""
     off_x = np.maximum(np.maximum(block.x[0] - x, x - block.x[-1]), 0.0)
     off_y = np.maximum(np.maximum(block.y[-1] - y, y - block.y[0]), 0.0)
+    # Less by 3 %, as the scale of a map varies.
     away: Floats = 0.97 * np.hypot(off_x, off_y)
     return away
 
 
 def _metres_a_unit(block: PixelBlock, ground: BlockGround) -> float:
-    """Metres of ground that a unit of the CRS spans in a block; 0 where that is not known."""
+    """Metres of ground along a unit of the CRS in a block; 0 if unknown."""
     span = math.hypot(block.x[-1] - block.x[0], block.y[-1] - block.y[0])
     metres = float(np.linalg.norm(ground.points[-1, -1] - ground.points[0, 0]))
     return metres / span if span > 0.0 and math.isfinite(metres) else 0.0

@@ -1,9 +1,8 @@
-"""Orthophotos of the ground from a dataset's images, in files that may be larger than memory.
+"""Orthomosaics of a dataset's images, in files that may be larger than memory.
 
-Each pixel of the map comes from the image that sees its ground most nearly from straight above, of those that hold it
-and from which no relief hides it: where all cameras fly at one height that is the one whose nadir is nearest, so that
-the seams are the Voronoi diagram of the nadirs, and it is the most upright view where cameras look to the side or fly
-at different heights. Its colours are those of the exact camera there, bilinear between pixels.
+Each pixel comes from the image that sees its ground at the smallest angle from the vertical, unless relief hides it.
+Of cameras at equal heights that is the one with the nearest nadir, so that seams form the Voronoi diagram of the
+nadirs. Colours are sampled bilinearly where the exact camera sees the ground.
 """
 
 from __future__ import annotations
@@ -26,38 +25,32 @@ from ..arrays import Bytes, Floats, Numbers
 from ..bands import Bands
 from ..dataset.dataset import open_masked, read_band_metadata
 from ..errors import Cancelled, InvalidInput
-from ..picture.heights import heights_of
+from ..limits import MAX_MOSAIC_SIDE_PX
+from ..picture.heights import mission_heights
 from ..picture.resampling import sample
 from .bigtiff import TILE_PX, packed_tile, write_tiles
 from .frames import CameraImages, ImageBoxes, OpenHeights, PlacedImages, place_images, unit_m
 from .raster import PixelBlock, Raster, places
 
-#: Takes the share done, 0 to 1; an answer of False stops.
+#: Called with the share done, 0 to 1; returns False to cancel.
 Progress = Callable[[float], bool]
 
-#: Side of the blocks that are worked on, in px: whole tiles, some 100 MB a thread.
+#: Side of the blocks that threads make: whole tiles, some 100 MB a thread.
 _BLOCK_PX = 2 * TILE_PX
-#: Bytes of decoded images that are kept, beside those in use.
+#: Threads, each of which makes a block.
+_MOST_THREADS = 8
+#: Decoded images kept, beside those in use.
 _KEPT_BYTES = 1 << 28
-#: Threads, each of which works on a block, and blocks begun ahead of the one that is written next, for each.
-_MOST_THREADS, _AHEAD = 8, 2
-#: Of an image alone: the widest pixel of its map in pixels of the camera straight below it, and the flattest view,
-#: degrees.
-_COARSEST, _LEVEL_DEG = 8.0, 89.99
-#: Of the files that are written.
-_ENDINGS = (".tif", ".tiff")
-#: Most pixels along a side of a mosaic.
-_MOST_PX = 1 << 22
 
 
 @dataclass(frozen=True)
 class Orthomosaic:
-    """A mosaic that has been written.
+    """A written mosaic.
 
     Parameters
     ----------
     images, used : int
-        Images there are, and how many of them the mosaic shows.
+        Number of all images, and of those that the mosaic shows.
     shown_share : float
         Share of its pixels that show ground.
     """
@@ -80,28 +73,28 @@ def make_orthomosaic(
     map_type: str | None = None,
     gsd_m: float | None = None,
     most_px: int | None = None,
-    open_heights: OpenHeights = heights_of,
+    open_heights: OpenHeights = mission_heights,
     progress: Progress = lambda share: True,  # noqa: ARG005  goes on
 ) -> Orthomosaic:
-    """Write one orthophoto of all images of a dataset's map type, in the CRS of its source.
+    """Write an orthomosaic of the images of a dataset's map type, in the CRS of its source.
 
     Parameters
     ----------
     target : path or None
-        ``MAP_TYPE.tif`` in the folder for None; written whole or not at all.
+        ``MAP_TYPE.tif`` in the folder for None; written atomically.
     map_type : str or None
-        The first one for None.
+        None for the first.
     gsd_m : float or None
-        Ground that a pixel spans in the middle; that of the images for None.
+        Ground sample distance at the middle; None for that of the images.
     most_px : int or None
-        Pixels at most; the ground sample distance is larger where there would be more.
+        Greatest number of pixels; the ground sample distance is enlarged to keep it.
     open_heights : callable
-        Gives the heights of a mission.
+        Opens the heights of a mission.
 
     Raises
     ------
     InvalidInput
-        As `frames.place_images` does; a ground sample distance that is none.
+        As in `frames.place_images`, or the ground sample distance is not above 0.
     OutputError, SourceError, Cancelled
     """
     if gsd_m is not None and not (math.isfinite(gsd_m) and gsd_m > 0.0):
@@ -132,24 +125,25 @@ def make_orthomosaic(
 
 
 def check_ending(path: str | os.PathLike[str]) -> None:
-    """Raise InvalidInput where a file to be written is not called as a GeoTIFF."""
-    if Path(path).suffix.lower() not in _ENDINGS:
-        raise InvalidInput("mosaic {0}: must end in {1}", path, " or ".join(_ENDINGS))
+    """Raise InvalidInput unless a file's name is that of a GeoTIFF."""
+    endings = (".tif", ".tiff")
+    if Path(path).suffix.lower() not in endings:
+        raise InvalidInput("mosaic {0}: must end in {1}", path, " or ".join(endings))
 
 
 def mosaic_raster(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Raster, ImageBoxes]:
-    """Pixels about all that images show, and the boxes of that.
+    """Pixel grid over the ground in images, and the boxes of that.
 
-    Their edges are whole multiples of a pixel, so that mosaics of one ground sample distance fit each other; those of
-    map frames are the pixels of these.
+    Edges are whole multiples of a pixel, so that mosaics of equal ground sample distance align. Without ``gsd_m`` map
+    frames keep their pixels.
     """
     boxes = frames.boxes()
-    west, south, east, north = frames.ends(boxes)
+    west, south, east, north = frames.extent(boxes)
     if not (west < east and south < north):
         raise _no_ground(frames)
-    own = getattr(frames, "affines", None)
-    if own is not None and gsd_m is None:
-        across, down = (float(max(abs(own[0, at]), abs(own[0, at + 1]))) for at in (1, 4))
+    affines = getattr(frames, "affines", None)
+    if affines is not None and gsd_m is None:
+        across, down = (float(max(abs(affines[0, at]), abs(affines[0, at + 1]))) for at in (1, 4))
         start_x, start_y = west, north
     else:
         middle = int(np.argmin(np.abs(frames.nadirs[1] - np.median(frames.nadirs[1]))))
@@ -157,46 +151,45 @@ def mosaic_raster(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Ras
         across = down = (frames.gsd_m if gsd_m is None else gsd_m) / unit_m(frames.plane, float(lat[0]), float(lon[0]))
         _check_size(*(length / across if across > 0.0 else math.inf for length in (east - west, north - south)))
         start_x, start_y = math.floor(west / across) * across, math.ceil(north / down) * down
-    # Of what is whole but for rounding.
+    # Whole numbers may come out larger by rounding.
     width, height = (math.ceil(span - 1e-6) for span in ((east - start_x) / across, (start_y - south) / down))
     _check_size(width, height)
     return Raster(start_x, start_y, across, down, max(width, 1), max(height, 1), frames.plane), boxes
 
 
 def _check_size(width: float, height: float) -> None:
-    if max(width, height) > _MOST_PX:
+    if max(width, height) > MAX_MOSAIC_SIDE_PX:
         raise InvalidInput(
             "mosaic of {0:,.9g} x {1:,.9g} px: at most {2:,} px along a side",
             width,
             height,
-            _MOST_PX,
+            MAX_MOSAIC_SIDE_PX,
             field="gsd_m",
             remedy="give a larger ground sample distance",
         )
 
 
 def orthorectify(frames: CameraImages, target: Path, longest_px: int) -> None:
-    """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side at most.
+    """Orthorectify the first of some images to a GeoTIFF of at most ``longest_px`` along its longer side.
 
-    Its pixels are no finer than half of the camera's straight below it: finer ones show nothing more.
-    An image with the horizon in it reaches hundreds of kilometres: it is laid on the map as far as a pixel there is no
-    wider than `_COARSEST` pixels of the camera straight below it.
+    Pixels are no finer than half of the camera's ground sample distance at the nadir. An image with the horizon in it
+    reaches hundreds of kilometres: it is cut where a pixel would be wider than eight such distances.
 
     Raises
     ------
     InvalidInput
-        Where it cannot be read, or shows no ground that a map has.
+        It cannot be read, or shows no ground within the domain of the CRS.
     OutputError
-        Where the file cannot be written.
+        The file cannot be written.
     """
     alone = frames.take(np.array([0]))
     below_m = frames.gsd_m * float(frames.sizes_px.max()) / (2.0 * max(frames.camera.half_tangents))
-    reach_m = _COARSEST * frames.gsd_m * longest_px
-    flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), _LEVEL_DEG)
+    reach_m, level_deg = 8.0 * frames.gsd_m * longest_px, 89.99
+    flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), level_deg)
     cut = replace(alone, flattest_deg=flattest_deg)
     boxes = cut.boxes()
-    west, south, east, north = cut.ends(boxes)
-    alone = replace(alone, flattest_deg=_LEVEL_DEG)
+    west, south, east, north = cut.extent(boxes)
+    alone = replace(alone, flattest_deg=level_deg)
     if not (west < east and south < north):
         raise _no_ground(alone)
     lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
@@ -220,14 +213,14 @@ def write_orthomosaic(
     title: str = "",
     attribution: str = "",
 ) -> tuple[int, float]:
-    """Write a mosaic as a GeoTIFF with an alpha channel, whole or not at all.
+    """Write a mosaic as a GeoTIFF with an alpha channel, atomically.
 
     Returns
     -------
     used : int
-        How many images it shows.
+        Number of images shown.
     shown_share : float
-        Share of its pixels that show ground.
+        Share of pixels that show ground.
 
     Raises
     ------
@@ -245,7 +238,7 @@ def write_orthomosaic(
             for top in range(0, raster.height_px, _BLOCK_PX)
             for left in range(0, raster.width_px, _BLOCK_PX)
         ]
-        for number, made in enumerate(_each(lambda at: _made(frames, raster, boxes, images, *at), blocks)):
+        for number, made in enumerate(_in_order(lambda at: _make_block(frames, raster, boxes, images, *at), blocks)):
             used.update(made.used)
             shown += made.shown
             yield from made.tiles
@@ -256,20 +249,21 @@ def write_orthomosaic(
     return len(used), shown / (raster.width_px * raster.height_px)
 
 
-class _Made(NamedTuple):
-    """Tiles of a block that show something, as `write_tiles` takes them; its images, and pixels that show ground."""
+class _Block(NamedTuple):
+    """Tiles of a block for `write_tiles`, without empty ones; its images, and the number of pixels with ground."""
 
     tiles: list[tuple[int, int, bytes]]
     used: set[int]
     shown: int
 
 
-def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]]) -> Iterator[_Made]:
-    """Make blocks, some at a time; yields them in order."""
+def _in_order(make: Callable[[tuple[int, int]], _Block], blocks: list[tuple[int, int]]) -> Iterator[_Block]:
+    """Make blocks in threads; yields them in order."""
     threads = min(os.cpu_count() or 1, _MOST_THREADS)
     left = iter(blocks)
     with ThreadPoolExecutor(threads, thread_name_prefix="terrainav-mosaic") as pool:
-        waiting = [pool.submit(make, at) for at in islice(left, threads * _AHEAD)]
+        # Two blocks a thread are begun ahead of the one that is written next.
+        waiting = [pool.submit(make, at) for at in islice(left, threads * 2)]
         try:
             while waiting:
                 yield waiting.pop(0).result()
@@ -279,17 +273,19 @@ def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]
                 future.cancel()
 
 
-def _made(frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Images, left: int, top: int) -> _Made:
+def _make_block(
+    frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Images, left: int, top: int
+) -> _Block:
     block = raster.block(left, top, _BLOCK_PX)
-    choice = chosen(frames, boxes, block, images)
+    choice = choose_images(frames, boxes, block, images)
     there = choice.image >= 0
     used = np.unique(choice.image[there]).tolist()
     if not used:
-        return _Made([], set(), 0)
+        return _Block([], set(), 0)
     pixels = np.zeros((*there.shape, images.channels + 1), np.uint8)
     for index in used:
         at = choice.image == index
-        image, _ = images.of(index)
+        image, _ = images.decode(index)
         x, y = choice.x[at] * image.shape[1], choice.y[at] * image.shape[0]
         pixels[at, :-1] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
     pixels[..., -1] = there * np.uint8(255)
@@ -299,26 +295,26 @@ def _made(frames: PlacedImages, raster: Raster, boxes: ImageBoxes, images: _Imag
         for across in range(0, pixels.shape[1], TILE_PX)
         if (part := pixels[down : down + TILE_PX, across : across + TILE_PX])[..., -1].any()
     ]
-    return _Made(tiles, set(used), int(there.sum()))
+    return _Block(tiles, set(used), int(there.sum()))
 
 
 class ChosenImages(NamedTuple):
-    """The image that each pixel of a block comes from, -1 for none, and where in it, in shares; (h, w) each."""
+    """Image of each pixel of a block, -1 for none, and the position in it, in shares of its size; (h, w) each."""
 
     image: Numbers
     x: Floats
     y: Floats
 
 
-def chosen(frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None) -> ChosenImages:
-    """Choose the image that each pixel of a block comes from.
-
-    Of those that see it equally from above, the first counts.
+def choose_images(
+    frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None
+) -> ChosenImages:
+    """Choose the image of each pixel of a block: the steepest, and of equals the first.
 
     Parameters
     ----------
     images : _Images or None
-        Where pixels that are masked count as not seen.
+        Their masked pixels count as not seen; None to ignore masks.
     """
     shape = block.lat_deg.shape
     index, best = np.full(shape, -1, np.int64), np.full(shape, -np.inf)
@@ -330,7 +326,7 @@ def chosen(frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _
     if not len(candidates):
         return found
     ground = frames.block_ground(block, candidates)
-    bounds = frames.steepest(block, ground, candidates)
+    bounds = frames.steepness_bounds(block, ground, candidates)
     order = np.lexsort((candidates, -bounds))
     for candidate, bound in zip(candidates[order].tolist(), bounds[order].tolist()):
         if bound < best.min():
@@ -339,7 +335,7 @@ def chosen(frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _
         better = sight.inside & ((sight.steepness > best) | ((sight.steepness == best) & (candidate < index)))
         if images is not None and better.any():
             better = images.shows(candidate, sight.x, sight.y, better)
-        better = frames.unhidden(candidate, ground, better)
+        better = frames.visible(candidate, ground, better)
         for whole, part in ((best, sight.steepness), (found.x, sight.x), (found.y, sight.y)):
             whole[better] = part[better]
         index[better] = candidate
@@ -347,9 +343,9 @@ def chosen(frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _
 
 
 class _Images:
-    """Decoded images, of which a bounded number is kept; for any number of threads.
+    """Thread-safe cache of decoded images, of bounded size.
 
-    Those that are finer than the mosaic's pixels wherever they look are reduced to about those, by means of pixels.
+    Images whose pixels are everywhere finer than the mosaic's are reduced by a whole factor.
     """
 
     def __init__(self, frames: PlacedImages, raster: Raster) -> None:
@@ -361,17 +357,17 @@ class _Images:
         self._bytes = 0
         self._lock = Lock()
         self.channels = 0
-        self.channels = self.of(0)[0].shape[2]
+        self.channels = self.decode(0)[0].shape[2]
 
     def bands(self) -> Bands | None:
-        """Bands of the mosaic, where its values are those that images have: of more than 8 bits they are not."""
+        """Bands of the mosaic; None where its values are not those of the images, as of images of more than 8 bits."""
         stated = read_band_metadata(self._paths[0], self.channels)
         if stated is None or stated.data_type != "uint8" or len(stated.shown) != self.channels:
             return None
         return stated.picture_bands(self.channels)
 
-    def of(self, index: int) -> tuple[Bytes, Bytes | None]:
-        """Pixels (h, w, c), and the mask (h, w), 0 where nothing is shown, or None where all is."""
+    def decode(self, index: int) -> tuple[Bytes, Bytes | None]:
+        """Pixels (h, w, c), and a mask (h, w), which is 0 where an image shows nothing; None if it shows all."""
         with self._lock:
             known = self._kept.get(index)
             if known is not None:
@@ -397,8 +393,8 @@ class _Images:
         return image
 
     def shows(self, index: int, x: Floats, y: Floats, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Those of some places (h, w), in shares, at which an image is not masked."""
-        image, mask = self.of(index)
+        """Those of some positions (h, w), in shares, where an image is not masked."""
+        image, mask = self.decode(index)
         if mask is None:
             return which
         found = which.copy()
@@ -409,6 +405,7 @@ class _Images:
     def _read(self, path: Path) -> tuple[Bytes, Bytes | None]:
         pixels, mask = open_masked(path)
         if self.channels == 1 and pixels.shape[2] == 3:
+            # ITU-R BT.601.
             pixels = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)[..., np.newaxis]
         elif self.channels == 3 and pixels.shape[2] == 1:
             pixels = np.repeat(pixels, 3, axis=2)

@@ -369,7 +369,7 @@ def plan_pairs(
     grid, drone_grid : PixelGrid
         Of the satellite's imagery, and of the drone's if it differs.
     heights : Heights or None
-        Those of the settings' terrain (`picture.heights.heights_for`), where it has some.
+        Those of the settings' terrain (`picture.heights.terrain_heights`), where it has some.
 
     Raises
     ------

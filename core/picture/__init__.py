@@ -1,13 +1,13 @@
-"""How a picture is made of a pose and its sources.
+"""Pictures, made of tiles for the poses of a plan.
 
 In reading order:
 
-- `shot`: what a capture's picture is made from, and the picture
-- `map_frame`: parts put together on the source's pixel grid
-- `camera_frame`: tiles seen as the camera sees the ground
+- `shot`: a capture to be drawn, and its picture
+- `map_frame`: map frames, assembled on the source's pixel grid
+- `camera_frame`: camera frames, resampled from tiles
 - `resampling`: values between an image's pixels
-- `heights`: the heights of a mission, opened
+- `heights`: opens the heights of a mission
 - `products`: depth, ground points, normals and faces of every pixel
-- `optics`: the camera at the moment of a picture
-- `cost`: what pictures cost on this machine
+- `optics`: the camera of a picture: focal length, principal point, time
+- `cost`: processor time of pictures on this machine
 """

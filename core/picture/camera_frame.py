@@ -1,4 +1,4 @@
-"""Camera frames out of tiles: the picture a turned camera, or one high above a round Earth, really takes."""
+"""Camera frames: pictures of a camera in any attitude above a curved Earth, resampled from tiles."""
 
 from __future__ import annotations
 
@@ -17,23 +17,20 @@ from ..imagery.source import Part, Window
 from .map_frame import checked
 from .resampling import sample
 
-#: Channels of a picture that Pillow keeps as red, green and blue.
+#: Channels of an RGB image.
 _COLOURS = 3
-
-#: Samples of single pixels gathered in one go.
-_BATCH = 1 << 16
 
 
 def camera_parts(view: View, lon_deg: float) -> list[Part]:
-    """Tiles that a camera frame is made from, each once; ``dx_px`` is the left edge that it counts from, not wrapped.
+    """Tiles of a camera frame, each once.
 
-    Parts of a camera frame have no place in the picture: their offsets are their places in the world at their zoom.
+    Their offsets are positions in the world at their zoom, with ``dx_px`` not wrapped.
     """
     return parts_of_tiles(view.grid, view.tiles(lon_deg))
 
 
 def parts_of_tiles(grid: PixelGrid, tiles: Sequence[Sequence[int]]) -> list[Part]:
-    """Tiles by their zoom, column (not wrapped) and row, as `camera_parts` has them."""
+    """Parts of tiles, given by zoom, column (not wrapped) and row, as in `camera_parts`."""
     size = grid.tile_px
     return [
         Part(
@@ -46,7 +43,7 @@ def parts_of_tiles(grid: PixelGrid, tiles: Sequence[Sequence[int]]) -> list[Part
 
 
 class _Ground(NamedTuple):
-    """The part of one zoom's pixels that a picture sees, and where its upper left corner lies in the world."""
+    """Pixels of one zoom that a picture needs, and the position of their upper left corner in the world."""
 
     pixels: PixelValues
     missing: NDArray[np.bool_] | None
@@ -62,29 +59,29 @@ def render(
     kernel: str,
     bands: Bands = RGB,
 ) -> PixelValues:
-    """Make the picture of a camera frame.
+    """Draw a camera frame.
 
     Parameters
     ----------
     lon_deg : float
         Of the camera.
     parts : sequence of Part
-        As `camera_parts` gave them.
+        From `camera_parts`.
     pixels : mapping of Window to array (tile_px, tile_px, bands or one more)
     kernel : str
-        nearest, bilinear, bicubic or lanczos; the last needs a view by rays.
+        nearest, bilinear, bicubic or lanczos, which needs a view by rays.
     bands : Bands
         Of the source.
 
     Returns
     -------
-    array (height_px, width_px, bands) of their type
+    array (height_px, width_px, bands) of the bands' type
         0 where ``view.hidden``.
 
     Raises
     ------
     PartError
-        A part of another size than it was asked for, or without imagery where the picture shows it.
+        A part has a wrong size, or no imagery where the picture shows it.
     """
     grounds = {zoom: _ground(zoom, parts, pixels, bands) for zoom in {part.window.zoom for part in parts}}
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
@@ -102,7 +99,7 @@ def render(
 
 
 def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> _Ground:
-    """Tiles of one zoom side by side."""
+    """Join the tiles of one zoom."""
     here = [part for part in parts if part.window.zoom == zoom]
     left, top = min(part.dx_px for part in here), min(part.dy_px for part in here)
     right = max(part.dx_px + part.window.width_px for part in here)
@@ -127,7 +124,7 @@ def _refuse_missing(count: int) -> None:
 
 
 def _warp(picture: PixelValues, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
-    """Fill patches, each by the perspective through its corners."""
+    """Fill patches by the perspective transform through their corners."""
     from PIL import Image
 
     resampling: Any = {"nearest": Image.NEAREST, "bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC}[kernel]
@@ -155,7 +152,7 @@ def _warp(picture: PixelValues, patches: Patches, ground: _Ground, grid: PixelGr
 
 
 def _images(pixels: PixelValues) -> list[tuple[Any, Any]]:
-    """Channels, and images of them that Pillow transforms: of 8 bits three in one as far as there are, else floats."""
+    """Channels and images that Pillow can transform: RGB and single channels of 8 bits, else single floats."""
     from PIL import Image
 
     count = pixels.shape[2]
@@ -179,10 +176,10 @@ def _images(pixels: PixelValues) -> list[tuple[Any, Any]]:
 
 
 def _perspectives(x: Floats, y: Floats, width: NDArray[np.int64], height: NDArray[np.int64]) -> Floats:
-    """Coefficients (k, 8) of the perspectives that take rectangles of px to quadrilaterals.
+    """Coefficients (k, 8) of the perspective transforms from rectangles of px to quadrilaterals.
 
     In Pillow's order a, b, c, d, e, f, g, h of ((ax + by + c)/(gx + hy + 1), (dx + ey + f)/(gx + hy + 1)). Corners
-    (k, 4) come as upper left, lower left, lower right, upper right; solved as by Heckbert (1989) for the unit square.
+    (k, 4) are upper left, lower left, lower right, upper right. Solved for the unit square (Heckbert 1989).
     """
     x0, y0 = x[:, 0], y[:, 0]
     (x3, x2, x1), (y3, y2, y1) = (x[:, 1:] - x[:, :1]).T, (y[:, 1:] - y[:, :1]).T
@@ -208,8 +205,10 @@ def _gather(picture: PixelValues, samples: Samples, ground: _Ground, grid: Pixel
     world = grid.world_px(samples.zoom)
     count = samples.du.shape[1]
     height, width = ground.pixels.shape[:2]
-    for start in range(0, len(samples.row), max(_BATCH // count, 1)):
-        part = slice(start, start + max(_BATCH // count, 1))
+    # 65,536 samples at a time, to bound memory.
+    batch = max((1 << 16) // count, 1)
+    for start in range(0, len(samples.row), batch):
+        part = slice(start, start + batch)
         x = (u + samples.du[part].ravel()) * world - ground.left_px
         y = samples.v[part].ravel() * world - ground.top_px
         if ground.missing is not None:

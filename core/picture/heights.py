@@ -1,4 +1,4 @@
-"""The heights of a mission, opened: what it flies over, and what its cameras see."""
+"""Opens the heights of a mission: the ground that it flies over, and the surface that its cameras see."""
 
 from __future__ import annotations
 
@@ -13,37 +13,38 @@ from ..mission.parts import INTERPOLATE, Terrain
 from ..mission.relief.ground import Heights
 
 
-def heights_of(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
-    """Open the heights of a mission; None where its ground is level.
+def mission_heights(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
+    """Open the heights of a mission; None if its ground is level.
 
     Parameters
     ----------
     mission : Mission
     options : SourceOptions or None
-        How sources are to be asked; None for the usual way.
+        Options of their sources; None for the defaults.
 
     Raises
     ------
     InvalidInput, SourceError
-        As `elevation.heights.open_heights` does.
+        As in `elevation.layered.open_relief`.
     """
-    asked = options or SourceOptions(seed=mission.imagery.seed)
-    return heights_for(mission.terrain, replace(asked, crs=landscape_crs(mission.imagery.source, mission.imagery.crs)))
+    imagery = mission.imagery
+    asked = options or SourceOptions(seed=imagery.seed)
+    return terrain_heights(mission.terrain, replace(asked, crs=landscape_crs(imagery.source, imagery.crs)))
 
 
 def landscape_crs(source: str, crs: str) -> str:
-    """CRS of the embedded landscape's heights: that of the imagery where this is the landscape, too, else its own."""
+    """CRS of the embedded landscape's heights: the imagery's if that is the landscape too, else the default."""
     return crs if source.lower() == "world" else ""
 
 
-def with_whole_paths(terrain: Terrain) -> Terrain:
-    """Terrain that names the same heights in processes with another current folder."""
+def absolute_terrain(terrain: Terrain) -> Terrain:
+    """Terrain with absolute paths, for processes with another current folder."""
     elevation, surface = (tuple(map(whole_heights_path, texts)) for texts in (terrain.elevation, terrain.surface))
     return replace(terrain, elevation=elevation, surface=surface)
 
 
-def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
-    """Open the heights that a terrain names; as `heights_of`."""
+def terrain_heights(terrain: Terrain, asked: SourceOptions) -> Heights | None:
+    """Open the heights of a terrain; None if it is level. Raises as `mission_heights` does."""
     if not terrain.elevation:
         return None
     wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
@@ -58,11 +59,10 @@ def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
 def _opened(
     field: str, sources: tuple[str, ...], wanted: HeightOptions, interpolates: bool = False
 ) -> LayeredElevation:
-    """Open sources of heights; errors that name no other field of the terrain name this one."""
+    """Open sources of heights; errors name ``field``, unless they name another field of the terrain."""
     try:
         return open_relief(sources, wanted, interpolates=interpolates)
     except TerrAInavError as wrong:
-        # Errors of sources may be about these fields.
         if wrong.field not in ("vertical_datum", "height_unit", "height_offset_m", "holes"):
             wrong.field = field
         raise

@@ -1,4 +1,4 @@
-"""Map frames out of parts: put together on the source's pixel grid, whole or not at all, and turned."""
+"""Map frames: assembled from parts on the source's pixel grid, rotated and resized."""
 
 from __future__ import annotations
 
@@ -18,42 +18,38 @@ _COLOURS = 3
 
 
 def capture_window(plan: Plan, index: int) -> Window:
-    """Window of one capture; its left and top are int where the source's grid is."""
+    """Window of one capture; its left and top are int if the source's grid has whole pixels."""
     left, top, width, height = (values[index].item() for values in plan.windows)
     return Window(plan.zoom, left, top, width, height)
 
 
 def turned(picture: PixelValues, quarter_turns: int) -> PixelValues:
-    """Picture of a north-up window (h, w, ...) as a camera sees it whose top points so many quarter turns clockwise.
-
-    No pixel changes its value.
-    """
+    """Rotate the picture (h, w, ...) of a north-up window for a camera turned clockwise by quarter turns."""
     return np.ascontiguousarray(np.rot90(picture, quarter_turns)) if quarter_turns % 4 else picture
 
 
 def assemble(
     window: Window, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands = RGB
 ) -> PixelValues:
-    """Put parts together to the picture of a window, without resampling.
+    """Assemble the picture of a window from parts, without resampling.
 
     Parameters
     ----------
     parts : sequence of Part
-        What the source said fills the window.
+        Parts that fill the window, from ``Source.parts``.
     pixels : mapping of Window to array (height_px, width_px, bands or one more)
-        Each part's pixels, as `Source.fetch` gives them.
+        Pixels of each part, from `Source.fetch`.
     bands : Bands
         Of the source.
 
     Returns
     -------
-    array (height_px, width_px, bands) of their type
+    array (height_px, width_px, bands) of the bands' type
 
     Raises
     ------
     PartError
-        A part of another size than it was asked for, or parts that leave a pixel of the window open or without
-        imagery.
+        A part has a wrong size, or a pixel of the window has no imagery.
     """
     height, width = window.height_px, window.width_px
     count = len(bands)
@@ -75,7 +71,7 @@ def assemble(
 
 
 def checked(window: Window, image: PixelValues, bands: Bands = RGB) -> PixelValues:
-    """Pixels of a part, as they are; raises PartError where they are of another size than was asked for."""
+    """Return the pixels of a part unchanged; raises PartError if their shape or type is wrong."""
     wanted = (window.height_px, window.width_px, len(bands))
     if image.shape not in (wanted, (*wanted[:2], len(bands) + 1)) or image.dtype != bands.dtype:
         raise PartError(
@@ -91,16 +87,16 @@ def checked(window: Window, image: PixelValues, bands: Bands = RGB) -> PixelValu
 
 
 def resized(picture: PixelValues, img_size: tuple[int, int, int] | None, bands: Bands = RGB) -> PixelValues:
-    """Picture at the size and number of channels that are wanted.
+    """Resize a picture and convert its channels.
 
-    Grey is ITU-R 601 as Pillow's mode "L". Sizes are changed by Lanczos' kernel, which Pillow widens where
-    the picture shrinks, so that fine detail is averaged and does not alias.
+    Grey is ITU-R BT.601, as Pillow's mode "L". The kernel is Lanczos, which Pillow widens for smaller sizes so that
+    fine detail is averaged and does not alias.
 
     Parameters
     ----------
     picture : array (h, w, bands)
     img_size : tuple (width, height, channels) or None
-        Channels 1 (grey) or 3 (colour): of other bands those that are shown as such. None leaves the picture as it is.
+        Channels are 1 (grey) or 3 (colour), of the bands that are shown. None leaves the picture unchanged.
     bands : Bands
         Of the picture.
 
@@ -111,7 +107,7 @@ def resized(picture: PixelValues, img_size: tuple[int, int, int] | None, bands: 
     Raises
     ------
     InvalidInput
-        Three channels of bands that are shown as grey.
+        Three channels are asked for of bands that are shown as grey.
     """
     if img_size is None:
         return picture
@@ -129,7 +125,7 @@ def resized(picture: PixelValues, img_size: tuple[int, int, int] | None, bands: 
 
 
 def check_size(img_size: tuple[int, int, int] | None, bands: Bands) -> None:
-    """Refuse colours of a picture that has none."""
+    """Raise InvalidInput for three channels of a picture without colours."""
     if img_size is not None and img_size[2] == _COLOURS and len(bands.shown) < _COLOURS:
         raise InvalidInput(
             "image size {0} {1} {2}: the source has {3}, which make no colours; 1 channel would be right",
@@ -140,14 +136,14 @@ def check_size(img_size: tuple[int, int, int] | None, bands: Bands) -> None:
 
 
 def _resized_bands(picture: PixelValues, img_size: tuple[int, int, int], bands: Bands) -> PixelValues:
-    """Resized as `resized` does, in floats until the end."""
+    """Resize bands as `resized` does, in floats until the end."""
     from PIL import Image
 
     check_size(img_size, bands)
     width, height, channels = img_size
     shown: NDArray[Any] = picture[..., list(bands.shown)]
     if channels == 1 and len(bands.shown) == _COLOURS:
-        # ITU-R 601, in the parts of 65536 that Pillow counts in.
+        # ITU-R BT.601, with Pillow's weights in 65536ths.
         shown = (shown @ (np.array([19595, 38470, 7471]) / 65536.0))[..., np.newaxis]
     if shown.shape[:2] != (height, width):
         images = (Image.fromarray(np.ascontiguousarray(one, np.float32)) for one in np.moveaxis(shown, 2, 0))

@@ -1,9 +1,8 @@
-"""The camera of a picture when it was taken: its optics in px and mm, its height, and the time.
+"""The camera of a picture: its optics in px and mm, its height, and the time of exposure.
 
-The pinhole of a picture as it is written, its focal length and principal point in px, follows from the plan.
-Millimetres need a sensor: that of the data sheet where the mission's camera is one of those that ship, else one whose
-longer side is `NOMINAL_SENSOR_MM`. The pixels are as large as the focal length says they are, so that both give the
-picture's own field of view.
+Focal length and principal point in px follow from the plan. Millimetres need a sensor: that of the data sheet for the
+cameras that ship with the program, else one with a longer side of `NOMINAL_SENSOR_MM`. The pixel size follows from the
+focal length, so that mm and px give the same field of view.
 """
 
 from __future__ import annotations
@@ -25,12 +24,10 @@ from ..mission.cameras import shipped_cameras
 from ..mission.parts import utc_time
 from ..mission.plan import Plan
 
-#: Longer side of the sensor of cameras that are known by their field of view alone: that of 35 mm film.
+#: Longer side of the sensor of cameras that are known by field of view only: that of 35 mm film.
 NOMINAL_SENSOR_MM = 36.0
-#: Least accuracy that is stated, as good as satellites give it to a drone (RTK): readers take 0 for unknown.
+#: Finest accuracy stated, that of RTK positioning: readers take 0 for unknown.
 FINEST_ACCURACY_M = 0.01
-#: Two cameras are the same where the field of view and the shape of the picture agree to the last digits.
-_SAME = 1e-9
 
 
 class Body(NamedTuple):
@@ -42,26 +39,25 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=8)
 def camera_body(camera: Camera) -> Body:
-    """Body of a mission's camera; the model says that it is simulated.
+    """Body of a mission's camera, with "(simulated)" in its model.
 
-    The user's own cameras are not looked at: the same mission gives the same files everywhere.
+    Only shipped cameras are looked up, so that a mission writes the same files everywhere.
     """
     focal_length_mm = NOMINAL_SENSOR_MM / (2.0 * max(camera.half_tangents))
     for preset in shipped_cameras():
-        own = preset.camera
-        if math.isclose(own.fov_deg, camera.fov_deg, rel_tol=_SAME) and math.isclose(
-            own.aspect_ratio, camera.aspect_ratio, rel_tol=_SAME
-        ):
+        known = ((preset.camera.fov_deg, camera.fov_deg), (preset.camera.aspect_ratio, camera.aspect_ratio))
+        # Equal but for rounding.
+        if all(math.isclose(one, other, rel_tol=1e-9) for one, other in known):
             return Body(f"{preset.name} (simulated)", preset.focal_length_mm or focal_length_mm)
     return Body(f"FOV {camera.fov_deg:.6g} deg, {camera.aspect_ratio:.6g} to 1 (simulated)", focal_length_mm)
 
 
 class Optics(NamedTuple):
-    """Pinholes of pictures as they are written, arrays (n,) in px.
+    """Pinhole cameras of pictures as written, arrays (n,) in px.
 
-    The focal lengths along a row and a column of the picture differ where the map's pixels are not square on the ground
-    (by up to 0.7 % in Web Mercator) or where pictures are resized to another shape. The principal point counts from the
-    upper left corner; in a map frame, whose edges lie on whole pixels, it is up to about a pixel off the middle.
+    Focal lengths along rows and columns differ where pixels of the map are not square on the ground (by up to 0.7 % in
+    Web Mercator) or pictures are resized to another shape. The principal point counts from the upper left corner; in a
+    map frame, whose edges are rounded to pixels, it is up to about a pixel off the centre.
     """
 
     width_px: Floats
@@ -72,10 +68,7 @@ class Optics(NamedTuple):
     centre_y_px: Floats
 
     def accuracy_m(self, agl_m: Floats) -> tuple[Floats, Floats]:
-        """How far off a camera seems, across and in height, to readers that know but one focal length and the middle.
-
-        The poses themselves are exact.
-        """
+        """Position errors, horizontal and vertical, that readers with one focal length and a centred axis would see."""
         off_x = (self.centre_x_px - self.width_px / 2.0) / self.focal_x_px
         off_y = (self.centre_y_px - self.height_px / 2.0) / self.focal_y_px
         unequal = np.abs(self.focal_x_px - self.focal_y_px) / (self.focal_x_px + self.focal_y_px)
@@ -84,7 +77,7 @@ class Optics(NamedTuple):
 
 
 def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
-    """Optics of some of a plan's pictures, by their indices (k,)."""
+    """Optics of some of a plan's pictures, by index (k,)."""
     width, height = (np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px))
     if plan.frames.on_map:
         pinhole = _map_frames(plan, at)
@@ -100,7 +93,7 @@ def plan_optics(plan: Plan, at: NDArray[np.int64]) -> Optics:
 
 
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
+    """Focal lengths and principal points of nadir cameras that see map frames."""
     focal_x, focal_y, x, y = _windows(plan, at)
     if plan.frames.is_north_up:
         return focal_x, focal_y, x, y
@@ -112,7 +105,7 @@ def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floa
 
 
 def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
-    """The same along the axes of the map, from the upper left corner of the windows."""
+    """Focal lengths and principal points along the axes of the map, from the windows' upper left corners."""
     world_px, plane = float(plan.grid.world_px(plan.zoom)), plan.grid.plane
     lat, lon = plan.lat_deg[at], plan.lon_deg[at]
     u, v = plane.forward(lat, lon)
@@ -124,7 +117,7 @@ def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats,
 
 @dataclass(frozen=True)
 class Exposure:
-    """Data of the camera in a picture's tags, beyond the pose.
+    """Camera data for a picture's tags, beside the pose.
 
     Parameters
     ----------
@@ -151,7 +144,7 @@ class Exposure:
 
 
 class Exposures:
-    """Exposures of a plan's captures; what they have in common is worked out once."""
+    """Exposures of a plan's captures."""
 
     def __init__(self, plan: Plan) -> None:
         optics = plan_optics(plan, np.arange(len(plan)))
@@ -163,14 +156,14 @@ class Exposures:
             plan.times_s,
         )
 
-    def part(self, which: NDArray[np.int64]) -> Exposures:
-        """Those of some captures alone, by their indices."""
+    def take(self, which: NDArray[np.int64]) -> Exposures:
+        """Exposures of some captures, by index."""
         part = copy(self)
         for name in ("_columns", "_height_m", "_times_s"):
             setattr(part, name, getattr(self, name)[which])
         return part
 
-    def at(self, index: int) -> Exposure:
+    def exposure(self, index: int) -> Exposure:
         """Exposure of one capture."""
         width, height, focal_x, focal_y, centre_x, centre_y, *accuracy = self._columns[index].tolist()
         return Exposure(

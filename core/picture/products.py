@@ -1,4 +1,4 @@
-"""Products of every pixel of a picture: depth, ground point, normal, and faces that no map shows."""
+"""Products for every pixel of a picture: depth, ground point, normal, and façades, which maps do not show."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..mission.plan import Plan
 from .map_frame import turned
 from .shot import MapShot, Shot
 
-#: Bands of each product, in metres, degrees, and shares of a unit vector.
+#: Bands of each product, in metres, degrees, and components of unit vectors.
 BANDS = {
     "depth": Bands(("depth",), "float32", (0,)),
     "points": Bands(("longitude", "latitude", "height"), "float64", (0,)),
@@ -31,19 +31,19 @@ BANDS = {
 def products(
     plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
 ) -> Iterator[tuple[str, NDArray[np.generic]]]:
-    """Products that a mission asks for, of one capture's picture as it is written.
+    """Compute the products that a mission asks for, for one capture's picture as written.
 
     Parameters
     ----------
     size_px : tuple of int
         Width and height of the picture.
     shot : MapShot, Shot or None
-        What the picture is made from, whose rays may be known.
+        Shot of the picture, whose traced rays are reused.
 
     Yields
     ------
-    name, array (height, width, bands or one more) of the type that `BANDS` says
-        The last channel, where there is one more, is 0 where the picture shows no ground.
+    name, array (height, width, bands or one more) of the type in `BANDS`
+        An extra channel is 0 where the picture shows no ground.
     """
     wanted = plan.mission.output.products
     if not wanted:
@@ -59,18 +59,18 @@ def products(
         elif name == "points":
             values = np.stack([wrap_lon_deg(seen.lon_deg), seen.lat_deg, seen.height_m], axis=-1)
         else:
-            # Digits behind are the noise of sines.
+            # Further digits are noise.
             values = _rounded(seen.normals, 2.0**-21)
         yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
 
 
 def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None) -> Sighting:
-    """Ground that the pixels of one capture's picture see, for some size of it, without digits that mean nothing.
+    """Ground points of the pixels of a capture's picture, rounded to significant digits.
 
     Parameters
     ----------
     shot : MapShot, Shot or None
-        What the picture is made from, whose rays may be known.
+        Shot of the picture, whose traced rays are reused.
     """
     if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.views.size_px(index):
         seen = shot.tracing.sighting
@@ -79,7 +79,7 @@ def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | S
     else:
         seen = _level_sighting(plan, index, size_px)
     pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
-    # Digits behind this share of a pixel on the ground are the noise of sines.
+    # To 1/8192 of a pixel on the ground; further digits are noise.
     metre = power_of_two(pixel_m * 2.0**-13)
     degree = power_of_two(math.degrees(metre / WGS84.a_m))
     return seen._replace(
@@ -96,7 +96,7 @@ def _rounded(values: Floats, step: float) -> Floats:
 
 
 def _level_sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
-    """Level ground that the pixels of a picture see."""
+    """Points of level ground seen by the pixels of a picture."""
     pose = plan.poses.take(np.array([index]))
     camera, (width, height) = plan.mission.camera, size_px
     lat, lon, agl = (float(values[0]) for values in pose[:3])

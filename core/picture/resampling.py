@@ -1,4 +1,4 @@
-"""Values of an image between its pixels: nearest, bilinear, bicubic and Lanczos."""
+"""Interpolation of images: nearest, bilinear, bicubic and Lanczos."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, PixelValues
 
-#: Of float32, which holds sums of bytes, or of float64.
+#: Arrays of float32, which is enough for 8-bit images, or of float64.
 Weights = NDArray[Any]
 
-#: Samples worked on in one go, to bound memory.
-_BATCH = 1 << 16
 _LANCZOS_LOBES = 3
 
 
@@ -40,7 +38,7 @@ def _lanczos(distance: Floats) -> Floats:
     return np.where(inside, np.sinc(distance) * np.sinc(distance / _LANCZOS_LOBES), 0.0)
 
 
-#: Each kernel, and the pixels to either side of a sample that it reaches.
+#: Each kernel and its radius in pixels.
 KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
     "nearest": (_box, 0.5),
     "bilinear": (_triangle, 1.0),
@@ -50,12 +48,12 @@ KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
 
 
 def sample(image: PixelValues, x_px: Floats, y_px: Floats, kernel: str) -> Weights:
-    """Values of an image at points.
+    """Interpolate an image at points.
 
     Parameters
     ----------
     image : array (h, w, c)
-        Beyond its edges the outermost pixels go on.
+        Extended beyond its edges by its outermost pixels.
     x_px, y_px : array (n,)
         From the outer corner of the upper left pixel, whose centre is at 0.5, 0.5.
     kernel : str
@@ -63,15 +61,16 @@ def sample(image: PixelValues, x_px: Floats, y_px: Floats, kernel: str) -> Weigh
 
     Returns
     -------
-    array (n, c) of float32, or of float64 where the image has other than uint8
-        Not rounded; bicubic and Lanczos may reach beyond the image's values.
+    array (n, c) of float32 for images of uint8, else of float64
+        Not rounded; bicubic and Lanczos may overshoot the image's values.
     """
     function, reach = KERNELS[kernel]
     taps = math.ceil(2.0 * reach)
     kind: Any = np.float32 if image.dtype == np.uint8 else np.float64
     values = np.empty((len(x_px), image.shape[2]), kind)
-    for start in range(0, len(x_px), _BATCH):
-        part = slice(start, start + _BATCH)
+    # 65,536 samples at a time, to bound memory.
+    for start in range(0, len(x_px), 1 << 16):
+        part = slice(start, start + (1 << 16))
         columns, across = _taps(x_px[part], taps, function, image.shape[1], kind)
         rows, down = _taps(y_px[part], taps, function, image.shape[0], kind)
         total: Weights = np.zeros((len(rows), image.shape[2]), kind)

@@ -1,4 +1,4 @@
-"""Shots, from which pictures of captures are made, and the pictures."""
+"""Captures to be drawn, and their pictures."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ Walls = Callable[..., NDArray[np.float32]]
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A camera frame of a plan. Its view is made where it is drawn, as over relief each picture has a costly one."""
+    """A camera frame to be drawn. Its view is made on demand: over relief each picture needs an expensive one."""
 
     plan: Plan
     index: int
 
     @cached_property
     def tracing(self) -> Tracing | None:
-        """Its rays over relief; None over level ground."""
+        """Rays traced over relief; None over level ground."""
         return None if self.plan.relief.is_level else self.plan.views.tracing(self.index)
 
     @cached_property
     def view(self) -> View:
-        """How it is made."""
+        """View from which the picture is drawn."""
         return self.plan.views.view(self.index) if self.tracing is None else self.plan.views.traced_view(self.tracing)
 
     @property
@@ -52,17 +52,14 @@ class Shot:
 
 
 class MapShot(NamedTuple):
-    """A map frame: its window, and the clockwise quarter turns from north of its top."""
+    """A map frame to be drawn: its window, and the clockwise quarter turns of its top from north."""
 
     window: Window
     quarter_turns: int = 0
 
 
 class Picture(NamedTuple):
-    """Pixels (h, w, bands), or one channel more with a mask, and shares of them.
-
-    Those without ground, without a map, and of faces that no map shows.
-    """
+    """Pixels (h, w, bands), with a mask as an extra channel, and the shares of sky, unmapped ground and façades."""
 
     pixels: PixelValues
     sky_share: float = 0.0
@@ -71,26 +68,26 @@ class Picture(NamedTuple):
 
 
 def make_shot(plan: Plan, index: int) -> MapShot | Shot:
-    """Shot of one capture: the window of a map frame, or the view of a camera frame."""
+    """Shot of one capture."""
     if plan.frames.on_map:
         return MapShot(capture_window(plan, index), int(plan.frames.quarter_turns[index]))
     return Shot(plan, index)
 
 
 def picture_parts(plan: Plan, source: Source, index: int) -> list[Part]:
-    """Parts of a source that the picture of one capture is made of."""
+    """Parts of a source for the picture of one capture."""
     if plan.frames.on_map:
         return source.parts(capture_window(plan, index))
     return camera_parts(plan.views.view(index), float(plan.lon_deg[index]))
 
 
 def picture_tiles(plan: Plan, index: int) -> list[tuple[int, int, int]]:
-    """Zoom, column and row, not wrapped, of each tile that a camera frame is made of."""
+    """Zoom, column (not wrapped) and row of each tile of a camera frame."""
     return plan.views.view(index).tiles(float(plan.lon_deg[index]))
 
 
 def wall_colours(plan: Plan, source: Source, map_type: str) -> Walls | None:
-    """Colours of walls in pictures of a map type, from a source whose heights cameras see; None for others."""
+    """Function for the colours of walls, if the source also has the heights that cameras see, else None."""
     terrain = plan.mission.terrain
     seen = next(iter((*terrain.surface, *terrain.elevation)), "")
     if seen.lower() != source.name or not hasattr(source, "walls"):
@@ -107,25 +104,25 @@ def draw(
     bands: Bands = RGB,
     walls: Walls | None = None,
 ) -> Picture:
-    """Make a picture of its parts.
+    """Draw a picture from its parts.
 
     Parameters
     ----------
     parts : sequence of Part
-        As `picture_parts` gave them.
+        From `picture_parts`.
     pixels : mapping of Window to array
-        Of each part.
+        Pixels of each part.
     masked : bool
-        Add a channel to a camera frame that is 0 where the picture shows nothing.
+        Add a mask to a camera frame, 0 where the picture shows nothing.
     bands : Bands
         Of the source.
     walls : callable or None
-        Colours of walls by what `Walled.walls` takes behind the map type, see `wall_colours`.
+        From `wall_colours`.
 
     Raises
     ------
     PartError
-        Where the parts do not make a whole picture.
+        The parts do not make a whole picture.
     """
     if isinstance(shot, MapShot):
         return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))

@@ -20,7 +20,7 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import products
 from terrainav.terrainav_plugin.capture import task
 from terrainav.terrainav_plugin.capture.endings import Endings
@@ -106,7 +106,7 @@ def test_a_layer_of_heights_is_flown_over(desk, dem):
     assert heights == pytest.approx(made.height_m)
     assert len(list(desk.folder.rglob("depth/*.tif"))) == len(made)
     # What is captured is what the core captures.
-    again = plan(planned.mission, made.grid, heights_of(planned.mission))
+    again = plan(planned.mission, made.grid, mission_heights(planned.mission))
     assert again.names == made.names
 
 
@@ -266,7 +266,7 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
     mission = Mission(
         Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=80, source="world"
     ).replace(elevation=(dem.source(),), products=("points",))
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     width, height = made.frames.largest_px
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))
     # A picture whose colours tell its pixels.

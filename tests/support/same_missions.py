@@ -20,7 +20,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact
@@ -81,7 +81,7 @@ def main() -> None:
     with inexact(int(seed[0]), but="terrainav.core.imagery") if seed else contextlib.nullcontext():
         for name in FEW if which == "few" else MISSIONS:
             mission = MISSIONS[name]
-            worked_out = plan(mission, source.grid, heights_of(mission))
+            worked_out = plan(mission, source.grid, mission_heights(mission))
             capture(worked_out, source, Path(folder) / name)
             if name in IN_BLOCKS:
                 blocks = Path(folder) / f"{name}_in_blocks"

@@ -27,7 +27,7 @@ from ...imagery.source import Source
 from ...limits import MAX_RELIEF_BYTES
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
-from ...picture.heights import heights_for, landscape_crs
+from ...picture.heights import landscape_crs, terrain_heights
 from ...picture.optics import Exposures
 from ...resources import version
 from ...storage.files import read_existing, write_whole
@@ -353,7 +353,7 @@ def _restore_heights(block: Block) -> Plan:
         named_by_user=options.named_by_user,
         sharers=options.sharers,
     )
-    heights = heights_for(block.terrain, asked)
+    heights = terrain_heights(block.terrain, asked)
     if heights is not None:
         plan.relief.load(heights, _surface(block.destination, block.run))
     return plan

@@ -15,7 +15,7 @@ from pathlib import Path
 from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
 from ...imagery.opening import NamedSource
 from ...mission.plan import Plan
-from ...picture.heights import with_whole_paths
+from ...picture.heights import absolute_terrain
 from ...resources import version
 from ...storage.stores import is_address
 from ..choices import FOLDERS, IMAGES
@@ -129,7 +129,7 @@ class BlockMaker:
         self._name = uuid.uuid4().hex
         self._control = Control(check=journal.check)
         # Workers may have other current folders.
-        self._terrain = with_whole_paths(parts.plan.mission.terrain)
+        self._terrain = absolute_terrain(parts.plan.mission.terrain)
         root = journal.root
         self._destination = str(root) if is_address(root) else str(root.absolute())
         self._exposures = plan_exposures(parts.plan)
@@ -236,7 +236,7 @@ class BlockMaker:
             self._destination,
             self._terrain,
             self._blocks.layout,
-            None if self._exposures is None else self._exposures.part(piece.indices),
+            None if self._exposures is None else self._exposures.take(piece.indices),
             connections,
             self._engine.workers,
             self._name,

@@ -24,7 +24,7 @@ from terrainav.core.pairs.capturing import SETTINGS_FILE, capture_pairs
 from terrainav.core.pairs.places import PairPlace
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.views import spiral
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.storage.files import json_bytes
 
 from tests.support.sources import NamedPattern, PatternSource
@@ -85,7 +85,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def captured(mission: Mission, folder: Path, *, resume: bool = False, blocks: Blocks | None = None):
     source = NamedPattern() if blocks else PatternSource()
-    worked_out = plan(mission, source.grid, heights_of(mission))
+    worked_out = plan(mission, source.grid, mission_heights(mission))
     return capture(worked_out, source, folder, resume=resume, blocks=blocks)
 
 

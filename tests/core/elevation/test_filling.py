@@ -16,7 +16,7 @@ from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.core.elevation.test_flight import AREA, GRID, SIDE, TO_UTM, UTM, hills
 from tests.core.elevation.test_heights import places
@@ -97,10 +97,10 @@ def test_a_flight_over_a_hole_counts_and_states_what_is_interpolated(tmp_path):
     path = model(tmp_path / "hole.tif", [(240, 260, 240, 260)])
     asked = Mission(AREA, 60.0, elevation=(path,))
     with pytest.raises(InvalidInput, match="have holes interpolated") as refused:
-        plan(asked, GRID, heights_of(asked))
+        plan(asked, GRID, mission_heights(asked))
     assert refused.value.field == "elevation"
     asked = asked.replace(holes="interpolate")
-    made = plan(asked, GRID, heights_of(asked))
+    made = plan(asked, GRID, mission_heights(asked))
     x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
     ground = made.height_m - made.agl_m
     inside = (np.abs(x - UTM[0] - 500.0) < 20.0) & (np.abs(UTM[3] - y - 500.0) < 20.0)
@@ -114,11 +114,11 @@ def test_a_flight_over_a_hole_counts_and_states_what_is_interpolated(tmp_path):
     assert str(lines["holes interpolated"]).startswith(f"400 of {figures.heights:,} heights around the area (1.")
     assert "holes filled" not in lines
     whole = asked.replace(elevation=(model(tmp_path / "whole.tif", []),))
-    assert "holes interpolated" not in dict(estimate(plan(whole, GRID, heights_of(whole))).lines())
+    assert "holes interpolated" not in dict(estimate(plan(whole, GRID, mission_heights(whole))).lines())
     # Both are counted where both are there.
     level = model(tmp_path / "level.tif", [(240, 250, 0, SIDE)], np.full((SIDE, SIDE), 60.0))
     both = asked.replace(elevation=(path, level))
-    figures = estimate(plan(both, GRID, heights_of(both)))
+    figures = estimate(plan(both, GRID, mission_heights(both)))
     assert (figures.filled_heights, figures.interpolated_heights) == (200, 200)
 
 
@@ -128,7 +128,7 @@ def test_images_state_that_missing_heights_are_interpolated(tmp_path):
     source = open_source("world", seed=1)
     area = Points(((lat, lon, 60.0),))
     asked = Mission(area, 60.0, elevation=(path,), holes="interpolate", image_px=64)
-    made = plan(asked, source.grid, heights_of(asked))
+    made = plan(asked, source.grid, mission_heights(asked))
     assert not capture(made, source, tmp_path / "out").failed
     image = gdal.Open(str(tmp_path / "out" / "satellite" / f"{made.names[0]}.tif"))
     assert image.GetMetadataItem("MISSING_HEIGHTS") == "interpolated"

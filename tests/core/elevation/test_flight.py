@@ -21,7 +21,7 @@ from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.core.mission.qgc_survey import checked, photos
 from tests.core.mission.wpml_reader import Wpml
@@ -81,7 +81,7 @@ WIDE = box(200.0, 700.0, 800.0, 380.0)
 
 
 def flown(mission, grid=GRID):
-    return plan(mission, grid, heights_of(mission))
+    return plan(mission, grid, mission_heights(mission))
 
 
 def ground_below(made, surface=hills):
@@ -472,7 +472,7 @@ def test_what_no_image_holds_is_not_covered(dem):
 
 def test_the_synthetic_source_is_planned_over_a_file(dem):
     mission = Mission(AREA, 90.0, elevation=(dem["hills"],))
-    made = plan(mission, named_source("world").grid, heights_of(mission))
+    made = plan(mission, named_source("world").grid, mission_heights(mission))
     assert not made.frames.on_map
     assert made.accuracy.relief
     assert made.accuracy.bound_px <= mission.accuracy.error_budget_px
@@ -655,10 +655,10 @@ def test_heights_of_the_landscape_are_the_same_beside_imagery_in_any_crs():
     for crs in ("", "EPSG:32618"):
         mission = Mission(Box(38.811, -77.051, 38.81, -77.05), 90.0, source="ortho.tif", crs=crs, elevation=("world",))
         for options in (None, SourceOptions(seed=mission.imagery.seed, crs=crs)):
-            below = heights_of(mission, options).surface.surface(lat, lon)
+            below = mission_heights(mission, options).surface.surface(lat, lon)
             found.append(float(below.heights(*below.position(lat, lon))[0]))
     assert len(set(found)) == 1
     # The landscape itself about a pole, where its imagery and its heights are of one chart.
     polar = Mission(Points(((89.9, 10.0, 90.0),)), 90.0, source="world", crs="EPSG:3413", elevation=("world",))
-    below = heights_of(polar).surface.surface(np.array([89.9]), np.array([10.0]))
+    below = mission_heights(polar).surface.surface(np.array([89.9]), np.array([10.0]))
     assert np.isfinite(below.heights(*below.position(np.array([89.9]), np.array([10.0])))).all()

@@ -22,7 +22,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import draw, make_shot, picture_parts, wall_colours
 from terrainav.core.report.measure import measure
@@ -84,7 +84,7 @@ def one(files, heights="hills", x=300.0, y=330.0, agl=90.0, photo="photo", **val
     places = ((lat, lon, agl), *values.pop("also", ()))
     mission = Mission(Points(places), agl, **values)
     source = open_source(mission.imagery.source)
-    return plan(mission, source.grid, heights_of(mission)), source
+    return plan(mission, source.grid, mission_heights(mission)), source
 
 
 def picture(made, source, index=0):
@@ -253,7 +253,7 @@ def town(tmp_path_factory):
         map_types=("satellite", "roadmap"),
     )
     source = open_source(mission.imagery.source)
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     capture(made, source, folder)
     return folder, made, [sighting(made, index, made.frames.largest_px) for index in range(2)]
 
@@ -391,7 +391,7 @@ def test_a_capture_over_relief_is_whole(files, tmp_path):
         map_types=("satellite", "roadmap"),
     )
     source = open_source(mission.imagery.source, as_stored=True)
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     result = capture(made, source, tmp_path / "out")
     assert not result.failed
     assert result.written == 2 * len(made)
@@ -433,11 +433,11 @@ def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):
         box(), 70.0, elevation=(files["tower"],), source=files["photo"], image_px=120, products=("depth",)
     )
     source = open_source(mission.imagery.source, as_stored=True)
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     capture(made, source, tmp_path / "whole")
     stopped = capture(made, source, tmp_path / "parts", only=[0, 1])
     assert stopped.written == 2
-    again = plan(mission, source.grid, heights_of(mission))
+    again = plan(mission, source.grid, mission_heights(mission))
     capture(again, source, tmp_path / "parts", resume=True, workers=1)
     for path in sorted((tmp_path / "whole").rglob("*.tif")):
         other = tmp_path / "parts" / path.relative_to(tmp_path / "whole")
@@ -447,7 +447,7 @@ def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):
 def test_photographs_say_the_cameras_altitude(files, tmp_path):
     mission = Mission(box(), 70.0, elevation=(files["hills"],), source=files["photo"], image_px=120, image_format="jpg")
     source = open_source(mission.imagery.source)
-    made = plan(mission, source.grid, heights_of(mission))
+    made = plan(mission, source.grid, mission_heights(mission))
     capture(made, source, tmp_path)
     for index in (0, len(made) - 1):
         with Image.open(tmp_path / "satellite" / f"{made.names[index]}.jpg") as image:

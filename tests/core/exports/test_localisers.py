@@ -24,7 +24,7 @@ from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.support import rasters
 from tests.support.command import command
@@ -71,7 +71,7 @@ def made(imagery, folder, **asked) -> Benchmark:
     settings = BenchmarkSettings(mission, (old, new), old, split="same-area", shares=(0.5, 0.25, 0.25))
     sources = {str(one): open_source(one.source) for one in (old, new)}
     grids = {name: source.grid for name, source in sources.items()}
-    worked_out = plan_benchmark(settings, grids, heights_of(mission))
+    worked_out = plan_benchmark(settings, grids, mission_heights(mission))
     return make_benchmark(worked_out, sources, folder).benchmark
 
 

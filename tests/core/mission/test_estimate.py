@@ -13,7 +13,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -44,7 +44,9 @@ def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
     mission = Mission(Points(((35, -89, 40),)), 40.0, image_px=160, elevation=("world",), frame="camera")
     seconds, cells = [], []
     for agl_m in (40.0, 80.0):
-        made = plan(mission.replace(area=Points(((35, -89, agl_m),)), agl_m=agl_m), PixelGrid(), heights_of(mission))
+        made = plan(
+            mission.replace(area=Points(((35, -89, agl_m),)), agl_m=agl_m), PixelGrid(), mission_heights(mission)
+        )
         costs = replace(OFFLINE, request_s=0.0)
         seconds.append(estimate(made, costs, cores=1).seconds)
         tan_x, tan_y = mission.camera.half_tangents

@@ -99,7 +99,7 @@ def square(x, y, half):
 
 
 def worked_out(mission):
-    return plan(mission, GRID, heights_of(mission))
+    return plan(mission, GRID, mission_heights(mission))
 
 
 def shortfalls(made, folder, endings=ENDINGS):

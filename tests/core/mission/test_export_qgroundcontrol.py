@@ -14,7 +14,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 from tests.core.mission.qgc_loaders import loaded_plan
@@ -66,7 +66,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
     area = Box(35.1555, -89.896, 35.154, -89.894)
     mission = HERE.replace(area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
-    flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
+    flown = plan(mission, PixelGrid(), mission_heights(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
         f"heights are above the take-off point, computed for ground at {flown.path.base_m:.1f} m above the ellipsoid "

@@ -26,7 +26,7 @@ from terrainav.core.mission.layout import polygons as polygons_of_layout
 from terrainav.core.mission.layout.rows import Layout
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.poses.patterns import structure
 from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
 from terrainav.core.poses.settings import Scan
@@ -459,7 +459,7 @@ def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout
 def test_polygons_over_relief_share_what_was_asked_for():
     area = Polygons((square(-89.9, 35.1, 0.001), square(-89.8985, 35.1005, 0.001)))
     mission = Mission(area, 60.0, overlap_along=0.5, overlap_across=0.4, elevation=("world",))
-    found = plan(mission, GRID, heights_of(mission, SourceOptions()))
+    found = plan(mission, GRID, mission_heights(mission, SourceOptions()))
     assert found.coverage.complete
     assert found.overlap.least_along > 0.49
     assert found.overlap.least_across > 0.39

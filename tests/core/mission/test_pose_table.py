@@ -21,7 +21,7 @@ from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.support.command import command
 from tests.support.sources import PatternSource
@@ -124,11 +124,11 @@ def test_each_capture_is_what_a_mission_of_its_own_attitude_makes(points, relief
     mission = Mission(points, 120.0, image_px=320, accept_error=True, frame="camera", **relief)
     # Over relief, how fine the heights are taken depends on all captures: 0.2 m, half a pixel.
     grid, within_deg = PixelGrid(), 2e-6 if relief else 1e-12
-    worked_out = plan(mission, grid, heights_of(mission, SourceOptions()) if relief else None)
+    worked_out = plan(mission, grid, mission_heights(mission, SourceOptions()) if relief else None)
     for index, pose in enumerate(points.poses):
         angles = {name: getattr(points, f"{name[:-4]}s_deg")[index] for name in ("yaw_deg", "tilt_deg", "roll_deg")}
         single = mission.replace(area=Points((pose,)), agl_m=pose[2], **angles)
-        alone = plan(single, grid, heights_of(single, SourceOptions()) if relief else None)
+        alone = plan(single, grid, mission_heights(single, SourceOptions()) if relief else None)
         assert all(values[index] == own[0] for values, own in zip(worked_out.poses, alone.poses))
         for corner, own in zip(worked_out.corners, alone.corners):
             np.testing.assert_allclose(corner[index], own[0], rtol=0.0, atol=within_deg)

@@ -33,7 +33,7 @@ from terrainav.core.mosaic.orthomosaic import (
     write_orthomosaic,
 )
 from terrainav.core.mosaic.raster import Raster
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.picture.map_frame import assemble
 
 from tests.support.command import command
@@ -56,7 +56,7 @@ def captured(folder, **changes):
         "frame": "camera",
     }
     mission = Mission(**{**values, **changes})
-    made = plan(mission, SOURCE.grid, heights_of(mission))
+    made = plan(mission, SOURCE.grid, mission_heights(mission))
     capture(made, SOURCE, folder)
     return made
 

@@ -25,7 +25,7 @@ from terrainav.core.pairs.places import PairPlace
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.sheet import contact_sheet
 from terrainav.core.pairs.views import rings
-from terrainav.core.picture.heights import heights_for
+from terrainav.core.picture.heights import terrain_heights
 from terrainav.core.picture.products import sighting
 from terrainav.core.world import WorldSource
 
@@ -358,7 +358,7 @@ def test_over_relief_the_drone_looks_at_the_ground_of_each_place(tmp_path):
         shares=(1.0, 1.0, 0.0),
         terrain=Terrain(elevation=("world",)),
     )
-    heights = heights_for(settings.terrain, SourceOptions(seed=settings.seed))
+    heights = terrain_heights(settings.terrain, SourceOptions(seed=settings.seed))
     made = plan_pairs(towns, settings, WorldSource.grid, heights)
     drone = made.plans["drone"]
     assert made.plans["satellite"].relief.is_level

@@ -30,10 +30,10 @@ def test_shares_are_those_of_university_1652():
 
 def test_the_seed_decides_and_not_the_order_of_the_list():
     places = spread_places(BOX, 60, 1.0, 3)
-    part = dict(zip(places, parted(places).of))
+    part = dict(zip(places, parted(places).part))
     backwards = places[::-1]
-    assert dict(zip(backwards, parted(backwards).of)) == part
-    assert dict(zip(places, parted(places, seed=1).of)) != part
+    assert dict(zip(backwards, parted(backwards).part)) == part
+    assert dict(zip(places, parted(places, seed=1).part)) != part
 
 
 @pytest.mark.parametrize("gap_m", [0.0, 400.0])
@@ -84,4 +84,4 @@ def test_shares_that_cannot_be_had_are_refused(shares, told):
 
 
 def test_all_places_may_be_of_one_part():
-    assert set(parted([PairPlace(1.0, 2.0)], shares=(1.0, 0.0, 0.0)).of) == {"train"}
+    assert set(parted([PairPlace(1.0, 2.0)], shares=(1.0, 0.0, 0.0)).part) == {"train"}

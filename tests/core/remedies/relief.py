@@ -15,7 +15,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 
 from tests.core.elevation.test_height_tiles import surface_of, tiles
 from tests.support import rasters
@@ -42,7 +42,7 @@ def above(east, south, agl=60.0, **values):
 
 
 def flown(mission):
-    return plan(mission, PixelGrid(max_zoom=20, native_zoom=20), heights_of(mission))
+    return plan(mission, PixelGrid(max_zoom=20, native_zoom=20), mission_heights(mission))
 
 
 @remedy(

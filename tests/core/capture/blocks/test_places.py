@@ -25,7 +25,7 @@ from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.storage.files import open_locked
 from terrainav.core.storage.stores import get, store_path
 
@@ -73,7 +73,7 @@ def test_workers_with_another_folder_find_what_relative_paths_name(tmp_path, mon
     monkeypatch.chdir(tmp_path / "here")
     write(tmp_path / "here" / "dem.tif", [[[90.0] * 40] * 40], (-89.9, 0.003, 0, 35.18, 0, -0.003), epsg=4326)
     mission = MISSION.replace(elevation=("dem.tif",), tilt_deg=10.0)
-    worked_out = plan(mission, PATTERN.grid, heights_of(mission))
+    worked_out = plan(mission, PATTERN.grid, mission_heights(mission))
     engine = Engine(Elsewhere(tmp_path / "there"), lambda: 1)
     result = capture(worked_out, PATTERN, "out", executor=engine, blocks=Blocks(3))
     assert (result.written, result.failed) == (len(worked_out), ())

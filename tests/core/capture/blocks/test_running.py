@@ -36,7 +36,7 @@ from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.heights import mission_heights
 from terrainav.core.storage.stores import get, store_path
 
 from tests.support.sources import NamedPattern, PatternSource
@@ -101,7 +101,7 @@ def test_blocks_leave_what_a_run_without_leaves(whole, tmp_path):
 @pytest.mark.parametrize("name", sampled(OF_THE_WORLD, 3))
 def test_a_block_that_was_packed_makes_the_images_of_the_whole_plan(name, tmp_path):
     mission, source = OF_THE_WORLD[name], named_source("world")
-    worked_out = plan(mission, source.grid, heights_of(mission))
+    worked_out = plan(mission, source.grid, mission_heights(mission))
     assert len(worked_out) > 3
     with closing(source.open()) as opened:
         capture(worked_out, opened, tmp_path / "whole")
