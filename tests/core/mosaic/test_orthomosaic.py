@@ -26,7 +26,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic import bigtiff
 from terrainav.core.mosaic.frames import place_images
 from terrainav.core.mosaic.orthomosaic import (
-    chosen,
+    choose_images,
     make_orthomosaic,
     mosaic_raster,
     orthorectify,
@@ -140,7 +140,7 @@ def test_seams_are_those_of_the_nearest_nadir(tmp_path, tilt_deg):
     compared = 0
     for left, top in ((0, 0), (64, 64), (raster.width_px // 2, raster.height_px // 2)):
         block = raster.block(left, top, 64)
-        choice = chosen(frames, boxes, block)
+        choice = choose_images(frames, boxes, block)
         for row, column in random.integers(0, (block.lat_deg.shape), (60, 2)).tolist():
             lat, lon = (float(at[row, column]) for at in (block.lat_deg, block.lon_deg))
             # Through PROJ, from each camera's own east, north and up.
@@ -227,7 +227,7 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
     with rasterio.open(elevation) as file:
         heights = file.read(1)
     block = raster.block(0, 0, 512)
-    choice = chosen(frames, boxes, block)
+    choice = choose_images(frames, boxes, block)
 
     def height_at(x, y):
         return heights_at(heights, x, y)
