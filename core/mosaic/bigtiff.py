@@ -19,6 +19,8 @@ from ..storage.files import partial_file
 
 #: Side of a tile, a multiple of 16.
 TILE_PX = 256
+#: Offsets of a classic TIFF have 32 bits; 16 MB are left for tags.
+_MOST_BYTES = (1 << 32) - (1 << 24)
 
 
 def packed_tile(pixels: Bytes) -> bytes:
@@ -56,8 +58,7 @@ def write_tiles(
     OutputError
     """
     columns, rows = (-(-size // TILE_PX) for size in (place.width_px, place.height_px))
-    # Offsets of a classic TIFF have 32 bits; 16 MB are left for tags.
-    is_big = columns * rows * TILE_PX * TILE_PX * channels > (1 << 32) - (1 << 24)
+    is_big = columns * rows * TILE_PX * TILE_PX * channels > _MOST_BYTES
     offsets, lengths = np.zeros((2, rows, columns), np.int64)
     try:
         with partial_file(target) as partial, partial.open("xb") as file:
