@@ -95,7 +95,7 @@ def summary(results: list[Result]) -> TextTable:
         accuracy = worked_out.accuracy
         methods = ", ".join(choice.method.name for choice in accuracy.choices)
         seconds = next(one.seconds for one in found.chosen if one.method.stage == "picture")
-        kept = "" if all(one.within for one in found.chosen) else " (above its bound)"
+        kept = "" if all(one.keeps_bound for one in found.chosen) else " (above its bound)"
         rows.append(
             (
                 f"[{scene.title}](#{anchor(scene.title)})",

@@ -1,15 +1,15 @@
-"""Error against run time: what a mission's methods do on its own captures, beside others.
+"""Report of a mission: error against run time of its methods and of others, measured on its captures.
 
 In reading order:
 
 - `measure`: every method timed and measured
-- `footprints`: cheaper footprints, to compare with
-- `positions`: errors of position, against long double
-- `pictures`: pictures by any method, with their seconds and grey levels
-- `wind`: what wind does to a mission
-- `tables`: the figures for people, and as CSV
-- `sentences`: what they mean, in words
+- `footprints`: cheaper methods of footprints, for comparison
+- `positions`: errors of positions, measured in long double
+- `pictures`: pictures by any method: run time, file size, errors in grey levels
+- `wind`: effect of wind on a mission
+- `tables`: figures as tables and as CSV
+- `sentences`: figures in words
 - `plots`: diagrams
-- `machine`: what times are of
-- `page`: all of it on one page
+- `machine`: processor, system and software versions
+- `page`: the page
 """

@@ -1,6 +1,6 @@
-"""Cheaper footprints than the exact camera's, which they are compared with: flat ground laid on the ellipsoid.
+"""Cheaper footprints than the exact one, for comparison: flat ground mapped onto the ellipsoid.
 
-For cameras that look straight down, within the domain that `accuracy.outside_flat_domain` states.
+For nadir cameras, within the domain of `accuracy.outside_flat_domain`.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ..mission.methods import Method, exact_footprint
 
 
 def _flat_offsets(camera: Camera, poses: Poses, points: ImagePoints) -> tuple[Floats, Floats]:
-    """Metres east and north of level cameras at which flat ground is seen, (n, k) each."""
+    """Offsets east and north (n, k) at which nadir cameras see flat ground, metres."""
     rays = camera.rays_enu(points, poses.yaw_deg)
     agl = poses.agl_m[:, np.newaxis]
     return rays[..., 0] * agl, rays[..., 1] * agl
 
 
 def loc1(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid along the radii of curvature at the camera; for cameras that look straight down."""
+    """Flat ground, mapped by the radii of curvature at the camera; for nadir cameras."""
     east_m, north_m = _flat_offsets(camera, poses, points)
     lat = poses.lat_deg[:, np.newaxis]
     normal, meridional = ground.normal_radius_m(lat), ground.meridional_radius_m(lat)
@@ -33,7 +33,7 @@ def loc1(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = 
 
 
 def loc2(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid on the ellipsoid to the second order of its size; for cameras that look straight down.
+    """Flat ground, mapped onto the ellipsoid to second order; for nadir cameras.
 
     The geodesic series about the camera: latitude y/M - x²T/(2MN) - 3ηy²/(2M²), longitude x/(N cos φ)·(1 + yT/N)
     with η = e² sin φ cos φ / (1 - e² sin² φ).
@@ -54,13 +54,13 @@ def _around(poses: Poses, dlat: Floats, dlon: Floats) -> Corners:
 
 
 def loc1_px(scene: ImageGeometry) -> Floats:
-    """Bound of `loc1`: that of loc2 and ρκ(T + e²), (n,)."""
+    """Bounds (n,) of `loc1`: those of `loc2` plus ρκ(T + e²)."""
     first = scene.half_diagonal_px * scene.size_share * (scene.lat_tangent + scene.ground.e2)
     return bound_px(scene, first + _second_order_px(scene))
 
 
 def loc2_px(scene: ImageGeometry) -> Floats:
-    """Bound of `loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
+    """Bounds (n,) of `loc2`: ρ[εt²/2 + κ²(½ + T²)]."""
     return bound_px(scene, _second_order_px(scene))
 
 
@@ -69,14 +69,14 @@ def _second_order_px(scene: ImageGeometry) -> Floats:
     return flat_bending_px(scene) + scene.half_diagonal_px * laid_out
 
 
-#: Ways to work out footprints by name, from cheap to exact.
+#: Methods of footprints by name, from cheap to exact.
 FOOTPRINTS: dict[str, Footprint] = {"loc1": loc1, "loc2": loc2, "exact": exact}
 
 
 def footprint_methods(scene: ImageGeometry) -> list[Method]:
     """Methods of the footprint in a scene, from cheap to exact."""
     outside = outside_flat_domain(scene)
-    # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
+    # A pixel spans most ground at the corners, where the slant of rays enlarges it by 1 + t².
     slant = 1.0 + scene.diagonal_tangent**2
     methods = []
     for name, bound in (("loc1", loc1_px), ("loc2", loc2_px)):

@@ -1,4 +1,4 @@
-"""The machine that times are of, and the software that they and the errors are of."""
+"""The machine and the software that a report was made with."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import pyproj
 
 from ..resources import version
 
-#: Where Linux describes its processors.
+#: Processors, on Linux.
 _CPUINFO = Path("/proc/cpuinfo")
 
 
 def machine() -> list[tuple[str, str]]:
-    """Label and value of the processor, its cores and the system."""
+    """Label and value of processor, cores and system."""
     return [
         ("processor", _processor()),
         ("cores", str(os.cpu_count() or "unknown")),
@@ -26,7 +26,7 @@ def machine() -> list[tuple[str, str]]:
 
 
 def versions() -> list[tuple[str, str]]:
-    """Name and version of TerrAInav and of all that its numbers rest on."""
+    """Name and version of TerrAInav and of the libraries that compute its results."""
     return [
         ("TerrAInav", version()),
         ("Python", platform.python_version()),

@@ -1,4 +1,4 @@
-"""Every method of every stage timed and measured on the captures of one plan."""
+"""Run time and error of every method, measured on the captures of a plan."""
 
 from __future__ import annotations
 
@@ -38,34 +38,26 @@ from .pictures import BY_RAYS, Bench, Encoding, PartCache, Rendering, Resampling
 from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
-#: Called with what is being measured, in words.
+#: Called with the name of each step.
 Progress = Callable[[str], None]
-
-#: Tolerances of the meshes that the plan's own is compared with, px.
-_TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
-#: The same of rays over relief.
-_RELIEF_TOLERANCES_PX = (0.1, 0.001)
-#: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
-_USUAL = Wind(5.0, 0.0, 0.15)
-_BY_CENTRE = Message("the source gives images by their centre, not tiles that others can be made from")
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A method, its greatest error and its time on a mission's own captures.
+    """A method with its greatest error and its run time on captures of a mission.
 
     Attributes
     ----------
     method : Method
-        With the bound; `Method.outside` says why there is none, and then nothing was measured.
+        With its bound; nothing is measured if it has none, for the reason in `Method.outside`.
     seconds : Seconds or None
-        A capture, on one core, without fetching and encoding; those of a stage were timed in the same rounds.
+        For a capture on one core, without fetching and encoding; methods of a stage are timed in the same rounds.
     chosen : bool
-        By the plan.
+        Whether the plan uses it.
     size_bytes : int or None
-        Of the file of a picture, where the method makes one.
+        Size of an image file, for methods that make one.
     floor_px : float
-        Error of the reference that the error was measured against.
+        Error of the reference.
     """
 
     method: Method
@@ -76,20 +68,20 @@ class Measured:
     floor_px: float = 0.0
 
     @property
-    def within(self) -> bool:
-        """Whether the error is within the bound, as far as the reference can tell; of a method without one, too."""
+    def keeps_bound(self) -> bool:
+        """Whether the error is within the bound, up to the error of the reference; true without an error."""
         return self.error_px is None or self.error_px <= self.method.bound_px + self.floor_px
 
 
-def compared_with(stage: Sequence[Measured]) -> Measured | None:
-    """Return the method of a stage that the others' times are compared with: the chosen one, or else the cheapest."""
+def baseline(stage: Sequence[Measured]) -> Measured | None:
+    """Method of a stage whose time others are compared with: the chosen one, or else the cheapest."""
     timed = [one for one in stage if one.seconds is not None]
     return next((one for one in timed if one.chosen), timed[0] if timed else None)
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """Seconds of one camera frame by one resampling kernel."""
+    """Run time of a camera frame with a resampling kernel."""
 
     name: str
     seconds: Seconds
@@ -97,14 +89,14 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Saving:
-    """What the plan left out, and what that saves for the whole mission.
+    """A step that the plan left out, and what that saves for the whole mission.
 
     Attributes
     ----------
     seconds : Seconds
-        By how much more it takes than what was chosen, round by round.
+        Additional time, round by round.
     differs : bool
-        Whether the two can be told apart in time.
+        Whether the times differ significantly.
     """
 
     what: str
@@ -116,22 +108,22 @@ class Saving:
 
 @dataclass(frozen=True)
 class Measurement:
-    """All that is measured of a plan.
+    """Everything measured for a plan.
 
     Attributes
     ----------
     stages : dict of str to tuple of Measured
-        By the stage's name, from cheap to exact.
+        Methods by stage, from cheap to exact.
     floor_px : float
-        Error of the reference: smaller ones are not told from none.
+        Error of the reference, the least that can be measured.
     kernels : tuple of Kernel
-        Empty where the source has no tiles; ``resampling`` is None then.
+        Empty if the source has no tiles; ``resampling`` is None then.
     wind : WindEffect or None
         None in still air.
     planned_px, timed_px : tuple of int
-        Width and height of the planned picture, and of the one whose seconds and bytes were scaled to it.
+        Sizes of the planned picture and of the one measured, whose time and size are scaled to it.
     parts : int
-        Of the source that were fetched.
+        Number of fetched parts of the source.
     """
 
     map_type: str
@@ -148,34 +140,34 @@ class Measurement:
 
     @property
     def chosen(self) -> tuple[Measured, ...]:
-        """The methods of the plan."""
+        """Methods of the plan."""
         return tuple(one for stage in self.stages.values() for one in stage if one.chosen)
 
     @property
     def error_px(self) -> float:
-        """Sum of the errors of the methods of the plan."""
+        """Sum of the errors of the plan's methods."""
         return sum(one.error_px or 0.0 for one in self.chosen)
 
     @property
-    def within(self) -> bool:
-        """Whether every method that was measured kept its bound."""
-        return all(one.within for stage in self.stages.values() for one in stage)
+    def keeps_bounds(self) -> bool:
+        """Whether every measured method keeps its bound."""
+        return all(one.keeps_bound for stage in self.stages.values() for one in stage)
 
 
 def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progress | None = None) -> Measurement:
-    """Time and measure every method on a sample of a plan's captures.
+    """Measure run time and error of every method on a sample of a plan's captures.
 
     Parameters
     ----------
     source : Source
-        That the plan is for: the parts of one or two pictures are fetched.
+        Source of the plan, of which the parts of one or two pictures are fetched.
     quick : bool
-        Time every method in one round only; times are then not compared.
+        Time every method in a single round; times are then not compared.
 
     Raises
     ------
     PartError, SourceError
-        Where no picture can be had from the source.
+        No picture can be made from the source.
     """
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
@@ -183,7 +175,7 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
     say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
     say(Message("an image"))
-    bench = Bench.of(plan, PartCache(source, map_type), effort)
+    bench = Bench.from_plan(plan, PartCache(source, map_type), effort)
     say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
@@ -216,7 +208,7 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
 
 
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
-    # Neighbours are timed, as rows share their rays.
+    # Consecutive captures, as those of a row share their rays.
     few = plan.poses.take(np.arange(min(len(plan), 20_000)))
     camera, ground = plan.mission.camera, plan.ground
     methods = footprint_methods(positions.bounds_scene(plan))
@@ -238,21 +230,22 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
 
 
 def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
-    """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
+    """Map frame and camera frame, meshes of the camera frame, and kernels: all timed in the same rounds."""
     plan, scene = bench.plan, positions.bounds_scene(bench.plan)
-    own = plan.accuracy.picture
+    choice = plan.accuracy.picture
     plane = plan.grid.plane
     bend = plane.frame_bend(scene.poses.lat_deg, scene.poses.lon_deg)
     outside = outside_flat_domain(scene, bend) or positions.map_frame_problem(plan)
-    if not outside and own.rejected is not None and own.rejected.outside:
-        outside = own.rejected.outside
-    on_map, by_camera = (
-        map_frame(scene, outside, plane),
-        camera_frame(scene, "" if by_tiles else _BY_CENTRE),
+    if not outside and choice.rejected is not None and choice.rejected.outside:
+        outside = choice.rejected.outside
+    on_map = map_frame(scene, outside, plane)
+    by_camera = camera_frame(
+        scene,
+        "" if by_tiles else Message("the source gives images by their centre, not tiles that others can be made from"),
     )
     ladder = pixel_methods(plan, scene) if by_tiles else []
     usable = [one for one in ladder if not one.method.outside]
-    # The mission's kernel may need a ray for every pixel.
+    # Lanczos needs a ray for every pixel.
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else "bilinear"
     usual = next((one.tolerance_px for one in ladder if one.own), None)
     meshes = [Rendering(one.tolerance_px, kernel, one.level) for one in usable]
@@ -262,13 +255,13 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
     made = dict(zip(ways, frames))
     pictures = [Measured(on_map)]
     if on_map_made is not None:
-        error, is_own = positions.map_frame_error_px(plan), own.method.name == "map"
-        pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
+        error, is_chosen = positions.map_frame_error_px(plan), choice.method.name == "map"
+        pictures = [Measured(on_map, error, on_map_made.seconds, is_chosen, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
     frame = made[Rendering(usual, plan.mission.accuracy.resampling)]
     traced = positions.mesh_error_px(plan, 0.0)
-    pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
+    pictures.append(Measured(by_camera, traced, frame.seconds, choice.method.name == "camera", frame.size_bytes))
     return (
         tuple(pictures),
         tuple(
@@ -290,14 +283,21 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
 def _pixels_error_px(plan: Plan, one: PixelMethod) -> float | None:
     if not plan.relief.is_level:
         return positions.relief_error_px(plan, None if one.level else one.tolerance_px)
-    # Rays are the camera frame's own positions, whose error is that of the picture.
+    # Rays give the camera frame's positions, whose error is counted in that stage.
     return positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0
 
 
 class PixelMethod(NamedTuple):
-    """A way to place a camera frame's pixels: its mesh's tolerance, 0 for rays, and whether it is the plan's own.
+    """A way to place the pixels of a camera frame.
 
-    Over relief the tolerance is that of the rays; ``level`` says that the ground is taken as level all the same.
+    Attributes
+    ----------
+    tolerance_px : float
+        Of the mesh, 0 for rays; over relief, of the rays.
+    own : bool
+        Whether it is the plan's.
+    level : bool
+        Whether relief is ignored.
     """
 
     method: Method
@@ -307,14 +307,14 @@ class PixelMethod(NamedTuple):
 
 
 def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
-    """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
+    """Meshes from coarse to fine, and rays: the one that the plan uses, or would use, and others for comparison."""
     if not plan.relief.is_level:
         return _relief_methods(plan, scene)
     others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
     choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
     own_px = 0.0 if choice.method.name == TRACED.name else choice.method.bound_px
     meshes = []
-    for tolerance_px in _TOLERANCES_PX:
+    for tolerance_px in (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001):
         name, found = f"mesh, {tolerance_px:g} px", mesh(scene, tolerance_px)
         if found.bound_px > tolerance_px:
             # A mesh cannot be finer than float64 places its corners.
@@ -329,11 +329,11 @@ def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
 
 
 def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
-    """Level ground, which relief is not bound to stay near to, and rays over relief from coarse to fine."""
+    """Level ground, whose error over relief has no bound, and rays over relief from coarse to fine."""
     own_px = plan.accuracy.mesh_tolerance_px
     level = Method("pixels", "level ground", math.inf, math.inf)
     found = [PixelMethod(level, COARSEST_MESH_PX, False, level=True)]
-    for tolerance_px in sorted({own_px, *_RELIEF_TOLERANCES_PX}, reverse=True):
+    for tolerance_px in sorted({own_px, 0.1, 0.001}, reverse=True):
         method = replace(relief_rays(scene, own_px), bound_px=tolerance_px)
         if tolerance_px != own_px:
             method = replace(method, name=f"relief, {tolerance_px:g} px")
@@ -342,7 +342,7 @@ def _relief_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:
-    """What the plan left out, with what the same thing takes here beside what was chosen."""
+    """Steps that the plan left out, with their cost compared with what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.imagery.map_types)
     compared = {"resampling": ("image", "camera"), Message("rays for every pixel"): ("pixels", "rays")}
@@ -361,10 +361,10 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
 
 
 def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
-    """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
+    """Time to compute the poses of a whole plan in wind; in typical wind if the mission has no gusts."""
     wind, airspeed = plan.mission.wind, plan.mission.flight.airspeed_m_per_s
     if wind is None or wind.sigma_m_per_s == 0.0:
-        wind, airspeed = _USUAL, Flight.airspeed_m_per_s
+        wind, airspeed = Wind(5.0, 0.0, 0.15), Flight.airspeed_m_per_s
     gusty, count = wind, min(len(plan), 20_000)
     agl = plan.agl_m[:count]
     way = legs(plan.lat_deg[:count], plan.lon_deg[:count])

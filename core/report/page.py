@@ -38,30 +38,30 @@ def write_report(
     progress: Progress | None = None,
     quick: bool = False,
 ) -> Path:
-    """Measure a mission's methods on its own captures and write a page about them.
+    """Measure the methods of a mission on its captures and write a page about them.
 
     Parameters
     ----------
     source : Source
-        That the plan is for.
+        Source of the plan.
     folder : path
-        Made unless it is there; files of an earlier report are replaced.
+        Created if missing; files of an earlier report are replaced.
     progress : callable, optional
-        Called with what is being measured, in words.
+        Called with the name of each step.
     quick : bool
-        Time every method in one round only; times are then not compared.
+        Time every method in a single round; times are then not compared.
 
     Returns
     -------
     Path
-        Of the page, which is written last: where it is there, all of the report is.
+        The page, which is written last: if it exists, the report is complete.
 
     Raises
     ------
     OutputError
         The folder cannot be written, or matplotlib is not installed.
     PartError, SourceError
-        No picture can be had from the source.
+        No picture can be made from the source.
     """
     check_matplotlib()
     make_folder(folder)
@@ -78,7 +78,7 @@ def write_report(
 
 
 def drawings(plan: Plan, found: Measurement) -> dict[str, bytes]:
-    """Return the diagrams of a measurement as PNG, by the file's name."""
+    """Draw the diagrams of a measurement; returns PNG by file name."""
     drawn = {
         WORK_PRECISION: plots.work_precision(
             found.stages, plan.accuracy.budget_px, found.floor_px, sentences.mission_title(plan)

@@ -1,4 +1,4 @@
-"""Pictures of one capture by any method: their seconds, bytes, and errors in grey levels."""
+"""Pictures of one capture by any method: run time, file size, and errors in grey levels."""
 
 from __future__ import annotations
 
@@ -29,26 +29,28 @@ from ..picture.map_frame import assemble, capture_window, resized, turned
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
-from .positions import level_below, scene_of, spread
+from .positions import capture_scene, level_below, spread
 
-#: Kernel that only single samples can have: it needs a ray for every pixel.
+#: Kernel that needs a ray for every pixel, as Pillow does not warp by it; the most exact of all.
 BY_RAYS = "lanczos"
-#: Larger pictures are timed on so many pixels of theirs, and the time is scaled: a report must end.
+#: Larger pictures are measured at this size, and times scaled, to bound the time of a report.
 _MOST_PX = 2_000_000
-#: Side of the patch that kernels are measured on, px, and what it is taken with around it for their reach.
-_PATCH_PX, _MARGIN_PX = 112, 8
-#: Edges of the bands of spatial frequency, cycles a px; the last is that of the finest pattern that pixels hold.
+#: Side of the patch that kernels are measured on.
+_PATCH_PX = 112
+#: Edges of the bands of spatial frequency, cycles per pixel; 0.71 is the Nyquist frequency along the diagonal.
 BANDS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.71)
-#: JPEG qualities that are compared; that of the project's own files is among them.
-_QUALITIES = (75, 85, JPEG_QUALITY)
-#: Kernel that stands for the truth where nothing better is known.
-_FINEST = "lanczos"
 
 
 class Rendering(NamedTuple):
-    """How a camera frame is made: tolerance of its mesh in px (0 for rays), or of its rays over relief, and kernel.
+    """How to make a camera frame.
 
-    Of a plan over relief ``level`` says that the ground is taken as level all the same, as high as below the camera.
+    Attributes
+    ----------
+    tolerance_px : float
+        Of the mesh, 0 for rays; over relief, of the rays.
+    kernel : str
+    level : bool
+        Replace relief by level ground as high as below the camera.
     """
 
     tolerance_px: float
@@ -57,7 +59,7 @@ class Rendering(NamedTuple):
 
 
 class FrameCost(NamedTuple):
-    """Seconds that a capture's picture takes, and the bytes of its file."""
+    """Run time of a picture, and the size of its file."""
 
     seconds: Seconds
     size_bytes: int
@@ -65,12 +67,12 @@ class FrameCost(NamedTuple):
 
 @dataclass(frozen=True)
 class Bench:
-    """What pictures are timed on.
+    """A capture that pictures are measured on.
 
     Attributes
     ----------
     index : int
-        Of the capture.
+        Index of the capture.
     """
 
     plan: Plan
@@ -79,15 +81,15 @@ class Bench:
     index: int = 0
 
     @classmethod
-    def of(cls, plan: Plan, tiles: PartCache, effort: Effort) -> Bench:
-        """Bench of a capture whose picture the source has: the one in the middle, or another.
+    def from_plan(cls, plan: Plan, tiles: PartCache, effort: Effort) -> Bench:
+        """Choose a capture whose imagery the source has, the middle one if possible.
 
         Raises
         ------
         PartError, SourceError
-            Where none can be had.
+            The source has imagery for none of those tried.
         """
-        # Parts of the source may be missing, so try several captures.
+        # Parts of the source may be missing.
         tries = [len(plan) // 2, *spread(len(plan), 3).tolist()]
         for index in tries[:-1]:
             found = cls(plan, tiles, effort, index)
@@ -107,35 +109,34 @@ class Bench:
 
     @property
     def size_px(self) -> tuple[int, int]:
-        """Width and height of the pictures that are timed: as planned, or of fewer pixels where those are many."""
+        """Width and height of the measured pictures: as planned, or reduced to `_MOST_PX`."""
         width, height = self.planned_px
         shrink = math.sqrt(min(_MOST_PX / (width * height), 1.0))
         return max(round(width * shrink), 1), max(round(height * shrink), 1)
 
     @property
     def enlarged(self) -> float:
-        """Pixels of the planned picture for each one that is timed."""
-        (width, height), (own_width, own_height) = self.planned_px, self.size_px
-        return width * height / (own_width * own_height)
+        """Pixels of the planned picture per measured pixel."""
+        return math.prod(self.planned_px) / math.prod(self.size_px)
 
     @property
     def lon_deg(self) -> float:
-        """Of the capture's camera."""
+        """Longitude of the camera."""
         return float(self.plan.lon_deg[self.index])
 
     def _scene(self) -> ImageGeometry:
         width, height = self.size_px
-        scene = scene_of(self.plan, np.array([self.index], np.intp))
+        scene = capture_scene(self.plan, np.array([self.index], np.intp))
         return replace(scene, width_px=float(width), height_px=float(height))
 
     def camera_frames(self, ways: Sequence[Rendering], *, map_frame: bool) -> tuple[list[FrameCost], FrameCost | None]:
-        """Camera frames of the capture and, if asked for, its map frame, timed in the same rounds.
+        """Measure camera frames of the capture and, if asked for, its map frame, in the same rounds.
 
-        The captures of a row share their view, whose seconds count once a row.
+        Captures of a row share their view, whose time counts once a row.
         """
         plan = self.plan
         rows = len(plane_runs(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
-        # What ways have in common that differ by their kernels.
+        # Kernels without rays share a view.
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
         looks = {kind: partial(self._view, kind) for kind in kinds}
         seen = {kind: look() for kind, look in looks.items()}
@@ -143,7 +144,7 @@ class Bench:
         for way, kind in zip(ways, kinds):
             one = seen[kind]
             parts = camera_parts(one, self.lon_deg)
-            draws.append(partial(render, one, self.lon_deg, parts, self.tiles.of(parts), way.kernel))
+            draws.append(partial(render, one, self.lon_deg, parts, self.tiles.pixels(parts), way.kernel))
         if map_frame:
             draws.append(self._map_frame())
         works: list[Callable[[], Any]] = [*looks.values(), *draws]
@@ -171,7 +172,7 @@ class Bench:
         return view(scene, plan.grid, zooms, way.tolerance_px, by_rays=way.kernel == BY_RAYS)
 
     def _map_frame(self) -> Callable[[], Bytes]:
-        """What makes the map frame of the capture."""
+        """Return a function that makes the map frame of the capture."""
         plan = self.plan
         pose = plan.poses.take(np.array([self.index]))
         turns, (width, height) = int(quarter_turns(pose, plan.grid.plane)[0]), self.size_px
@@ -183,39 +184,39 @@ class Bench:
         if self.enlarged > 1.0 and plan.grid.centre_decimals is None:
             window = _middle(window, (height, width) if turns % 2 else (width, height))
         parts = self.tiles.source.parts(window)
-        pixels = self.tiles.of(parts)
+        pixels = self.tiles.pixels(parts)
         return lambda: turned(assemble(window, parts, pixels), turns)
 
     def own_picture(self) -> Bytes:
-        """Picture of the capture by the plan's own methods, at the size that it is written in."""
+        """Picture of the capture by the plan's methods, at its output size."""
         plan = self.plan
         if plan.frames.on_map:
             return resized(self._map_frame()(), plan.mission.output.img_size)
         kernel = plan.mission.accuracy.resampling
         seen = self._view(Rendering(plan.accuracy.mesh_tolerance_px, kernel))
         parts = camera_parts(seen, self.lon_deg)
-        picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
+        picture = render(seen, self.lon_deg, parts, self.tiles.pixels(parts), kernel)
         return resized(picture, plan.mission.output.img_size)
 
     def _file_bytes(self, picture: Bytes) -> int:
-        """Bytes of a picture's file in the mission's format and at its size."""
+        """Size of a picture's file in the mission's format and output size."""
         plan, source = self.plan, self.tiles.source
         sized = resized(picture, plan.mission.output.img_size)
-        place, about = _about(plan, source, self.index, self.tiles.map_type)
+        place, about = _metadata(plan, source, self.index, self.tiles.map_type)
         found = len(encoded(plan.mission.output.image_format, sized, place, about))
         return found if plan.mission.output.img_size else round(found * self.enlarged)
 
 
 def _middle(window: Window, size_px: tuple[int, int]) -> Window:
-    """The middle of a window, no larger than a size."""
-    width, height = (min(own, most) for own, most in zip(window[3:], size_px))
+    """Crop a window to a size about its middle."""
+    width, height = (min(side, most) for side, most in zip(window[3:], size_px))
     left = window.left_px + (window.width_px - width) // 2
     top = window.top_px + (window.height_px - height) // 2
     return Window(window.zoom, left, top, width, height)
 
 
 class PartCache:
-    """Pixels of a source's parts by window."""
+    """Cache of pixels of a source's parts."""
 
     def __init__(self, source: Source, map_type: str) -> None:
         self.source = source
@@ -225,8 +226,8 @@ class PartCache:
     def __len__(self) -> int:
         return len(self._pixels)
 
-    def of(self, parts: Sequence[Part]) -> dict[Window, Bytes]:
-        """Pixels of some parts; those not there yet are fetched.
+    def pixels(self, parts: Sequence[Part]) -> dict[Window, Bytes]:
+        """Pixels of some parts, fetched if necessary.
 
         Raises
         ------
@@ -241,7 +242,7 @@ class PartCache:
 
 @dataclass(frozen=True)
 class KernelError:
-    """Error of one kernel in grey levels: RMS of all, and by `BANDS`."""
+    """RMS error of a kernel in grey levels, overall and by band of `BANDS`."""
 
     kernel: str
     rms: float
@@ -255,9 +256,9 @@ class Resampling:
     Attributes
     ----------
     truth : str
-        What the errors are against.
+        Reference of the errors.
     signal : tuple of float
-        RMS of the picture itself about its mean, by band.
+        RMS of the picture about its mean, by band.
     """
 
     zoom: int
@@ -268,7 +269,7 @@ class Resampling:
 
 @dataclass(frozen=True)
 class Encoding:
-    """A way to store a picture: its error in grey levels, bytes, and seconds; whether the mission has it."""
+    """A file format: RMS error in grey levels, size and run time of a picture, and whether the mission uses it."""
 
     name: str
     rms: float
@@ -278,31 +279,33 @@ class Encoding:
 
 
 def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
-    """Errors of the kernels at the zoom, and around the middle, of a capture's window.
+    """Measure the errors of kernels at a capture's zoom, around the middle of its window.
 
     Raises
     ------
     PartError, SourceError
         As `Source.fetch` does.
     """
-    side = _PATCH_PX + 2 * _MARGIN_PX
+    # The patch with a margin for the kernels' radius.
+    margin = 8
+    side = _PATCH_PX + 2 * margin
     world = plan.grid.world_px(plan.zoom)
     left, top, width, height = (float(values[index]) for values in plan.windows)
     x0 = round(left + (width - side) / 2.0)
     y0 = min(max(round(top + (height - side) / 2.0), 0), world - side)
     window = Window(plan.zoom, x0, y0, side, side)
     parts = tile_parts(window, plan.grid)
-    image = assemble(window, parts, tiles.of(parts))
+    image = assemble(window, parts, tiles.pixels(parts))
     known = tiles.source.world if isinstance(tiles.source, WorldSource) else None
-    kernels = [kernel for kernel in KERNELS if known is not None or kernel != _FINEST]
+    kernels = [kernel for kernel in KERNELS if known is not None or kernel != BY_RAYS]
     errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
     signals = []
-    row, column = np.mgrid[0:_PATCH_PX, 0:_PATCH_PX] + _MARGIN_PX
-    # Halfway between four pixels is the worst case for every kernel; images have the others, too.
+    row, column = np.mgrid[0:_PATCH_PX, 0:_PATCH_PX] + margin
+    # Halfway between four pixels is the worst case of every kernel; the others are typical.
     for across, down in ((0.5, 0.5), (0.25, 0.5), (0.25, 0.75)):
         x, y = column.ravel() + 0.5 + across, row.ravel() + 0.5 + down
         if known is None:
-            truth = np.asarray(sample(image, x, y, _FINEST), np.float64)
+            truth = np.asarray(sample(image, x, y, BY_RAYS), np.float64)
         else:
             u, v = (x0 + x) / world, (y0 + y) / world
             truth = np.asarray(known.colour(tiles.map_type, u, v, plan.zoom), np.float64)
@@ -313,7 +316,7 @@ def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
         plan.zoom,
         "the embedded world's continuous value"
         if known
-        else f"{_FINEST} resampling, as the source's truth between its pixels is not known",
+        else f"{BY_RAYS} resampling, as the source's truth between its pixels is not known",
         tuple(np.sqrt(np.mean(signals, axis=0)).tolist()),
         tuple(
             KernelError(
@@ -327,9 +330,9 @@ def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
 
 
 def _spectrum(values: Floats) -> Floats:
-    """Mean square of a patch (pixels, channels) in each band; the bands sum to about that of the whole patch."""
+    """Mean square of a patch (pixels, channels) by band; bands sum to about the mean square of the patch."""
     patch = values.reshape(_PATCH_PX, _PATCH_PX, -1)
-    # Hann's window keeps the patch's edges from spilling into all bands.
+    # The Hann window prevents leakage between bands.
     hann = np.hanning(_PATCH_PX + 2)[1:-1]
     weight = hann[:, np.newaxis] * hann
     power = np.abs(np.fft.fft2(patch * weight[..., np.newaxis], axes=(0, 1))) ** 2
@@ -340,25 +343,25 @@ def _spectrum(values: Floats) -> Floats:
 
 
 def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: Bytes, effort: Effort) -> list[Encoding]:
-    """What a picture loses and takes as each kind of file.
+    """Measure error, size and run time of a picture in each file format.
 
     Parameters
     ----------
     picture : array (h, w), (h, w, 3) of uint8
-        Of capture ``index``, as it would be written.
+        Picture of capture ``index``, as written.
     """
-    place, about = _about(plan, source, index, map_type)
-    own = plan.mission.output.image_format
+    place, about = _metadata(plan, source, index, map_type)
+    used = plan.mission.output.image_format
     ways: list[tuple[str, bool, Callable[[], bytes]]] = [
         (
             f"JPEG, quality {quality}",
-            own == "jpg" and quality == JPEG_QUALITY,
+            used == "jpg" and quality == JPEG_QUALITY,
             partial(_jpeg, picture, quality),
         )
-        for quality in _QUALITIES
+        for quality in (75, 85, JPEG_QUALITY)
     ]
     for name, ending in (("PNG, lossless", "png"), ("GeoTIFF, deflate, lossless", "tif")):
-        ways.append((name, own == ending, partial(encoded, ending, picture, place, about)))
+        ways.append((name, used == ending, partial(encoded, ending, picture, place, about)))
     timed = timed_together([way for _, _, way in ways], effort)
     return [
         Encoding(name, _loss(picture, data), len(data), seconds, chosen)
@@ -366,7 +369,7 @@ def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: By
     ]
 
 
-def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:
+def _metadata(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:
     job = image_job(plan, index, source, map_type, Path())
     return job.place, job.description
 
@@ -378,7 +381,7 @@ def _jpeg(picture: Bytes, quality: int) -> bytes:
 
 
 def _loss(picture: Bytes, data: bytes) -> float:
-    """RMS difference of a picture and what is read back."""
+    """RMS difference between a picture and its decoded file."""
     with Image.open(io.BytesIO(data)) as opened:
         read = np.asarray(opened, np.float64)
     return float(np.sqrt(np.mean(np.square(read - picture))))

@@ -1,4 +1,4 @@
-"""Diagrams of what was measured, as PNG. The only module of the report that needs matplotlib."""
+"""Diagrams of a measurement, as PNG; the only module of the report that needs matplotlib."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .measure import Measured
 from .pictures import BANDS, Resampling
 
 _GREY = "#777777"
-#: Decades of error below which points are drawn at the edge: they are exact for every use.
+#: Least error drawn; smaller ones are drawn at the edge.
 _LEAST_PX = 1e-11
 
 
@@ -52,9 +52,9 @@ _KERNELS = {
 
 
 def work_precision(stages: dict[str, tuple[Measured, ...]], budget_px: float, floor_px: float, title: str) -> bytes:
-    """Work-precision diagram: error against seconds a capture, one line a stage through its methods.
+    """Draw a work-precision diagram: error against run time, a line for each stage.
 
-    Filled markers are measured, thin whiskers reach to the bounds, and a ring marks what was chosen.
+    Filled markers are measured, whiskers reach to the bounds, and rings mark the chosen methods.
     """
     figure = new_figure(10.0, 6.6)
     axes = figure.add_subplot()
@@ -108,26 +108,26 @@ def work_precision(stages: dict[str, tuple[Measured, ...]], budget_px: float, fl
         axes.set_ylim(min(y for _, y in drawn) / 5.0, max(y for _, y in drawn) * 12.0)
     for colour, points, above in lines:
         _label_points(axes, colour, points, above=above)
-    _legend_of_marks(axes)
+    _draw_legend(axes)
     return png(figure)
 
 
 def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
-    """Upright line from the lower to the upper quartile of a time."""
+    """Draw a vertical line from the lower to the upper quartile of a time."""
     if seconds is not None and seconds.spread_known:
         ends = seconds.quartiles
-        # Ends of whiskers are smaller than markers, which hide them where quartiles are close.
+        # Caps are smaller than markers, which hide them where quartiles are close.
         axes.plot([x, x], [ends.low, ends.high], color=colour, marker="_", markersize=5, linewidth=1.1, zorder=2)
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
-    """Error at which what has none is drawn: the least that was found, or the reference's own."""
+    """Error at which methods without error are drawn: the least measured, or that of the reference."""
     errors = [one.error_px for stage in stages.values() for one in stage if one.error_px]
     return max(_LEAST_PX, floor_px, min(errors, default=_LEAST_PX))
 
 
 def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool) -> None:
-    """Write each method's name beside its marker; those in one place share a label."""
+    """Label markers with the names of their methods; close ones share a label."""
     groups: list[tuple[float, float, list[str]]] = []
     # Points within 3 % of both axes share a label.
     wide, high = (0.03 * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
@@ -140,8 +140,7 @@ def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, M
         else:
             groups.append((x, y, [name]))
     for x, y, names in groups:
-        # Beside the marker where another one stands in the way of a label above it.
-        # A point up to four times as far above is in the way of the label.
+        # Beside the marker if another marker is right above it, within four times the distance of shared labels.
         level = any(abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < 4.0 * high for at, up, _ in groups)
         axes.annotate(
             _joined(names),
@@ -167,7 +166,7 @@ def _joined(names: Sequence[str]) -> str:
     return f"{first} {'and' if len(names) == 2 else 'to'} {last}"
 
 
-def _legend_of_marks(axes: Any) -> None:
+def _draw_legend(axes: Any) -> None:
     lines, paths = (importlib.import_module(f"matplotlib.{name}") for name in ("lines", "path"))
     upright = paths.Path(((-1, -3), (1, -3), (0, -3), (0, 3), (-1, 3), (1, 3)), (1, 2, 1, 2, 1, 2))
     handles, _ = axes.get_legend_handles_labels()
@@ -190,7 +189,7 @@ def _legend_of_marks(axes: Any) -> None:
 
 
 def resampling(found: Resampling) -> bytes:
-    """Grey levels of error against spatial frequency, one line a kernel, over the picture's own detail."""
+    """Draw errors in grey levels against spatial frequency, a line for each kernel, over the picture's detail."""
     figure = new_figure(10.0, 5.2)
     axes = figure.add_subplot()
     dress(

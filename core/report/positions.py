@@ -1,4 +1,4 @@
-"""Errors of position: methods against the exact camera, worked out anew in numpy's long double."""
+"""Errors of positions: methods against the exact camera, recomputed in numpy's long double."""
 
 from __future__ import annotations
 
@@ -19,51 +19,46 @@ from ..geodesy.mercator import MERCATOR, Plane, wrap_lon_deg
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
 
-#: An error in px; None where nothing could be compared.
+#: Error in px; None if nothing can be compared.
 Error = Optional[float]
-#: Points along each axis of a map frame that are compared, and of each cell of a mesh.
-_FRAME_POINTS, _CELL_POINTS = 9, 5
-#: Cells of a mesh that are compared: those of the greatest bounds, and as many spread over the image.
-_CELLS = 300
-#: Images whose meshes are compared.
+#: Images whose pixels are compared.
 _IMAGES = 3
-#: Rays along the longer side of an image that are compared.
+#: Rays compared along the longer side of an image.
 _RAYS = 48
-#: Long double arrays: numpy's name for their type depends on the platform.
+#: Arrays of long double, whose name in numpy depends on the platform.
 Long = NDArray[Any]
 
 
 def spread(count: int, most: int) -> NDArray[np.intp]:
-    """At most so many indices, first and last included, evenly spread over the first ``count``."""
+    """At most ``most`` indices spread evenly from 0 to ``count - 1``, both included."""
     indices: NDArray[np.intp] = np.unique(np.round(np.linspace(0, count - 1, min(count, most))).astype(np.intp))
     return indices
 
 
-def scene_of(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
-    """ImageGeometry of some captures of a plan, in px of their planned images."""
+def capture_scene(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
+    """Geometry of some captures of a plan, in px of their planned images."""
     width, height = (np.asarray(size[which], np.float64) for size in (plan.frames.width_px, plan.frames.height_px))
     return ImageGeometry(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
 
 
 def bounds_scene(plan: Plan) -> ImageGeometry:
-    """ImageGeometry whose bounds hold for all of a plan, as it was chosen by: every row once."""
+    """Geometry whose bounds hold for a whole plan, as its methods were chosen by: a capture of each row."""
     first = np.asarray(plane_runs(plan.grid, plan.poses)[0], np.intp)
     sizes = plan.frames.scene_sizes_px(plan.windows, first)
     return ImageGeometry(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
 
 
 def captures(plan: Plan) -> NDArray[np.intp]:
-    """Captures that errors are measured on, spread over the rows."""
-    # Measure on 400 captures spread over the rows.
+    """Captures that errors are measured on: up to 400, spread over the rows."""
     return spread(len(plan), 400)
 
 
 def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
-    """Greatest error of a method's corners, and of the exact outline where corners look past the Earth.
+    """Greatest error of a method's corners, and of the exact outline where corners miss the Earth.
 
-    Longitudes are those of the plan, so that the rounding of a position in degrees is in the error.
+    Longitudes are those of the plan, so that the rounding of degrees is included.
     """
-    scene = scene_of(plan, captures(plan))
+    scene = capture_scene(plan, captures(plan))
     found = footprint(scene.camera, scene.poses, CORNERS, scene.ground)
     x, y = (np.broadcast_to(np.array(CORNERS)[:, axis], found.lat_deg.shape) for axis in (0, 1))
     dlon = found.lon_deg - scene.poses.lon_deg[:, np.newaxis]
@@ -71,9 +66,9 @@ def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
     worst = float(errors.max()) if errors.size else None
     if found.hit.all():
         return worst
-    # Outlines are slow to measure where corners look past the Earth.
+    # Outlines are slow: four are measured.
     for index in spread(len(plan), 4).tolist():
-        one = scene_of(plan, np.array([index], np.intp))
+        one = capture_scene(plan, np.array([index], np.intp))
         ring = outline(
             one.camera,
             float(one.poses.lat_deg[0]),
@@ -94,13 +89,13 @@ def _attitude(poses: Poses) -> tuple[float, float, float]:
 
 
 def map_frame_error_px(plan: Plan) -> Error:
-    """Greatest error inside map frames, before their edges are rounded to the source's pixels.
+    """Greatest error inside map frames, at 9 by 9 points, before their edges are rounded to pixels.
 
-    Rounding moves the frame, not what it shows: the picture says where it lies to the last digit.
+    Rounding moves the frame, but not its content, and is in the georeference.
     """
-    scene = scene_of(plan, captures(plan))
+    scene = capture_scene(plan, captures(plan))
     edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.plane)
-    along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
+    along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, 9),) * 2))
     west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
     du, v = west + (east - west) * along, top + (bottom - top) * down
     shares = (np.broadcast_to(part, v.shape) for part in (along, down))
@@ -110,13 +105,13 @@ def map_frame_error_px(plan: Plan) -> Error:
 
 
 def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
-    """Greatest error of camera frames whose pixels are placed by a mesh; by rays where the tolerance is 0.
+    """Greatest error of camera frames by a mesh, or by rays for a tolerance of 0.
 
-    Pixels outside a mesh's cells are traced there, too. None where no ground is seen that is on the map.
+    Pixels outside the cells of a mesh are traced, too. None if no ground on the map is seen.
     """
     found: list[float] = []
     for index in spread(len(plan), _IMAGES).tolist():
-        scene = scene_of(plan, np.array([index], np.intp))
+        scene = capture_scene(plan, np.array([index], np.intp))
         rays = ImageRays.from_scene(scene, plan.grid.plane)
         cells = mesh(rays, tolerance_px)
         if len(cells.loose):
@@ -127,21 +122,20 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
 
 
 def level_below(plan: Plan, index: int, scene: ImageGeometry) -> ImageGeometry:
-    """ImageGeometry of a capture over relief, its ground level and as high as it is below the camera."""
+    """Geometry of a capture over relief, with level ground as high as that below the camera."""
     height, ground = float(plan.height_m[index]), float(plan.ground_m[index])
     poses = scene.poses._replace(agl_m=np.array([height - ground]))
     return replace(scene, poses=poses, ground=WGS84.raised(ground))
 
 
 def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
-    """Greatest error of pixels over relief, by rays that may be off by a tolerance, or over level ground for None.
+    """Greatest error of pixels over relief, by rays of a tolerance, or on level ground for None.
 
-    Each is put on the surface at the latitude and longitude that its method says, and seen again from there; what
-    stands in front of it is left out.
+    Each pixel's position is raised to the relief and projected back to the image; occlusion is ignored.
     """
     found: list[float] = []
     for index in spread(len(plan), _IMAGES).tolist():
-        scene = scene_of(plan, np.array([index], np.intp))
+        scene = capture_scene(plan, np.array([index], np.intp))
         across, down = (int(size) for size in scene.one_size_px)
         step = max(max(across, down) // _RAYS, 1)
         row, column = (part.ravel() for part in np.mgrid[0:down:step, 0:across:step])
@@ -163,7 +157,7 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
 
 
 def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
-    """Where image points see level ground, and how high the relief is there; NaN where neither is."""
+    """Where image points see level ground, with the height of the relief there; NaN without."""
     seen = ImageRays.from_scene(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
     height = np.full(len(x_px), np.nan)
@@ -175,7 +169,7 @@ def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Float
 
 
 def _traced(rays: ImageRays) -> list[float]:
-    """Greatest error of rays through an image, none where it sees no ground that is on the map."""
+    """Greatest error of rays through an image, in a list; empty if it sees no ground on the map."""
     across, down = rays.scene.one_size_px
     step = max(across, down) / _RAYS
     x, y = (part.ravel() for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step)))
@@ -185,13 +179,14 @@ def _traced(rays: ImageRays) -> list[float]:
 
 
 def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
-    """Map and image positions of points inside cells: on the perspective that takes each one's corners to the map."""
-    worst = np.argsort(cells.bound_px)[-_CELLS:]
-    some = np.union1d(worst, spread(len(cells.box), _CELLS))
+    """Map and image positions of points inside cells, by the perspective through the corners of each."""
+    # The 300 cells of the greatest bounds, and as many spread over the image.
+    worst = np.argsort(cells.bound_px)[-300:]
+    some = np.union1d(worst, spread(len(cells.box), 300))
     box, du, v = cells.box[some].astype(np.float64), cells.du[some], cells.v[some]
-    share = np.linspace(0.0, 1.0, _CELL_POINTS)
+    share = np.linspace(0.0, 1.0, 5)
     s, t = (part.ravel() for part in np.meshgrid(share, share))
-    # Solved as eight equations for the unit square, about a corner and in units of the cell: nothing small is lost.
+    # Eight equations for the unit square, relative to a corner and in units of the cell to keep digits.
     unit = np.maximum(np.ptp(du, axis=1), np.ptp(v, axis=1))[:, np.newaxis]
     across, down = (du - du[:, :1]) / unit, (v - v[:, :1]) / unit
     corner_s, corner_t = np.array([0.0, 0.0, 1.0, 1.0]), np.array([0.0, 1.0, 1.0, 0.0])
@@ -210,7 +205,7 @@ def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _worst(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
-    """Greatest error of map positions for points of the image in px from its upper left corner."""
+    """Greatest error of map positions of image points in px from the upper left corner."""
     scene = rays.scene
     x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
     across, down, right, up = (part[np.newaxis] for part in (du, v, x, y))
@@ -218,8 +213,8 @@ def _worst(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -
 
 
 def map_frame_problem(plan: Plan) -> str:
-    """Why captures have no map frame at all, whatever its error; empty where they have one."""
-    scene = scene_of(plan, captures(plan))
+    """Reason why captures cannot have map frames; empty if they can."""
+    scene = capture_scene(plan, captures(plan))
     try:
         edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.plane)
     except InvalidInput as wrong:
@@ -230,23 +225,23 @@ def map_frame_problem(plan: Plan) -> str:
 
 
 def floor_px(scene: ImageGeometry) -> float:
-    """Error of the reference itself in px: smaller ones cannot be told from none."""
-    # At most eight roundings of a geocentric coordinate add up in a difference.
+    """Error of the reference in px, the least that can be measured."""
+    # A difference of geocentric coordinates has at most eight roundings.
     rounding_m = 8.0 * float(np.finfo(np.longdouble).eps) * scene.ground.a_m
-    # An image coordinate also ends at float64, in which the method's own is given.
+    # The method's image coordinate is a float64.
     of_image = float(np.finfo(np.float64).eps) * float(np.max(scene.half_diagonal_px))
     return rounding_m / float(np.min(scene.nadir_px_m)) + of_image
 
 
 def map_errors_px(scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Floats, plane: Plane = MERCATOR) -> Floats:
-    """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
+    """Errors of map positions: world fractions (n, k) from the camera's meridian and the north edge; see `errors_px`.
 
-    They become degrees in long double: in float64 that is as wrong as what is measured. Those of a plane of a source's
-    own become degrees by PROJ, which is good to some nanometres.
+    Web Mercator is inverted in long double, as float64 would add errors as large as those measured; other planes by
+    PROJ, which is exact to some nanometres.
     """
     if not plane.wraps:
-        own_lat, own_lon = plane.inverse(du, v)
-        return errors_px(scene, own_lat, wrap_lon_deg(own_lon - scene.poses.lon_deg[:, np.newaxis]), x, y)
+        ground_lat, ground_lon = plane.inverse(du, v)
+        return errors_px(scene, ground_lat, wrap_lon_deg(ground_lon - scene.poses.lon_deg[:, np.newaxis]), x, y)
     across, down = (np.asarray(part, np.longdouble) for part in (du, v))
     lat: Long = np.arctan(np.sinh(_radians((0.5 - down) * 360))) / _radians(np.ones_like(down))
     return errors_px(scene, lat, across * 360, x, y)
@@ -255,23 +250,23 @@ def map_errors_px(scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Flo
 def errors_px(
     scene: ImageGeometry, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats, height_m: Floats | float = 0.0
 ) -> Floats:
-    """Distances in the image between where ground points are put and where the exact camera sees them.
+    """Distances in the image between points of a method and those where the exact camera sees the same ground.
 
     Parameters
     ----------
     scene : ImageGeometry
-        Of n poses.
+        Geometry of n poses.
     lat_deg, dlon_deg : array (n, k)
         Ground points: geodetic latitude, and longitude from the camera's.
     x, y : array (n, k)
-        Image points (right, up) at which a method puts them, -1..1.
+        Image points (right, up) of the method, -1..1.
     height_m : array (n, k) or float
-        Of the ground points over the scene's ground.
+        Heights of the ground points above the scene's ground.
 
     Returns
     -------
     array (n, k)
-        px; infinite for points behind the camera.
+        Errors in px; infinite for points behind the camera.
     """
     seen_x, seen_y, in_front = _seen(scene, lat_deg, dlon_deg, height_m)
     width, height = (
@@ -304,7 +299,7 @@ def _seen(
 def _image(
     camera: Camera, attitude: tuple[Floats, Floats, Floats], enu: tuple[Long, Long, Long]
 ) -> tuple[Long, Long, NDArray[np.bool_]]:
-    """Turn east, north, up by yaw, tilt and roll, and project."""
+    """Rotate east, north, up by yaw, tilt and roll, and project."""
     (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = (
         _sin_cos(angle[:, np.newaxis]) for angle in attitude
     )
@@ -317,7 +312,7 @@ def _image(
     in_front = np.asarray(down > 0)
     depth = np.where(in_front, down, 1)
     fov = np.asarray(camera.fov_deg, np.longdouble)
-    # Above a right angle through the complement, where the argument of the tangent itself would lose digits.
+    # Above 90 degrees by the complement, which keeps digits near 180.
     half = np.tan(_radians(fov) / 2) if camera.fov_deg <= 90.0 else 1 / np.tan(_radians(180 - fov) / 2)
     tan_y = half / np.hypot(np.longdouble(1), np.longdouble(camera.aspect_ratio))
     tan_x = tan_y * np.longdouble(camera.aspect_ratio)

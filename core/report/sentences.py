@@ -33,7 +33,7 @@ TIMES = (
 
 
 def mission_title(plan: Plan) -> str:
-    """A mission in a few words."""
+    """Short description of a mission."""
     mission = plan.mission
     pictures = f"{len(plan):,} image{'s' if len(plan) > 1 else ''}"
     above = f"{pictures} from {length_text(mission.flight.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
@@ -51,7 +51,7 @@ def _looking(mission: Mission, before: str) -> str:
 
 
 def wind_text(wind: Wind | None) -> str:
-    """Wind in a few words; empty in still air."""
+    """Short description of wind; empty in still air."""
     if wind is None or wind.speed_m_per_s == 0.0:
         return ""
     gusts = f"turbulence {100.0 * wind.turbulence:.3g} %" if wind.turbulence else "without gusts"
@@ -133,14 +133,14 @@ def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
     broken = [
         f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.method.bound_px)} were its bound"
         for one in found.chosen
-        if not one.within and one.error_px is not None
+        if not one.keeps_bound and one.error_px is not None
     ]
     if broken:
         return False, f"{sums} {error}: NOT within the bounds, {' and '.join(broken)}."
     words = f"{sums} {error}: within the bounds."
-    if not found.within:
+    if not found.keeps_bounds:
         words += " A method that was not chosen broke its bound; the table below says which."
-    return found.within, words
+    return found.keeps_bounds, words
 
 
 def condition_text(condition: float) -> str:
@@ -197,7 +197,7 @@ def saving_notes(plan: Plan, found: Measurement) -> list[str]:
 
 
 def how_measured(found: Measurement) -> list[str]:
-    """How times and errors were measured."""
+    """Explanation of how times and errors were measured."""
     width, height = found.planned_px
     notes = [
         (

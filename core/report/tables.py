@@ -1,4 +1,4 @@
-"""What was measured as tables for people, in words and rounded numbers, and as CSV with every digit."""
+"""Measurements as tables with rounded numbers, and as CSV with all digits."""
 
 from __future__ import annotations
 
@@ -10,26 +10,24 @@ from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
 from ..storage.files import csv_bytes
 from ..timing import Seconds
-from .measure import Kernel, Measured, Measurement, Saving, compared_with
+from .measure import Kernel, Measured, Measurement, Saving, baseline
 from .pictures import BANDS, Encoding, Resampling
 from .wind import WindEffect
 
-#: What stands where there is nothing.
+#: Text of an empty cell.
 NOTHING = "–"
-#: Space that no line is broken at: a number stays with its unit.
+#: No-break space, between a number and its unit.
 _GLUE = "\u00a0"
-#: Sizes between which numbers are written without a power of ten.
-_PLAIN_FROM, _PLAIN_TO = 1e-4, 100.0
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STAGES = {"footprint": "footprint", "image": "image", "pixels": "camera frame's pixels"}
 FRAME_NAMES = {"map": "map frame", "camera": "camera frame"}
 Cell = Union[str, float, int, None]
-#: Cells of what was not measured: three figures.
+#: Three empty cells.
 _NO_FIGURES = (None, None, None)
 
 
 class TextTable(NamedTuple):
-    """A table for people: names of the columns, rows of text, and the rows of what was chosen."""
+    """Table of texts, with the indices of the rows of chosen methods."""
 
     header: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
@@ -37,15 +35,15 @@ class TextTable(NamedTuple):
 
 
 def number_text(value: float) -> str:
-    """Two digits, and powers of ten as people write them."""
-    if value == 0.0 or _PLAIN_FROM <= abs(value) < _PLAIN_TO:
+    """Number with two digits, from 1e-4 to 100 without a power of ten."""
+    if value == 0.0 or 1e-4 <= abs(value) < 100.0:
         return f"{value:.2g}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{mantissa.removesuffix('.0')}{_GLUE}×{_GLUE}10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
 
 
 def px_text(value: float | None) -> str:
-    """Pixels in two digits."""
+    """Pixels with two digits."""
     if value is None:
         return NOTHING
     if value == 0.0:
@@ -56,7 +54,7 @@ def px_text(value: float | None) -> str:
 
 
 def metres_text(value_m: float) -> str:
-    """Metres of ground in two digits, in the unit that suits them."""
+    """Length on the ground with two digits, in a suitable unit."""
     if not math.isfinite(value_m):
         return "without limit"
     for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("µm", 1e-6)):
@@ -66,20 +64,20 @@ def metres_text(value_m: float) -> str:
 
 
 def seconds_text(seconds: float | Seconds | None) -> str:
-    """Seconds in two or three digits, in the unit that suits them; of several rounds the median and the quartiles."""
+    """Time with three digits in a suitable unit; for several rounds the median and the quartiles."""
     if seconds is None:
         return NOTHING
     if isinstance(seconds, Seconds):
         low, median, high = seconds.quartiles
-        unit, size = _unit_of(max(abs(low), abs(median), abs(high)))
+        unit, size = _time_unit(max(abs(low), abs(median), abs(high)))
         spread = f" ({low / size:.3g} to {high / size:.3g})" if seconds.spread_known else ""
         return f"{median / size:.3g}{_GLUE}{unit}{spread}"
-    unit, size = _unit_of(abs(seconds))
+    unit, size = _time_unit(abs(seconds))
     return f"{seconds / size:.3g}{_GLUE}{unit}"
 
 
-def _unit_of(seconds: float) -> tuple[str, float]:
-    """Unit that suits a time, in seconds."""
+def _time_unit(seconds: float) -> tuple[str, float]:
+    """Name and size in seconds of a suitable unit of time."""
     for unit, size, least in (
         ("h", 3600.0, 7200.0),
         ("min", 60.0, 120.0),
@@ -94,30 +92,30 @@ def _unit_of(seconds: float) -> tuple[str, float]:
 
 
 def bytes_text(count: int | None) -> str:
-    """Bytes in the unit that suits them, with their sign."""
+    """Size in a suitable unit, with its sign."""
     if count is None:
         return NOTHING
     return size_text(count) if count >= 0 else f"−{size_text(-count)}"
 
 
-def name_of(one: Measured) -> str:
-    """Name of a method in words."""
+def method_name(one: Measured) -> str:
+    """Readable name of a method."""
     return FRAME_NAMES.get(one.method.name, one.method.name)
 
 
 def methods_table(measurement: Measurement) -> TextTable:
-    """Every method of every stage."""
+    """Table of every method of every stage."""
     rows: list[tuple[str, ...]] = []
     chosen: set[int] = set()
     for stage, methods in measurement.stages.items():
-        other = compared_with(methods)
+        other = baseline(methods)
         for one in methods:
             if one.chosen:
                 chosen.add(len(rows))
             rows.append(
                 (
                     STAGES[stage],
-                    name_of(one),
+                    method_name(one),
                     "no bound" if one.method.outside else px_text(one.method.bound_px),
                     _error_text(one, measurement.floor_px),
                     seconds_text(one.seconds),
@@ -147,9 +145,9 @@ def compared_text(one: Measured, other: Measured | None) -> str:
     if not one.seconds.spread_known:
         return NOTHING
     if not one.seconds.is_distinct(other.seconds):
-        return f"not distinguishable from {name_of(other)} in time"
+        return f"not distinguishable from {method_name(other)} in time"
     low, median, high = one.seconds.ratio(other.seconds)
-    return f"{median:.3g} times {name_of(other)} ({low:.3g} to {high:.3g})"
+    return f"{median:.3g} times {method_name(other)} ({low:.3g} to {high:.3g})"
 
 
 def _error_text(one: Measured, floor_px: float) -> str:
@@ -159,7 +157,7 @@ def _error_text(one: Measured, floor_px: float) -> str:
         return "none"
     if one.error_px <= floor_px:
         return f"below {px_text(floor_px)}"
-    return px_text(one.error_px) + ("" if one.within else ", above its bound")
+    return px_text(one.error_px) + ("" if one.keeps_bound else ", above its bound")
 
 
 def choices_table(plan: Plan, measurement: Measurement) -> TextTable:
@@ -202,7 +200,7 @@ def savings_table(savings: Sequence[Saving]) -> TextTable:
 
 
 def kernels_table(kernels: Sequence[Kernel], resampling: Resampling, used: str) -> TextTable:
-    """Resampling kernels: grey levels against seconds."""
+    """Table of resampling kernels: errors and run time."""
     seconds = {kernel.name: kernel.seconds for kernel in kernels}
     rows = [("none (map frame)", "0, exactly the source's pixels", NOTHING, NOTHING, NOTHING, "")]
     found = {kernel.kernel: kernel for kernel in resampling.kernels}
@@ -238,7 +236,7 @@ def _rms_between(by_band: Sequence[float], low: float, high: float) -> float:
 
 
 def encodings_table(encodings: Sequence[Encoding]) -> TextTable:
-    """File formats: grey levels against bytes."""
+    """Table of file formats: errors, size and run time."""
     rows = [
         (one.name, f"{one.rms:.2f}" if one.rms else "0", size_text(one.size_bytes), seconds_text(one.seconds))
         for one in encodings
@@ -248,7 +246,7 @@ def encodings_table(encodings: Sequence[Encoding]) -> TextTable:
 
 
 def displacement_table(effect: WindEffect) -> TextTable:
-    """How far wind moves and turns the camera."""
+    """Table of how far wind moves and turns the camera."""
     spread = ("rms", "95 % within", "at most")
     rows = [
         (
@@ -262,7 +260,7 @@ def displacement_table(effect: WindEffect) -> TextTable:
 
 
 def displaced_text(size: float | None, unit: str) -> str:
-    """Metres, degrees or pixels in two digits; pixels without limit are behind the camera."""
+    """Metres, degrees or pixels with two digits; infinite pixels are behind the camera."""
     if size is None:
         return NOTHING
     if unit == "m":
@@ -274,7 +272,7 @@ def displaced_text(size: float | None, unit: str) -> str:
 
 
 def share_text(share: float) -> str:
-    """Share in percent, a gap with its sign."""
+    """Share in per cent, with its sign."""
     return f"{100.0 * share:.2f} %".replace("-", "−")
 
 
@@ -282,7 +280,7 @@ _LABELS = {"uncovered_m2": "uncovered ground", "flight_s": "flight time"}
 
 
 def air_table(effect: WindEffect) -> TextTable:
-    """Figures of the mission in still air and in its wind; those that it has not are left out."""
+    """Table of the mission's figures in still air and in wind."""
     texts: dict[str, Callable[[Any], str]] = {
         "images": lambda count: f"{count:,}",
         "coverage": lambda share: percent(share, exact=share == 1.0),
@@ -298,7 +296,7 @@ def air_table(effect: WindEffect) -> TextTable:
 
 
 def csv_files(measurement: Measurement) -> dict[str, bytes]:
-    """Return the numbers by the file's name."""
+    """CSV files of a measurement by name."""
     files = {
         "methods.csv": _csv(
             (
@@ -314,7 +312,7 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
                     one.error_px,
                     *_quartiles(one.seconds),
                     len(one.seconds.rounds) if one.seconds else None,
-                    *_compared(one, compared_with(stage)),
+                    *_compared(one, baseline(stage)),
                     one.size_bytes,
                     int(one.chosen),
                     one.method.outside,
@@ -357,7 +355,7 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
 
 
 def _timed(name: str) -> str:
-    """Names of the columns of a median and its quartiles."""
+    """Column names of a median and its quartiles."""
     return f"{name} {name}_low {name}_high"
 
 
@@ -369,7 +367,7 @@ def _quartiles(seconds: Seconds | None) -> tuple[Cell, Cell, Cell]:
 
 
 def _compared(one: Measured, other: Measured | None) -> tuple[Cell, ...]:
-    """Name of another method, median and quartiles of the ratio of times, and whether they can be told apart."""
+    """Name of another method, median and quartiles of the ratio of times, and whether they differ significantly."""
     if other is None or one is other or one.seconds is None or other.seconds is None:
         return (None, *_NO_FIGURES, None)
     low, median, high = one.seconds.ratio(other.seconds)

@@ -1,4 +1,4 @@
-"""How far wind moves and turns the camera over a mission's captures, and what that does to coverage and overlap."""
+"""Displacement and rotation of the camera by wind, and their effect on coverage and overlap."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
 from ..mission.flight.legs import legs
 from ..mission.plan import Plan, plan
-from .positions import errors_px, scene_of, spread
+from .positions import capture_scene, errors_px, spread
 
-#: What the three rows are called that sum up the others.
+#: Names of the three rows that sum up the others.
 MOVED, TURNED, TOGETHER = "moved, in all", "turned, in all", "moved and turned"
-#: Captures whose pictures are compared, spread over the mission: long double takes time and memory.
+#: Captures whose shift in the picture is measured: long double takes time and memory.
 _COMPARED = 20_000
-#: Points of the picture that are followed: its corners and its middle.
+#: Points of the picture whose shift is measured: corners and centre.
 _FOLLOWED = (*CORNERS, (0.0, 0.0))
 
 
 class Spread(NamedTuple):
-    """Root mean square, what 95 % of the captures stay within, and the most of any; without their signs."""
+    """Root mean square, 95th percentile and maximum of absolute values."""
 
     rms: float
     usual: float
     most: float
 
     @classmethod
-    def of(cls, values: Floats) -> Spread:
-        """Spread of one value or more."""
+    def from_values(cls, values: Floats) -> Spread:
+        """Spread of one or more values."""
         size = np.abs(values)
         return cls(float(np.sqrt(np.mean(size**2))), float(np.quantile(size, 0.95)), float(size.max()))
 
@@ -44,12 +44,12 @@ class Displacement(NamedTuple):
     Attributes
     ----------
     unit : str
-        "m" or "deg"; empty of the two together.
+        "m" or "deg"; empty for the sum of both.
     size : Spread or None
         In the unit.
     px : Spread or None
-        How far that moves the ground in the picture, where it moves most of its corners and its middle; infinite
-        where some of it comes to lie behind the camera, None where none of them shows any ground.
+        Shift of the ground in the picture, the greatest of corners and centre; infinite if the ground is then behind
+        the camera, None if none of these points shows ground.
     """
 
     what: str
@@ -60,14 +60,14 @@ class Displacement(NamedTuple):
 
 @dataclass(frozen=True)
 class WindEffect:
-    """What wind does to a mission.
+    """Effect of wind on a mission.
 
     Attributes
     ----------
     displacements : tuple of Displacement
-        Empty in steady wind, which moves and turns nothing.
+        Empty in steady wind, which neither moves nor turns the camera.
     compared : int
-        Captures that the figures in px are of; those in metres and degrees are of all.
+        Number of captures of the figures in px; those in metres and degrees are of all.
     flown, calm : Plan
         The mission in wind and in still air.
     """
@@ -79,7 +79,7 @@ class WindEffect:
 
     @property
     def figures(self) -> dict[str, tuple[float, float]]:
-        """What the plans come to in still air and in wind, by name; without what the mission has not."""
+        """Figures in still air and in wind, by name; without those that the mission lacks."""
         calm, wind = _figures(self.calm), _figures(self.flown)
         return {name: (calm[name], wind[name]) for name in calm if name in wind}
 
@@ -141,33 +141,33 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
         (TOGETHER, "", None, real),
     )
     return tuple(
-        Displacement(what, unit, None if values is None else Spread.of(values), _shift_px(flown, poses, which))
+        Displacement(what, unit, None if values is None else Spread.from_values(values), _shift_px(flown, poses, which))
         for what, unit, values, poses in kinds
     )
 
 
 def _turn_deg(meant: Poses, real: Poses) -> Floats:
-    """Angle of the one turn that takes an attitude to another."""
-    # Rays through the middle and to 45° right and up: the camera's axes, once that of the middle is taken off.
+    """Angle of the rotation from an attitude to another."""
+    # Rays through the centre and to 45° right and up: minus the first, the other two are the camera's axes.
     camera, points = (
         Camera(math.degrees(2.0 * math.atan(math.sqrt(2.0))), 1.0),
         ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),
     )
     change = camera.rays_enu(points, *real.attitude) - camera.rays_enu(points, *meant.attitude)
     change[..., 1:, :] -= change[..., :1, :]
-    # Columns of a difference of rotations: its norm is 2 √2 times the sine of half the angle.
+    # The norm of a difference of rotation matrices is 2 √2 times the sine of half the angle.
     chord = np.sqrt(np.sum(change**2, axis=(-2, -1))) / (2.0 * np.sqrt(2.0))
     angle: Floats = np.degrees(2.0 * np.arcsin(np.minimum(chord, 1.0)))
     return angle
 
 
 def _shift_px(flown: Plan, poses: Poses, which: NDArray[np.intp]) -> Spread | None:
-    """How far the ground that the camera was meant to see is shifted in the pictures from other poses."""
-    scene = scene_of(flown, which)
+    """Shift in the picture, from other poses, of the ground that the camera should have seen."""
+    scene = capture_scene(flown, which)
     meant = (flown.nominal or flown.poses).take(which)
     seen = exact(scene.camera, meant, _FOLLOWED, scene.ground)
     scene = replace(scene, poses=poses.take(which))
     x, y = (np.broadcast_to(part, seen.hit.shape) for part in np.array(_FOLLOWED).T)
     shift = errors_px(scene, seen.lat_deg, seen.lon_deg - scene.poses.lon_deg[:, np.newaxis], x, y)
     some = seen.hit.any(axis=1)
-    return Spread.of(np.where(seen.hit, shift, 0.0).max(axis=1)[some]) if some.any() else None
+    return Spread.from_values(np.where(seen.hit, shift, 0.0).max(axis=1)[some]) if some.any() else None

@@ -7,7 +7,7 @@ import time
 
 import pytest
 from terrainav.core.mission.methods import Method
-from terrainav.core.report.measure import Measured, Saving, compared_with
+from terrainav.core.report.measure import Measured, Saving, baseline
 from terrainav.core.report.tables import compared_text, savings_table
 from terrainav.core.timing import Effort, Quartiles, Seconds, timed, timed_together
 
@@ -160,7 +160,7 @@ def test_times_add_up_round_by_round():
 def test_times_are_compared_with_the_chosen_method_or_else_the_cheapest():
     outside = Measured(Method("pixels", "none", 1.0, 1.0, "not here"))
     first, second = method("mesh", Seconds((1.0,))), method("rays", Seconds((2.0,)))
-    assert compared_with([outside, first, second]) is first
+    assert baseline([outside, first, second]) is first
     taken = method("rays", Seconds((2.0,)), chosen=True)
-    assert compared_with([outside, first, taken]) is taken
-    assert compared_with([outside]) is None
+    assert baseline([outside, first, taken]) is taken
+    assert baseline([outside]) is None

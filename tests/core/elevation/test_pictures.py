@@ -511,7 +511,7 @@ def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bo
     for one_of in rays:
         assert one_of.error_px <= one_of.method.bound_px
         assert one_of.seconds is not None
-    assert found.within
+    assert found.keeps_bounds
 
 
 def test_from_high_up_cells_are_as_large_as_what_pixels_show():

@@ -229,7 +229,7 @@ def test_a_capture_without_imagery_is_passed_over_and_a_source_without_any_is_an
     worked_out = plan(Mission(far, 120.0, max_px=160), WORLD.grid)
     middle = float(np.median(worked_out.windows.top_px))
     found = measure(worked_out, Patchy(lambda part: abs(part.top_px - middle) < 1000), quick=True)
-    assert found.within
+    assert found.keeps_bounds
     with pytest.raises(PartError, match="no tile here"):
         measure(worked_out, Patchy(lambda part: True), quick=True)
 
@@ -309,7 +309,7 @@ def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
     wide, high = found.planned_px
     assert wide * high > 4_000
     assert 1_800 < found.timed_px[0] * found.timed_px[1] <= 2_100
-    assert found.within
+    assert found.keeps_bounds
     # Bytes are those of whole pictures: some two a pixel of this landscape as a GeoTIFF.
     assert all(1.0 < (one.size_bytes or 0) / (wide * high) < 8.0 for one in found.stages["image"])
 

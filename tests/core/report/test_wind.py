@@ -225,7 +225,7 @@ def test_displacements_have_two_digits_and_no_powers_of_ten():
         "3.2 cm",
         "11°",
     ]
-    assert Spread.of(np.array([-3.0, 0.0, 1.0])) == (
+    assert Spread.from_values(np.array([-3.0, 0.0, 1.0])) == (
         pytest.approx(math.sqrt(10 / 3)),
         pytest.approx(2.8),
         3.0,
