@@ -22,7 +22,7 @@ from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.mission.relief import path_ground  # noqa: E402
-from terrainav.core.picture.heights import heights_of  # noqa: E402
+from terrainav.core.picture.heights import mission_heights  # noqa: E402
 
 from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402
 from tests.core.mission.wpml_reader import Wpml  # noqa: E402
