@@ -304,7 +304,7 @@ def _read_corners(plan: Path, names: Sequence[str]) -> Floats:
                     corners[at] = [real_number(row[column] or "nan") for column in columns]
     except (OSError, csv.Error, IndexError, ValueError) as wrong:
         raise InvalidInput(
-            "{0}: cannot be read ({1}); blocks need it for the ground of a turned camera's images: put it back, or "
+            "{0}: cannot be read ({1}), and blocks need it for the ground of a turned camera's images: put it back, or "
             "split without blocks",
             plan,
             wrong,

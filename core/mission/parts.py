@@ -445,7 +445,7 @@ class Imagery(CheckedFields):
         others = (self.source, self.date, self.map_types)
         if self.imageries and others != (Imagery.source, Imagery.date, Imagery.map_types):
             raise InvalidInput(
-                "imagery {0}, and source {1} {2} {3} as well: give one of the two",
+                "imagery {0}, and source {1} {2} {3} as well: must be one of the two",
                 self.imageries[0],
                 self.source,
                 self.date,

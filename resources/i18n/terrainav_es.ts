@@ -8256,7 +8256,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
-        <source>{0}: cannot be read ({1}); blocks need it for the ground of a turned camera's images: put it back, or split without blocks</source>
+        <source>{0}: cannot be read ({1}), and blocks need it for the ground of a turned camera's images: put it back, or split without blocks</source>
         <translation>{0}: no se puede leer ({1}); dice qué terreno muestran las imágenes de una cámara girada, sin lo cual no hay bloques: devuélvalo a su sitio o divida sin bloques</translation>
     </message>
     <message>
@@ -13197,7 +13197,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>imagery {0}, and source {1} {2} {3} as well: give one of the two</source>
+        <source>imagery {0}, and source {1} {2} {3} as well: must be one of the two</source>
         <translation>imágenes {0}, y además la fuente {1} {2} {3}: cada una nombra la suya, así que dé una de las dos</translation>
     </message>
     <message>

@@ -553,7 +553,7 @@ def _no_row(case: Case) -> None:
 
 @remedy(
     "dataset/ground.py",
-    "{}: cannot be read ({}); blocks need it for the ground of a turned camera's images: "
+    "{}: cannot be read ({}), and blocks need it for the ground of a turned camera's images: "
     "put it back, or split without blocks",
 )
 def _no_plan(case: Case) -> None:
