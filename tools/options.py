@@ -240,7 +240,7 @@ def _row(part: str, field: Field) -> str:
 
 
 def _default(value: Any) -> str:
-    if value is None or value is False or value == "":
+    if value is None or value is False or value in ("", ()):
         return ""
     if isinstance(value, float):
         return f"`{value:g}`"

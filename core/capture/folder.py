@@ -56,7 +56,7 @@ class CaptureFolder(ABC):
                     self.root,
                     foreign,
                     MISSION_FILE,
-                    remedy="choose another one",
+                    remedy="choose another folder",
                 )
             # If two runs find no mark at the same time, one writes it and the other finds it.
             if self._write_mark(wanted):
@@ -68,14 +68,14 @@ class CaptureFolder(ABC):
                 "{0} {1}: holds another mission",
                 place_kind(self.root),
                 self.root,
-                remedy="choose another one",
+                remedy="choose another folder",
             )
         if not resume:
             raise OutputError(
                 "{0} {1}: already holds this mission",
                 place_kind(self.root),
                 self.root,
-                remedy=Message("resume it{0} or choose another one", OptionName("resume").in_brackets),
+                remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
             )
         for name in folders:
             make_folder(self.root / name)

@@ -7342,6 +7342,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/begun.py"/>
         <location filename="../../core/capture/blocks/journal.py"/>
+        <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/images.py"/>
         <location filename="../../core/storage/files.py"/>
         <source>choose another folder</source>
@@ -7379,8 +7380,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/folder.py"/>
         <source>resume it{0} or choose another folder</source>
-        <translation>continúela{0} o elija otra carpeta</translation>
+        <translation>reanúdela{0} o elija otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
@@ -7700,12 +7702,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/journal.py"/>
-        <location filename="../../core/capture/folder.py"/>
-        <source>choose another one</source>
-        <translation>elija otra</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/journal.py"/>
         <source>folder {0}: was captured without blocks</source>
         <translation>carpeta {0}: se capturó sin bloques</translation>
     </message>
@@ -7803,11 +7799,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <source>folder {0}: holds no capture of this mission, so nothing of it has failed</source>
         <translation>carpeta {0}: no contiene ninguna captura de esta misión, así que nada de ella ha fallado</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/folder.py"/>
-        <source>resume it{0} or choose another one</source>
-        <translation>reanúdela{0} o elija otra</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>

@@ -140,7 +140,7 @@ def test_queries_beyond_a_raster_are_left_out_where_that_is_asked_for(made, miss
     asked.update(QUERY_LAYERS=[layer.id()], REFERENCE_LAYER=layer.id(), DRY_RUN=True)
     feedback = Feedback()
     found = run("makebenchmark", feedback, **asked, INSIDE=True)
-    left_out = [line for line in feedback.lines if "left out, which see beyond the imagery" in line]
+    left_out = [line for line in feedback.lines if "left out, as they show ground beyond the imagery" in line]
     assert len(left_out) == 1
     assert int(left_out[0].rpartition(" ")[2]) == 3 - found["QUERY_COUNT"] >= 1
 

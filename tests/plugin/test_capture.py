@@ -299,7 +299,7 @@ def test_folder_that_the_panel_proposed_counts_on_by_itself(prepared):
 
 
 @pytest.mark.parametrize(
-    ("in_the_way", "advice"), [("file", "choose another folder"), ("foreign folder", "choose another one")]
+    ("in_the_way", "advice"), [("file", "choose another folder"), ("foreign folder", "choose another folder")]
 )
 def test_folder_that_cannot_be_used_is_named(prepared, in_the_way, advice):
     prepared.folder.parent.mkdir(exist_ok=True)

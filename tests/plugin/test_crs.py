@@ -54,7 +54,7 @@ def test_tiles_of_another_system_are_no_background(plugin, monkeypatch):
     data = {**described("https://h.example/{z}/{x}/{y}.png", title="Länder"), "plane": plane}
     entry = CatalogueEntry.from_dict("mine", data, user=True)
     monkeypatch.setattr(sources, "_named", lambda *_: type("Named", (), {"entry": entry}))
-    with pytest.raises(InvalidInput, match="Länder has tiles in EPSG:25832, which are no background"):
+    with pytest.raises(InvalidInput, match="Länder has tiles in EPSG:25832, which cannot be a background"):
         tile_layer_uri("mine", "satellite")
 
 

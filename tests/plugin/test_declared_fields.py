@@ -58,7 +58,7 @@ def test_words_of_a_field():
     assert field_label(agl).replace("&", "") == "Height above ground"
     assert field_title(agl) == "Height above ground (metres)"
     assert field_tip(tilt).endswith("90 looks level (degrees, from -180 to 180)")
-    assert field_tip(DECLARED["overlap_along"]).endswith("shows again (percent)")
+    assert field_tip(DECLARED["overlap_along"]).endswith("also shows (percent)")
 
 
 def test_numbers_that_may_be_left_out_are_entered_as_such(desk):

@@ -346,10 +346,10 @@ def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
         "{0} {1}: holds another mission",
         Message("folder"),
         "x",
-        remedy=Message("resume it{0} or choose another one", resume.in_brackets),
+        remedy=Message("resume it{0} or choose another folder", resume.in_brackets),
     )
     assert translate(refused) == "carpeta x: contiene otra misión; reanúdela o elija otra"
-    assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another one"
+    assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another folder"
 
 
 def test_processing_fails_in_spanish(spanish):

@@ -183,7 +183,7 @@ class BlockJournal(CaptureJournal):
             raise OutputError(
                 "{0}: holds this mission with other images, because the source or the version was another",
                 self.root,
-                remedy="choose another one",
+                remedy="choose another folder",
             )
         raise OutputError(
             "{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same",

@@ -484,7 +484,9 @@ def test_resuming_what_was_never_begun_begins_it(in_one_go, tmp_path):
 def test_the_same_mission_must_be_resumed(in_one_go):
     worked_out, folder, _, _ = in_one_go
     before = contents(folder)
-    with pytest.raises(OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another one"):
+    with pytest.raises(
+        OutputError, match=r"already holds this mission; resume it \(--resume\) or choose another folder"
+    ):
         capture(worked_out, PatternSource(), folder)
     assert contents(folder) == before
 
@@ -493,7 +495,7 @@ def test_the_same_mission_must_be_resumed(in_one_go):
 def test_another_mission_is_left_alone(in_one_go, resume):
     _, folder, _, _ = in_one_go
     before = contents(folder)
-    with pytest.raises(OutputError, match="holds another mission; choose another one"):
+    with pytest.raises(OutputError, match="holds another mission; choose another folder"):
         capture(planned(MISSION.replace(agl_m=121.0)), PatternSource(), folder, resume=resume)
     assert contents(folder) == before
 

@@ -39,14 +39,14 @@ def new():
 
 @remedy(
     "capture/blocks/journal.py",
-    "{}: holds this mission with other images, because the source or the version was another; choose another one",
+    "{}: holds this mission with other images, because the source or the version was another; choose another folder",
 )
 def _other_images(case: Case) -> None:
     address = new()
     captured(address)
     put(store_path(f"{address}/blocks/blocks.json"), b'{"captures": 2}')
     case.refused(lambda: captured(address, resume=True))
-    case.follow("choose another one", lambda: captured(new()))
+    case.follow("choose another folder", lambda: captured(new()))
 
 
 class Failing(ThreadPoolExecutor):

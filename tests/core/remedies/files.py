@@ -48,11 +48,11 @@ def new_address():
 # --- capture
 
 
-@remedy("capture/folder.py", "{} {}: holds another mission; choose another one")
+@remedy("capture/folder.py", "{} {}: holds another mission; choose another folder")
 def _another_mission(case: Case) -> None:
     captured(case.tmp_path / "out")
     case.refused(lambda: captured(case.tmp_path / "out", OTHER))
-    case.follow("choose another one", lambda: captured(case.tmp_path / "other", OTHER))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other", OTHER))
     address = new_address()
     stored(address)
     case.refused(lambda: stored(address, OTHER))
@@ -61,7 +61,7 @@ def _another_mission(case: Case) -> None:
 
 @remedy(
     "capture/folder.py",
-    "{} {}: already holds this mission; resume it (--resume) or choose another one",
+    "{} {}: already holds this mission; resume it (--resume) or choose another folder",
 )
 def _already_there(case: Case) -> None:
     asked = ("capture", "--coords", BOX)
@@ -69,7 +69,7 @@ def _already_there(case: Case) -> None:
     case.refused(lambda: captured(case.tmp_path / "mine") and captured(case.tmp_path / "mine"))
     case.says(case.run(*asked, "--data-dir", "out").stderr)
     case.follow("resume it (--resume)", lambda: case.run(*asked, "--data-dir", "out", "--resume").returncode == 0)
-    case.follow("choose another one", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
+    case.follow("choose another folder", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
     address = new_address()
     stored(address)
     case.refused(lambda: stored(address))
@@ -91,11 +91,11 @@ def _nothing_failed(case: Case) -> None:
     case.follow("capture it first", first)
 
 
-@remedy("capture/folder.py", "{} {}: holds {} but no {}, so it is not this mission's; choose another one")
+@remedy("capture/folder.py", "{} {}: holds {} but no {}, so it is not this mission's; choose another folder")
 def _foreign(case: Case) -> None:
     (case.tmp_path / "satellite").mkdir()
     case.refused(lambda: captured(case.tmp_path))
-    case.follow("choose another one", lambda: captured(case.tmp_path / "other"))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
     address = new_address()
     stores.put(stores.store_path(f"{address}/holiday.jpg"), b"")
     case.refused(lambda: stored(address))

@@ -443,7 +443,7 @@ def test_an_address_of_another_mission_or_of_others_is_refused(address):
     with pytest.raises(OutputError, match=r"already holds this mission; resume it \(--resume\)"):
         capture(PLAN, PATTERN, address)
     other = plan(MISSION.replace(agl_m=121.0), PATTERN.grid)
-    with pytest.raises(OutputError, match="holds another mission; choose another one"):
+    with pytest.raises(OutputError, match="holds another mission; choose another folder"):
         capture(other, PATTERN, address)
     store_path(f"{address}2/holiday.jpg").write_bytes(b"")
     with pytest.raises(OutputError, match=r"holds holiday\.jpg but no mission\.json"):
