@@ -37,7 +37,7 @@ class Query:
     yaw_deg, tilt_deg, roll_deg : float
         As from a compass and an inertial unit.
     prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
-        Noisy measurements of a GNSS receiver, a barometer and a compass; NaN in outages and where there are none.
+        Noisy measurements of a GNSS receiver, a barometer and a compass; NaN where there is no measurement.
     """
 
     id: str
@@ -79,7 +79,7 @@ class Answer:
     roll_deg: float = math.nan
 
     def __post_init__(self) -> None:
-        """Fail here rather than when the answer is scored."""
+        """Raise TypeError or ValueError for a wrong field here, rather than when the answer is scored."""
         iter(self.references)
         for name in POSE:
             float(getattr(self, name))
@@ -87,8 +87,8 @@ class Answer:
 
 #: Localises one query.
 Locate = Callable[[Query], Answer]
-#: A method: prepares for a benchmark, of which it may read anything but the truth, and for a gallery, the rows of the
-#: tiles to rank.
+#: A method: prepares for a benchmark and a gallery (rows of the tiles to rank), and returns a function that localises
+#: queries. It may read anything in the benchmark but the truth.
 Method = Callable[[Benchmark, Numbers], Locate]
 
 
@@ -118,9 +118,9 @@ class Predictions:
     pose : array (p, 6)
         Columns as in `POSE`; NaN where unknown.
     seconds : array (p,)
-        Time taken by each; NaN where unknown.
+        Time taken by each answer; NaN where unknown.
     source : str
-        File that they were read from; empty without one.
+        File that the predictions were read from; empty if they were not read.
     """
 
     index: Numbers
@@ -168,13 +168,13 @@ class Predictions:
     def read(cls, path: str | os.PathLike[str], benchmark: Benchmark) -> Predictions:
         """Predictions of a CSV file.
 
-        Its columns are ``query``, ``references`` (ids of tiles, best first, separated by spaces), those of `POSE`, and
-        ``seconds``. All but the first are optional, and cells may be empty.
+        The columns are ``query``, ``references`` (ids of tiles, best first, separated by spaces), the names in `POSE`,
+        and ``seconds``. All but ``query`` are optional, and cells may be empty.
 
         Raises
         ------
         InvalidInput
-            It cannot be read, lacks the columns, or names unknown queries or tiles; the message names the line.
+            The file cannot be read, lacks columns, or names unknown queries or tiles; the message names the line.
         """
         lines = read_rows(Path(path), named_by_user=True)
         _, header = next(lines)
@@ -227,7 +227,7 @@ class Predictions:
 
 
 def checked_pose(pose: Mapping[str, float], where: str) -> Mapping[str, float]:
-    """Return a pose keyed by `POSE`; raises InvalidInput, which begins with ``where``, unless it is finite or NaN."""
+    """Return a pose keyed by `POSE`; raises InvalidInput, beginning with ``where``, if it is infinite or impossible."""
     if abs(pose["lat_deg"]) > 90.0 or abs(pose["lon_deg"]) > 360.0:
         raise InvalidInput("{0} {1:g}, {2:g} is not on the Earth", where, pose["lat_deg"], pose["lon_deg"])
     for name, value in pose.items():

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-#: How queries are split: into parts with no ground in common, tiles too; at random, over one reference; not at all.
+#: Splits. With ``cross-area``, parts of queries and tiles have no ground in common; with ``same-area``, queries are
+#: split at random and share all tiles.
 CROSS_AREA, SAME_AREA, NO_SPLIT = SPLITS = ("cross-area", "same-area", "none")
-#: Least intersection over union of a positive and of a semi-positive tile: those of GTA-UAV.
+#: Least intersection over union of a positive and of a semi-positive tile, as in GTA-UAV.
 POSITIVE_IOU, SEMI_POSITIVE_IOU = 0.39, 0.14
-#: Tiles overlap by half: along each axis, any place is within a quarter of a tile's width of the middle of a tile.
+#: Overlap of tiles: with a half, any place is within a quarter of a tile's width of the middle of a tile on each axis.
 TILE_OVERLAP = 0.5
-#: Built-in methods: module and function.
+#: Module and function of each built-in method.
 METHODS = {
     "ncc": (".correlation", "correlation"),
     "sift": (".features", "sift"),

@@ -1,8 +1,9 @@
 """Normalised cross-correlation: a baseline without weights, for queries of known height and attitude.
 
 A query is projected onto the ground by its height and attitude and correlated with the reference at every place. The
-coefficients come from Fourier transforms (Lewis, *Fast normalized cross-correlation*, 1995), with a mask, as a tilted
-image is not a rectangle on the ground (Padfield, *Masked object registration in the Fourier domain*, IEEE TIP 2012).
+coefficients are computed by Fourier transforms (Lewis, *Fast normalized cross-correlation*, 1995), with a mask because
+a tilted image is not a rectangle on the ground (Padfield, *Masked object registration in the Fourier domain*, IEEE TIP
+2012).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from ..geodesy.footprint import exact
 from .answers import Answer, Locate, Query
 from .folder import Benchmark, ReferenceMosaic
 
-#: Share of a variance below which an image counts as uniform: rounding of the transforms.
+#: An image whose variance is below this share counts as uniform: the transforms are rounded.
 _FLAT = 1e-9
 
 
@@ -32,13 +33,13 @@ class _Patch(NamedTuple):
     Attributes
     ----------
     grey : array (h, w)
-        Minus its mean; 0 where ``mask`` is.
+        Grey values minus their mean; 0 where ``mask`` is 0.
     mask : array (h, w)
         1 where the query shows ground, else 0.
     left, top : int
         Upper left corner in the reference, px, at the assumed position.
     camera, centre : (column, row)
-        Camera, and ground at the image centre, from the patch's upper left corner.
+        Positions of the camera and of the ground at the image centre, px from the patch's upper left corner.
     """
 
     grey: Floats
@@ -77,7 +78,7 @@ class _Correlation:
         self._ids = [tiles.id[at] for at in gallery.tolist()]
 
     def locate(self, query: Query) -> Answer:
-        """Localise a query; no answer if it shows more ground than the reference, or is uniform."""
+        """Localise a query; the answer is empty if the query shows more ground than the reference, or is uniform."""
         lat, lon = self._lat_lon(self._mosaic.width_px / 2.0, self._mosaic.height_px / 2.0)
         coarse = _seen_from_above(query, lat, lon, self._mosaic, self._searched.step)
         if coarse is None:
@@ -99,7 +100,7 @@ class _Correlation:
         best, found = -math.inf, (math.nan, math.nan)
         for top, left in _peaks(agreement, min(coarse.grey.shape) // 2):
             lat, lon = self._lat_lon((left + coarse.camera[0]) * step, (top + coarse.camera[1]) * step)
-            # Projected again: the ground that a pixel of a map shows depends on the latitude.
+            # Project again: the ground that a map's pixel shows depends on the latitude.
             patch = _seen_from_above(query, lat, lon, self._mosaic, 1)
             if patch is None:
                 continue
@@ -118,7 +119,7 @@ class _Correlation:
         return found
 
     def _ranked(self, patch: _Patch, agreement: Floats) -> list[str]:
-        """Tiles by the best coefficient with the query's centre in the middle half of the tile."""
+        """Rank tiles by the highest coefficient of positions that put the query's centre in the tile's middle half."""
         high, wide = agreement.shape
         column, row, width = self._tiles
         left, right = (
@@ -154,7 +155,7 @@ def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: Refer
     columns, rows = (px[0] / step for px in mosaic.px(seen.lat_deg, seen.lon_deg))
     left, top = math.floor(columns[:4].min()), math.floor(rows[:4].min())
     wide, high = math.ceil(columns[:4].max()) - left, math.ceil(rows[:4].max()) - top
-    # Patches of fewer pixels match anywhere.
+    # Smaller patches match anywhere.
     if min(wide, high) < 4 or wide > mosaic.width_px / step or high > mosaic.height_px / step:
         return None
     across, down = np.meshgrid(left + 0.5 + np.arange(wide), top + 0.5 + np.arange(high))
@@ -174,7 +175,7 @@ def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: Refer
 
 
 def _reduced(picture: Image.Image, pixels: int) -> Floats:
-    """Image as floats, averaged down towards a number of pixels (by whole factors, so never below it)."""
+    """Image as floats, averaged down by the largest whole factor that leaves at least ``pixels`` pixels."""
     factor = max(int(math.sqrt(picture.width * picture.height / max(pixels, 1))), 1)
     return np.asarray(picture.reduce(factor) if factor > 1 else picture, np.float64)
 
@@ -193,13 +194,13 @@ def _bilinear(picture: Floats, x: Floats, y: Floats) -> Floats:
 
 
 def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Fourier transforms of a reference minus its mean, and of the square of that."""
+    """Fourier transforms of a reference minus its mean, and of the square of this difference."""
     around = grey - grey.mean()
     return np.fft.rfft2(around), np.fft.rfft2(around * around)
 
 
 def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]) -> Floats | None:
-    """Correlation coefficients (h, w) of a patch at each offset within a reference of ``shape``; None if uniform."""
+    """Correlation coefficients (h, w) of a patch at each offset in a reference; None if uniform or larger than it."""
     high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
     energy = float((patch.grey * patch.grey).sum())
     count = patch.mask.sum()
@@ -213,7 +214,7 @@ def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[
 
     sums = summed(whole * mask)
     spread = summed(squares * mask) - sums * sums / count
-    # Where the reference is uniform, the quotient would be of rounding errors.
+    # Where the reference is uniform, the quotient would consist of rounding errors.
     some = spread > _FLAT * max(float(spread.max()), 1.0)
     return np.where(some, summed(whole * grey) / np.sqrt(np.where(some, spread, 1.0) * energy), -1.0)
 

@@ -1,7 +1,7 @@
 """SIFT or ORB features and a pose from their matches: baselines without weights, through OpenCV.
 
-Keypoints of the mosaic are detected once, block by block. Those of a query are matched by Lowe's ratio test; matches
-are points of known position, from which PnP with RANSAC finds the pose (Lepetit, Moreno-Noguer, Fua, IJCV 2009).
+Keypoints of the mosaic are detected once, block by block, and keypoints of a query are matched to them by Lowe's ratio
+test. As mosaic keypoints have known positions, PnP with RANSAC finds the pose (Lepetit, Moreno-Noguer, Fua, IJCV 2009).
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from ..geodesy.local import LocalFrame
 from .answers import POSE, Answer, Locate, Query
 from .folder import Benchmark
 
-#: Fewest matches that a pose is taken from: twice the four that determine one.
+#: Fewest matches for a pose: twice the four that determine one.
 _LEAST_MATCHES = 8
 
 
 class _Detector(NamedTuple):
-    """OpenCV's names of a detector and of the norm of its descriptors."""
+    """Names in OpenCV of a detector and of the norm of its descriptors."""
 
     make: str
     norm: str
@@ -69,7 +69,7 @@ class _Features:
         self._ids = [tiles.id[at] for at in gallery.tolist()]
 
     def _detect(self, grey: Bytes, left: int, top: int, most: int) -> tuple[Floats, Any]:
-        """Positions (n, 2) of keypoints from the upper left corner, and their descriptors, None without any."""
+        """Positions (n, 2) of up to ``most`` keypoints in the whole image, and their descriptors (None without any)."""
         finder = getattr(self._cv, self._kind.make)(most)
         keypoints, descriptors = finder.detectAndCompute(grey, None)
         # OpenCV counts from the centre of the first pixel.
@@ -77,7 +77,7 @@ class _Features:
         return places + np.array([left, top]), descriptors
 
     def locate(self, query: Query) -> Answer:
-        """Localise a query; without a pose where too few matches agree on one."""
+        """Localise a query; the answer has no pose if too few matches agree on one."""
         grey = np.asarray(open_image(query.image, as_shown=True).convert("L"), np.uint8)
         points, descriptors = self._detect(grey, 0, 0, 2_000)
         if descriptors is None or len(self._descriptors) < 2:
@@ -94,7 +94,7 @@ class _Features:
         return Answer(self._ranked(ground[agree]), **values)
 
     def _pose(self, query: Query, image: Floats, ground: Floats) -> tuple[dict[str, float], Numbers] | None:
-        """Pose of a query and indices of the matches that agree on it; None where too few do."""
+        """Pose of a query and indices of the matches that agree on it; None if too few agree."""
         lat, lon = self._mosaic.ground(ground[:, 0], ground[:, 1])
         frame = LocalFrame(float(np.median(lat)), float(np.median(lon)), query.ground_m)
         points = frame.enu(lat, lon, np.full(len(lat), query.ground_m))
@@ -118,16 +118,16 @@ class _Features:
         rotation, shift = cv.solvePnPRefineLM(points[agree], image[agree], focal, None, rotation, shift)
         matrix = cv.Rodrigues(rotation)[0]
         place = -(matrix.T @ shift).ravel()
-        there = tuple(float(value) for value in frame.geodetic(place))
+        position = tuple(float(value) for value in frame.geodetic(place))
         # Rows of the matrix are the camera's right, down and optical axis; attitudes refer to the camera's position.
-        right, down, axis = matrix @ frame.rotations(*there[:2]).T
+        right, down, axis = matrix @ frame.rotations(*position[:2]).T
         attitude = (float(angle) for angle in attitude_from_axes(right, -down, axis))
-        if there[2] <= query.ground_m:
+        if position[2] <= query.ground_m:
             return None
-        return dict(zip(POSE, (*there, *attitude))), agree.astype(np.int64)
+        return dict(zip(POSE, (*position, *attitude))), agree.astype(np.int64)
 
     def _ranked(self, ground: Floats) -> list[str]:
-        """Tiles by their number of matches, those without any left out."""
+        """Rank tiles by their number of matches; omits tiles without any."""
         left, right, top, bottom = (side[:, np.newaxis] for side in self._tiles)
         x, y = ground[:, 0], ground[:, 1]
         count = ((x >= left) & (x < right) & (y >= top) & (y < bottom)).sum(axis=1)
@@ -138,7 +138,7 @@ class _Features:
 def _blocks(grey: Bytes) -> Iterator[tuple[Bytes, int, int]]:
     """Blocks of an image, and their left and top edges."""
     high, wide = grey.shape
-    # Blocks overlap by more than a keypoint's neighbourhood, so that each is whole in one of them.
+    # Blocks overlap by more than a keypoint's neighbourhood, so that each neighbourhood is whole in some block.
     step, size = 2048, 2048 + 64
     for top in range(0, high, step):
         for left in range(0, wide, step):

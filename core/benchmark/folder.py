@@ -1,7 +1,7 @@
 """The folder of a benchmark: queries with their truth, the reference to find them in, and the right answers.
 
 ``benchmark.json`` holds the settings; ``queries.csv``, ``references.csv`` and ``positives.csv`` are all that scoring
-needs. The images lie beside them as datasets, each as a capture leaves it.
+needs. Folders beside them hold the images, as datasets that captures have written.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ QUERIES_FOLDER, REFERENCE_FOLDER, MOSAIC, TILES = "queries", "reference", "mosai
 SCHEMA = 1
 POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
 
-#: Greatest coordinate of a mosaic in the unit of its CRS: the Earth is 4e7 m, or 1.3e8 ft, round.
+#: Greatest coordinate of a mosaic in the unit of its CRS: the Earth's circumference is 4e7 m, or 1.3e8 ft.
 _FARTHEST = 2e8
-#: Least and greatest values of columns; of all others, -1e9 and 1e9.
+#: Ranges of columns; others range from -1e9 to 1e9.
 _SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
 _LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
 _ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-720.0, 720.0))
@@ -60,7 +60,7 @@ class Columns:
 
     @classmethod
     def read(cls: type[_Rows], path: Path) -> _Rows:
-        """Read a table; raises InvalidInput, which names the line, where it cannot."""
+        """Read a table; raises InvalidInput naming the line that is wrong."""
         return cls(**_read_columns(path, {one.name: one.type == "Floats" for one in fields(cls)}))
 
     @classmethod
@@ -90,7 +90,7 @@ class Columns:
 
 @dataclass(frozen=True, eq=False)
 class Queries(Columns):
-    """Images to localise, and their true poses; q of them.
+    """Images of q queries to localise, and their true poses.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class Queries(Columns):
     file : tuple of str
         Image, relative to the benchmark's folder.
     imagery : tuple of str
-        Name of the imagery that they show.
+        Name of the imagery that the image shows.
     part : tuple of str
         ``train``, ``validation``, ``test`` or ``gap``; empty without a split.
     centre_lat_deg, centre_lon_deg : array (q,)
@@ -107,7 +107,7 @@ class Queries(Columns):
     lat_deg, lon_deg, height_m : array (q,)
         Position of the camera; height above the WGS 84 ellipsoid.
     ground_m : array (q,)
-        Height of the ground below the camera.
+        Height of the ground below the camera, above the WGS 84 ellipsoid.
     yaw_deg, tilt_deg, roll_deg : array (q,)
         As in `Camera.rays_enu`.
     fx_px, fy_px, cx_px, cy_px : array (q,)
@@ -150,7 +150,7 @@ class Queries(Columns):
 
 @dataclass(frozen=True, eq=False)
 class References(Columns):
-    """Tiles of the reference, r of them.
+    """The r tiles of the reference.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class References(Columns):
 
 @dataclass(frozen=True, eq=False)
 class Positives(Columns):
-    """Pairs of a query and a tile that show the same ground, p of them.
+    """The p pairs of a query and a tile that show the same ground.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class Positives(Columns):
     kind : tuple of str
         `POSITIVE` or `SEMI_POSITIVE`.
     iou : array (p,)
-        Intersection over union of their ground.
+        Intersection over union of the ground of query and tile.
     """
 
     query: tuple[str, ...]
@@ -217,12 +217,12 @@ class ReferenceMosaic:
     Parameters
     ----------
     file : str
-        Relative to the benchmark's folder.
+        Path relative to the benchmark's folder.
     crs : str
     west, north : float
         Upper left corner in the CRS's unit.
     pixel_width, pixel_height : float
-        In that unit, both positive.
+        Size of a pixel in the CRS's unit, both positive.
     width_px, height_px : int
     """
 
@@ -239,7 +239,7 @@ class ReferenceMosaic:
         """Check types and ranges."""
         for name, value in vars(self).items():
             if name in ("file", "crs"):
-                right = isinstance(value, str) and not (name == "file" and _is_elsewhere(value))
+                right = isinstance(value, str) and not (name == "file" and _may_leave_folder(value))
             else:
                 # Corners lie anywhere in the CRS; all others are sizes.
                 low = -_FARTHEST if name in ("west", "north") else 0.0
@@ -262,7 +262,10 @@ class ReferenceMosaic:
         )
 
     def xy(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Eastings and northings, in the CRS's unit, of positions in degrees (any shape); continuous at the mosaic."""
+        """Eastings and northings, in the CRS's unit, of positions in degrees (any shape).
+
+        They are continuous across the mosaic, also at the antimeridian.
+        """
         plane = self._plane
         u, v = plane.forward(lat_deg, lon_deg)
         if isinstance(plane, WebMercator):
@@ -285,8 +288,8 @@ class ReferenceMosaic:
         return self.lat_lon(self.west + column * self.pixel_width, self.north - row * self.pixel_height)
 
     def rim(self) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes in degrees of points along its edges, corners included."""
-        # Nine points an edge, as edges are curves in degrees.
+        """Latitudes and longitudes in degrees of points along the mosaic's edges, corners included."""
+        # Nine points for each edge, as edges are curves in degrees.
         along, first = np.linspace(0.0, 1.0, 9), np.zeros(9)
         column, row = (
             np.concatenate([along, along, first, first + 1.0]),
@@ -345,7 +348,7 @@ class Benchmark:
                 raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", "west", mosaic.west)
         except (TypeError, InvalidInput, ProjError) as wrong:
             raise InvalidInput("{0}: does not state where the mosaic lies ({1})", mark, wrong) from wrong
-        found = cls(
+        benchmark = cls(
             path,
             about,
             mosaic,
@@ -353,8 +356,8 @@ class Benchmark:
             References.read(path / REFERENCES_FILE),
             Positives.read(path / POSITIVES_FILE),
         )
-        found._check()
-        return found
+        benchmark._check()
+        return benchmark
 
     def _check(self) -> None:
         for rows, name in ((self.queries, QUERIES_FILE), (self.references, REFERENCES_FILE)):
@@ -362,7 +365,7 @@ class Benchmark:
                 twice = next(one for one, count in Counter(rows.id).items() if count > 1)
                 raise InvalidInput("{0}: {1!r} appears twice", self.folder / name, twice)
             for file in rows.file:
-                if _is_elsewhere(file):
+                if _may_leave_folder(file):
                     raise InvalidInput("{0}: {1!r} is not a file of the benchmark", self.folder / name, file)
             for column in fields(rows):
                 if column.type == "Floats":
@@ -400,7 +403,7 @@ class Benchmark:
     def priors(self) -> Floats:
         """Priors (q, 4) of queries: latitude, longitude, height above ground, yaw; NaN where not measured.
 
-        Raises InvalidInput where a file cannot be read.
+        Raises InvalidInput if a file cannot be read.
         """
         found = np.full((len(self.queries), 4), np.nan)
         at = {file: index for index, file in enumerate(self.queries.file)}
@@ -416,7 +419,7 @@ class Benchmark:
         return found
 
     def positives(self, *, with_semi: bool = False) -> list[Numbers]:
-        """Rows of the positive tiles of each query."""
+        """Rows of the positive tiles of each query; ``with_semi`` adds the semi-positive ones."""
         found: list[list[int]] = [[] for _ in self.queries.id]
         for query, reference, kind in zip(self.truth.query, self.truth.reference, self.truth.kind):
             if kind == POSITIVE or with_semi:
@@ -431,7 +434,7 @@ class Benchmark:
 
     @property
     def warning(self) -> Message | None:
-        """Advice where a part has no queries, else None."""
+        """Advice if a part has no queries, else None."""
         lacking = [part for part in PARTS if self.queries_of_parts.get(part) == 0]
         if not lacking:
             return None
@@ -443,12 +446,12 @@ class Benchmark:
         )
 
     def gallery(self, part: str) -> Numbers:
-        """Rows of the tiles that a part's queries are searched in; of all tiles if ``part`` is empty."""
+        """Rows of the tiles among which a part's queries are searched; all tiles if ``part`` is empty."""
         parts = self.references.part
         return np.array([at for at, name in enumerate(parts) if not part or name in (part, "")], np.int64)
 
-    def chosen(self, part: str) -> Numbers:
-        """Rows of the queries of a part; of all queries if ``part`` is empty."""
+    def query_rows_in(self, part: str) -> Numbers:
+        """Rows of the queries in a part, all queries if ``part`` is empty; raises InvalidInput without any."""
         if part and part not in PARTS:
             raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join(PARTS))
         if part and not self.queries_of_parts:
@@ -459,15 +462,15 @@ class Benchmark:
         return found
 
     def grey(self, file: str) -> Bytes:
-        """Read an image as grey (h, w); raises InvalidInput where it cannot be read."""
+        """Read an image as grey (h, w); raises InvalidInput if it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("L"), np.uint8)
 
     def colours(self, file: str) -> Bytes:
-        """Read an image as RGB (h, w, 3); raises InvalidInput where it cannot be read."""
+        """Read an image as RGB (h, w, 3); raises InvalidInput if it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("RGB"), np.uint8)
 
 
-def _is_elsewhere(file: str) -> bool:
+def _may_leave_folder(file: str) -> bool:
     """Whether a path may lead out of the benchmark's folder."""
     return Path(file).is_absolute() or ".." in Path(file).parts
 
@@ -486,20 +489,20 @@ def _cells(column: Sequence[str] | Floats, *, is_count: bool) -> Iterable[str]:
     return ["" if math.isnan(value) else repr(value) for value in values]
 
 
-def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
-    """Read columns of a CSV; those whose ``kinds`` is true are arrays, with NaN for empty cells."""
+def _read_columns(path: Path, is_number: Mapping[str, bool]) -> dict[str, Any]:
+    """Read columns of a CSV by name; columns with ``is_number`` become arrays, with NaN for empty cells."""
     lines = read_rows(path)
     header = next(lines)[1]
-    missing = [name for name in kinds if name not in header]
+    missing = [name for name in is_number if name not in header]
     if missing:
         raise InvalidInput("table {0}: has no column {1}", path, missing[0])
-    at = {name: header.index(name) for name in kinds}
-    cells: dict[str, list[Any]] = {name: [] for name in kinds}
+    at = {name: header.index(name) for name in is_number}
+    cells: dict[str, list[Any]] = {name: [] for name in is_number}
     for number, row in lines:
-        for name, is_number in kinds.items():
+        for name in is_number:
             text = row[at[name]]
-            cells[name].append(read_number(text, f"table {path}, line {number}: {name}") if is_number else text)
-    return {name: np.array(found, np.float64) if kinds[name] else tuple(found) for name, found in cells.items()}
+            cells[name].append(read_number(text, f"table {path}, line {number}: {name}") if is_number[name] else text)
+    return {name: np.array(found, np.float64) if is_number[name] else tuple(found) for name, found in cells.items()}
 
 
 def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int, list[str]]]:
@@ -508,7 +511,7 @@ def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int,
     Raises
     ------
     InvalidInput
-        It cannot be read, has no header, repeats a column, or a row differs from the header in length.
+        The file cannot be read, has no header, repeats a column, or has a row of another length than the header.
     """
     try:
         text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))

@@ -23,24 +23,24 @@ Images = tuple[NDArray[Any], NDArray[Any]]
 class Pairs:
     """Pairs of a query and a tile that show the same ground, in the order of ``positives.csv``.
 
-    `Batches`, `TorchDataset` and `KerasDataset` accept an instance in place of a dataset, and then return an image of
-    the query and one of the tile, with labels ``iou`` and ``positive``.
+    `Batches`, `TorchDataset` and `KerasDataset` accept an instance in place of a dataset, and then return images of the
+    query and the tile, with labels ``iou`` and ``positive``.
 
     Parameters
     ----------
     benchmark : Benchmark or path
     part : {"train", "validation", "test", "all"}
-        Of the queries; tiles are those of their gallery.
+        Part of the queries; tiles are from the gallery of this part.
     with_semi : bool
         Include semi-positive tiles.
     img_size, tile_size : tuple (width, height, channels)
         Sizes that queries and tiles are resized to; ``tile_size`` defaults to ``img_size``.
     seed : int
-        Of the order.
+        Seed of the order.
     shuffle : bool or "auto"
-        ``auto`` shuffles the training part only. Each epoch has another order.
+        ``auto`` shuffles the training part only. Each epoch is shuffled differently.
     dtype : {"float32", "uint8"}
-        Of images, which are 0 to 1 or 0 to 255.
+        Type of pixels, which are from 0 to 1 or from 0 to 255.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Pairs:
         query = np.array([self.benchmark.query_rows[name] for name in truth.query], np.int64)
         reference = np.array([self.benchmark.reference_rows[name] for name in truth.reference], np.int64)
         positive = np.array([kind == POSITIVE for kind in truth.kind], np.bool_)
-        taken = np.isin(query, self.benchmark.chosen(one)) & np.isin(reference, self.benchmark.gallery(one))
+        taken = np.isin(query, self.benchmark.query_rows_in(one)) & np.isin(reference, self.benchmark.gallery(one))
         rows = np.flatnonzero(taken & (positive | with_semi))
         if not len(rows):
             raise InvalidInput("part {0!r}: the benchmark in {1} has no pairs of it", part, self.folder)
@@ -95,7 +95,7 @@ class Pairs:
         return len(self.query)
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
-        """Indices (n,) of the pairs in the order of an epoch, which depends on the seed and the table alone."""
+        """Indices (n,) of the pairs in the order of an epoch, which depends only on epoch, seed and number of pairs."""
         if not self.shuffle:
             return np.arange(len(self))
         return np.argsort(random_numbers(f"{self.seed}:{epoch}", len(self)), kind="stable")

@@ -59,7 +59,7 @@ class BenchmarkResult:
     benchmark : Benchmark or None
         None if the run was cancelled.
     hint : Message or None
-        How to lose fewer queries to the gap between parts, where many are lost.
+        How to lose fewer queries to the gap between parts, if many are lost.
     """
 
     folder: Path
@@ -69,7 +69,7 @@ class BenchmarkResult:
 
     @property
     def total(self) -> CaptureResult:
-        """Sum of all captures; failed and repeated images are prefixed with their folder."""
+        """Sum of all captures; failures and repeats have the folder of their capture."""
         return combined(self.folder, self.results)
 
 
@@ -85,17 +85,17 @@ def make_benchmark(
 ) -> BenchmarkResult:
     """Make a benchmark in a folder.
 
-    The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; the queries into
-    ``queries/NAME``, with noisy priors. Each is a dataset as any capture leaves it. ``queries.csv``, ``references.csv``
-    and ``positives.csv`` hold the truth, ``benchmark.json`` the settings. The same settings write the same bytes,
-    however often the run is interrupted.
+    The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; queries are
+    captured into ``queries/NAME``, with noisy priors. Each of these folders is a dataset like that of any capture.
+    ``queries.csv``, ``references.csv`` and ``positives.csv`` hold the truth, ``benchmark.json`` the settings. The same
+    settings write the same bytes, however often the run is interrupted.
 
     Parameters
     ----------
     sources : mapping of str to Source
-        Keyed by ``str`` of their imagery, with the pixel grids that the plan was made for.
+        Sources keyed by ``str`` of their imagery, with the pixel grids that the plan was made for.
     resume : bool
-        Continue this benchmark in a folder that holds part of it.
+        Continue in a folder that holds part of this benchmark.
     connections, workers, listener
         As in `capture`; progress has the folder's name in place of the map type.
 
@@ -110,12 +110,12 @@ def make_benchmark(
     """
     shares = checked_shares(planned.settings.shares)
     path = Path(folder)
-    # Through JSON, to compare it with what is read: JSON has no tuples.
-    about = json.loads(json_bytes(planned.settings.to_dict()))
-    _claim(path, about, resume=resume)
+    # Converted through JSON, which has no tuples, to be compared with the settings read from the folder.
+    settings = json.loads(json_bytes(planned.settings.to_dict()))
+    _claim(path, settings, resume=resume)
     lock = path / _LOCK_FILE
     with locked(lock) as check:
-        check_settings(path, BENCHMARK_FILE, about)
+        check_settings(path, BENCHMARK_FILE, settings)
         results = capture_each(
             {name: (plan, sources[str(one)]) for name, (one, plan) in planned.captures.items()},
             path,
@@ -126,12 +126,12 @@ def make_benchmark(
         if any(one.cancelled for one in results.values()):
             return BenchmarkResult(path, results, None)
         check()
-        hint = _write_truth(path, planned, about, shares)
+        hint = _write_truth(path, planned, settings, shares)
     return BenchmarkResult(path, results, Benchmark.read(path), hint)
 
 
-def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
-    """Create a benchmark's folder or check that one holds this benchmark; raises OutputError otherwise."""
+def _claim(path: Path, settings: dict[str, object], *, resume: bool) -> None:
+    """Claim a folder for a benchmark; raises OutputError for other content, or this benchmark without ``resume``."""
     make_folder(path)
     mark = path / BENCHMARK_FILE
     try:
@@ -148,9 +148,9 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
                 BENCHMARK_FILE,
                 remedy="choose another folder",
             )
-        write_whole(mark, json_bytes(about), durable=True)
+        write_whole(mark, json_bytes(settings), durable=True)
         return
-    if not isinstance(found, dict) or {key: found.get(key) for key in about} != about:
+    if not isinstance(found, dict) or {key: found.get(key) for key in settings} != settings:
         raise OutputError("folder {0}: holds another benchmark", path, remedy="choose another folder")
     if not resume:
         raise OutputError(
@@ -160,7 +160,7 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
         )
 
 
-def _write_truth(path: Path, planned: BenchmarkPlan, about: dict[str, object], shares: Shares) -> Message | None:
+def _write_truth(path: Path, planned: BenchmarkPlan, settings: dict[str, object], shares: Shares) -> Message | None:
     whole = captured(path / REFERENCE_FOLDER / MOSAIC, planned.mosaic)
     if not len(whole.rows):
         raise OutputError(
@@ -176,14 +176,14 @@ def _write_truth(path: Path, planned: BenchmarkPlan, about: dict[str, object], s
     references = make_references(path, planned, tile_parts)
     for name in planned.queries:
         folder = path / QUERIES_FOLDER / name
-        # Priors that were written since with other settings are kept.
+        # Keep priors that a user rewrote with other settings.
         if not any(folder.glob(f"*/{PRIORS_FILE}")):
             write_priors(folder, Sensors(), planned.settings.queries.imagery.seed)
     queries.write(path / QUERIES_FILE)
     references.write(path / REFERENCES_FILE)
     find_positives(planned, mosaic, queries, references).write(path / POSITIVES_FILE)
-    # Written last: `Benchmark.read` takes a benchmark without a mosaic for unfinished.
-    write_whole(path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, planned)}))
+    # Written last: `Benchmark.read` treats a benchmark without a mosaic as unfinished.
+    write_whole(path / BENCHMARK_FILE, json_bytes({**settings, "mosaic": asdict(mosaic), **_credits(path, planned)}))
     return hint
 
 
@@ -204,7 +204,7 @@ def _credits(path: Path, planned: BenchmarkPlan) -> dict[str, object]:
 def _parts(
     path: Path, planned: BenchmarkPlan, shares: Shares
 ) -> tuple[list[str], dict[str, list[str]], Message | None]:
-    """Parts of the queries of one imagery and of the tiles in each folder, empty without parts; and a hint."""
+    """Part of each query of the first imagery, and of each tile by folder (both empty without a split), and a hint."""
     settings = planned.settings
     first = settings.imageries[0].name
     plan = planned.queries[first]
@@ -216,8 +216,8 @@ def _parts(
         return [of_name[name] for name in plan.names], {}, None
     sets = {f"{QUERIES_FOLDER}/{first}": plan}
     sets.update((tiles_folder(width), tiles) for width, tiles in planned.tiles.items())
-    there = {name: captured(path / name, one) for name, one in sets.items()}
-    boxes, names = _ground(path, there)
+    captures = {name: captured(path / name, one) for name, one in sets.items()}
+    boxes, names = _ground(path, captures)
     part, _, _ = split_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
@@ -228,7 +228,7 @@ def _parts(
 def _hint(
     planned: BenchmarkPlan, boxes: GroundBoxes, names: list[str], shares: Shares, part: list[str]
 ) -> Message | None:
-    """Hint at settings that would leave fewer queries in the gap, if it has more than a tenth of them."""
+    """Hint at settings that leave fewer queries in the gap; None unless more than a tenth of them are there."""
     settings = planned.settings
     is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
     lost, count = int(np.count_nonzero(is_query & (np.array(part) == GAP))), int(np.count_nonzero(is_query))
@@ -263,15 +263,15 @@ def _hint(
     )
 
 
-def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[GroundBoxes, list[str]]:
+def _ground(path: Path, captures: Mapping[str, Captured]) -> tuple[GroundBoxes, list[str]]:
     """Boxes and names of the images whose ground is known."""
-    tables = [(one.images.table, one.rows) for one in there.values()]
+    tables = [(one.images.table, one.rows) for one in captures.values()]
     _, middle_lon = middle_position(
         np.concatenate([table.lat_deg[rows] for table, rows in tables]),
         np.concatenate([table.lon_deg[rows] for table, rows in tables]),
     )
-    pieces = [ground_boxes(one.images, one.rows, path / name, middle_lon) for name, one in there.items()]
-    names = [f"{name}/{stem}" for name, one in there.items() for stem in one.stems]
+    pieces = [ground_boxes(one.images, one.rows, path / name, middle_lon) for name, one in captures.items()]
+    names = [f"{name}/{stem}" for name, one in captures.items() for stem in one.stems]
     boxes = GroundBoxes(*(np.concatenate(edges) for edges in zip(*pieces)))
     known = boxes.known
-    return boxes.take(known), [name for name, there in zip(names, known.tolist()) if there]
+    return boxes.take(known), [name for name, is_known in zip(names, known.tolist()) if is_known]

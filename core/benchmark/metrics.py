@@ -1,7 +1,7 @@
 """Metrics of retrieval, and of positions and attitudes.
 
-A ranking is an array (q, k) of distances or of hits: a row for each query, best answer first. As benchmarks define the
-same name differently, each metric states whose definition it is.
+A ranking is an array (q, k) of distances or of hits: a row for each query, best answer first. As benchmarks define
+metrics of one name differently, each docstring states the source of the definition.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 
-#: Weights of distances in SDM: DenseUAV's of degrees (arXiv 2201.09201) and GTA-UAV's of metres (arXiv 2409.16925).
+#: Weights in SDM of distances in degrees (DenseUAV, arXiv 2201.09201) and in metres (GTA-UAV, arXiv 2409.16925).
 SDM_PER_DEG, SDM_PER_M = 5e3, 1e-3
-#: Steepness of PDM (AnyVisLoc, arXiv 2503.10692), and the distance in reference widths at which it is one half.
+#: Steepness of PDM (AnyVisLoc, arXiv 2503.10692), and the distance in reference widths at which PDM is one half.
 PDM_SHARPNESS, PDM_HALF = 6.0, 0.9
 #: AnyVisLoc's limits of positions, metres.
 WITHIN_M = (1.0, 3.0, 5.0, 10.0, 20.0)
@@ -30,7 +30,7 @@ class Shares(NamedTuple):
     Attributes
     ----------
     median : float
-        NaN without any.
+        NaN without errors.
     within : tuple of float
         Shares of all queries; those without an answer count as beyond every limit.
     """
@@ -40,7 +40,7 @@ class Shares(NamedTuple):
 
 
 def hits(ranking: Numbers, positives: Sequence[Numbers]) -> Flags:
-    """Whether each ranked reference (q, k) is a positive of its query; a ranking is padded with -1."""
+    """Whether each ranked reference (q, k) is a positive of its query; rankings are padded with -1."""
     _check_rows(ranking, len(positives))
     return np.array([np.isin(row, wanted) & (row >= 0) for row, wanted in zip(ranking, positives)], bool)
 
@@ -51,19 +51,19 @@ def recall(found: Flags, most: int) -> float:
 
 
 def top_percent(found: Flags, references: int) -> float:
-    """University-1652's recall@1 %: among one hundredth of the references, rounded half to even, plus one."""
+    """University-1652's recall@1 %: recall among the first hundredth of references, rounded half to even, plus one."""
     return recall(found, round(references * 0.01) + 1)
 
 
 def average_precision(found: Flags, positives: Numbers) -> float:
-    """Mean average precision, of precisions at each hit, as in scikit-learn and GTA-UAV.
+    """Mean over queries of the mean precision at hits, as in scikit-learn and GTA-UAV.
 
     Parameters
     ----------
     found : array (q, k) of bool
         Hits.
     positives : array (q,)
-        Number of positives of each query; unranked ones add nothing, and queries without any are left out.
+        Number of positives of each query; unranked positives add nothing, and queries without positives are left out.
     """
     rank = np.arange(1.0, found.shape[1] + 1.0)
     precision = np.cumsum(found, axis=1) / rank
@@ -73,7 +73,7 @@ def average_precision(found: Flags, positives: Numbers) -> float:
 def trapezoid_precision(found: Flags, positives: Numbers) -> float:
     """Mean average precision by trapezoids, as in University-1652 and DenseUAV; parameters as in `average_precision`.
 
-    Each hit adds the mean of the precisions at its rank and at the rank before, which is 1 for the first rank.
+    Each hit adds the mean of the precisions at its rank and at the previous one; before the first rank, it is 1.
     """
     rank = np.arange(1.0, found.shape[1] + 1.0)
     count = np.cumsum(found, axis=1)
@@ -95,7 +95,7 @@ def sdm(distances: Floats, most: int, weight: float) -> float:
     Parameters
     ----------
     distances : array (q, k)
-        From queries to their ranked references, in degrees or metres; NaN for none.
+        From queries to their ranked references, in degrees or metres; NaN where no reference is ranked.
     weight : float
         `SDM_PER_DEG` or `SDM_PER_M`.
     """
@@ -105,7 +105,7 @@ def sdm(distances: Floats, most: int, weight: float) -> float:
 def pdm(ratios: Floats, most: int) -> float:
     """AnyVisLoc's PDM@K: mean logistic nearness of the first K = ``most`` references, weighted as in `sdm`.
 
-    ``ratios`` (q, k) are distances over the width of the reference; NaN for none.
+    ``ratios`` (q, k) are distances divided by the reference's width; NaN where no reference is ranked.
     """
     with np.errstate(over="ignore"):
         near = 1.0 / (1.0 + np.exp(PDM_SHARPNESS * (ratios[:, : _checked(most)] - PDM_HALF)))
@@ -113,7 +113,7 @@ def pdm(ratios: Floats, most: int) -> float:
 
 
 def _ranked_mean(values: Floats, most: int) -> float:
-    """Mean over queries of values (q, k) with weights K, K - 1, …, 1; NaN counts 0."""
+    """Mean over queries of values (q, k) with weights K, K - 1, …, 1; NaN counts as 0."""
     weights = np.arange(min(most, values.shape[1]), 0.0, -1.0)
     sums = np.nan_to_num(values, nan=0.0) @ weights / weights.sum()
     return float(sums.mean()) if len(sums) else float("nan")

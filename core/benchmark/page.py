@@ -41,7 +41,7 @@ RECALL, WITHIN, MAP, FAILURES = "recall.png", "within.png", "map.png", "failures
 _COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE)
 #: Range of the diagram's axis of errors, metres.
 _LEAST_M, _GREATEST_M = 0.1, 10_000.0
-#: Side of the cut-outs of the mosaic.
+#: Side of cut-outs of the mosaic in the diagram of failures.
 _CUT_PX = 300
 
 
@@ -58,7 +58,7 @@ def write_scores(
     Parameters
     ----------
     diagrams : bool
-        Draw diagrams, which needs matplotlib.
+        Whether to draw diagrams, which needs matplotlib.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def scores_document(scores: Scores, title: str) -> dict[str, Any]:
 
 
 def value_text(one: Figure) -> str:
-    """Value of a figure as text: shares in per cent, errors to three digits."""
+    """Value of a figure as text: shares in per cent, numbers with units to three digits."""
     if not math.isfinite(one.value):
         return "–"
     if one.name == "queries":
@@ -228,7 +228,7 @@ def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
 
 
 def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
-    """The four worst queries, each beside the reference at its true and at its predicted position."""
+    """The four queries with the largest errors, each beside the reference at its true and predicted position."""
     known = np.flatnonzero(np.isfinite(errors.error_m))
     worst = known[np.argsort(-errors.error_m[known], kind="stable")][:4]
     whole = Image.fromarray(benchmark.colours(benchmark.mosaic.file))
@@ -238,7 +238,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         index = benchmark.query_rows[errors.query[at]]
         query, side_m = _north_up(benchmark, index)
         centre = benchmark.queries.centre_lat_deg[index], benchmark.queries.centre_lon_deg[index]
-        # The predicted image centre is as far from the predicted camera as in truth.
+        # Shift the true image centre by the error of the camera's position.
         moved = (
             centre[0] + float(errors.predicted_lat_deg[at] - errors.lat_deg[at]),
             centre[1] + float(errors.predicted_lon_deg[at] - errors.lon_deg[at]),
@@ -258,7 +258,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
 
 
 def _north_up(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
-    """A query rotated to north up and padded to a square, and the approximate width of that in metres."""
+    """A query rotated to north up and padded to a square, and the approximate width of the square in metres."""
     queries = benchmark.queries
     picture = open_image(benchmark.folder / queries.file[index], as_shown=True).convert("RGB")
     turned = picture.rotate(-float(queries.yaw_deg[index]), Image.BILINEAR, expand=True, fillcolor="white")
@@ -274,7 +274,7 @@ def _cut_out(whole: Image.Image, benchmark: Benchmark, place: tuple[float, float
     mosaic = benchmark.mosaic
     lat, lon = place
     x, y = (float(value) for value in mosaic.px(np.array(lat), np.array(lon)))
-    # The size of a pixel, from the latitude 100 px farther north; a degree of latitude has 111,195 m on average.
+    # Derive the size of a pixel from the latitude 100 px farther north; a degree has 111,195 m on average.
     farther_lat, _ = mosaic.ground(np.array(x), np.array(y - 100.0))
     half = side_m / 2.0 * 100.0 / max(abs(float(farther_lat) - lat) * 111_195.0, 1e-6)
     # Larger cut-outs would take memory and show nothing more.

@@ -26,9 +26,9 @@ from ..mission.relief.ground import Heights
 from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 
-#: Nominal field of view of the mosaic and its tiles; as they are map frames, any other would show the same.
+#: Nominal field of view of the mosaic and the tiles; any other would give the same map frames.
 _FOV_DEG = 30.0
-#: Least width of a tile: narrower ones show too little to recognise, and their number would have no bound.
+#: Least width of a tile: narrower tiles show too little to recognise, and their number would be unlimited.
 _LEAST_TILE_PX = 16
 
 
@@ -41,11 +41,11 @@ class BenchmarkSettings:
     queries : Mission
         Mission of the queries; its imagery is replaced by each of ``imageries``.
     imageries : tuple of NamedImagery
-        Imageries of the queries; each shows all of them.
+        Imageries of the queries; every query is captured from each.
     reference : NamedImagery
-        Imagery to find them in.
+        Imagery in which queries are localised.
     tile_widths_m : tuple of float
-        Widths of the reference's tiles on the ground; if empty, that of a square as large as a query's ground.
+        Widths of the reference's tiles on the ground; if empty, the side of a square with the median area of queries.
     tile_overlap : float
         Overlap of neighbouring tiles as a share of their width, in [0, 1).
     margin_m : float or None
@@ -57,9 +57,9 @@ class BenchmarkSettings:
     shares : three numbers
         Shares of training, validation and test.
     gap_m : float
-        With cross-area: minimum distance between the ground of two parts.
+        Minimum distance between the ground of two parts; for ``cross-area`` only.
     inside : bool
-        Leave out queries that see beyond one of the ``imageries`` or the reference.
+        Whether to leave out queries that see beyond the reference or one of the ``imageries``.
     """
 
     queries: Mission
@@ -111,7 +111,7 @@ class BenchmarkSettings:
             "split": self.split,
             "shares": list(self.shares),
             "gap_m": self.gap_m,
-            # Only where set: benchmarks of earlier versions lack it.
+            # Only if set, as benchmarks of earlier versions lack it.
             **({"inside": True} if self.inside else {}),
         }
 
@@ -123,9 +123,9 @@ class BenchmarkPlan:
     Attributes
     ----------
     queries : mapping of str to Plan
-        By name of imagery; captures of equal index have equal poses.
+        By name of imagery; all plans have equal poses at equal indices.
     mosaic : Plan
-        Plan of one image.
+        Plan of the reference as one image.
     tiles : mapping of float to Plan
         By width in metres.
     left_out : int
@@ -150,7 +150,7 @@ class BenchmarkPlan:
 
 
 def tiles_folder(width_m: float) -> str:
-    """Folder of the tiles of a width, relative to the benchmark's."""
+    """Folder of the tiles of a width, relative to the benchmark's folder."""
     return f"{REFERENCE_FOLDER}/{TILES}_{width_m:g}m"
 
 
@@ -162,9 +162,9 @@ def plan_benchmark(
     Parameters
     ----------
     grids : mapping of str to PixelGrid
-        Of each imagery's source, keyed by ``str`` of the imagery.
+        Pixel grid of each imagery's source, keyed by ``str`` of the imagery.
     heights : Heights or None
-        Of the queries' elevation model, if they have one.
+        Heights of the queries' elevation model; None without one.
 
     Raises
     ------
@@ -179,7 +179,7 @@ def plan_benchmark(
     queries, left_out = plan_imageries(mission), 0
     if settings.inside:
         asked = len(queries[settings.imageries[0].name])
-        # Repeated, as in wind the remaining queries move.
+        # Plan again until none is left out: in wind, the remaining queries move.
         while not (kept := _inside(settings, queries, grids)).all():
             mission = captured_points(mission, queries[settings.imageries[0].name], kept)
             queries = plan_imageries(mission)
@@ -207,7 +207,7 @@ def plan_benchmark(
 def _inside(
     settings: BenchmarkSettings, queries: Mapping[str, Plan], grids: Mapping[str, PixelGrid]
 ) -> NDArray[np.bool_]:
-    """Whether each query sees nothing beyond the imagery of its sources and of the reference."""
+    """Whether each query (n,) sees only ground within the imageries of the queries and the reference."""
     found = [captures_inside(queries[one.name], grids[str(one)]) for one in settings.imageries]
     found.append(captures_inside(queries[settings.imageries[0].name], grids[str(settings.reference)]))
     whole: NDArray[np.bool_] = np.logical_and.reduce(found)
@@ -229,7 +229,7 @@ def _cut(mosaic: Plan) -> Plan:
 def _extent_px(one: Plan) -> tuple[float, float, float, float]:
     """Left, top, right and bottom of a source's imagery at a plan's zoom.
 
-    Infinite unless the imagery is a rectangle along the axes of the grid, as that of a raster is.
+    Infinite unless the imagery is a rectangle along the axes of the grid, like a raster.
     """
     extent, world = one.grid.extent, one.grid.world_px(one.zoom)
     corners = np.array(extent or (), np.float64).reshape(-1, 2)
@@ -237,13 +237,13 @@ def _extent_px(one: Plan) -> tuple[float, float, float, float]:
     u, v = np.unique(np.round(corners, 12), axis=0).T if len(corners) else (corners[:, 0], corners[:, 1])
     if len(np.unique(u)) != 2 or len(np.unique(v)) != 2:
         return -math.inf, -math.inf, math.inf, math.inf
-    # Whole pixels inside; an edge within 1e-3 px of a whole one is taken for it, as fractions are rounded.
+    # Whole pixels inside; an edge within 1e-3 px of a pixel's edge counts as equal, as fractions are rounded.
     low, high = np.ceil(corners.min(axis=0) * world - 1e-3), np.floor(corners.max(axis=0) * world + 1e-3)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def _side_of_ground_m(queries: Plan) -> float:
-    """Side of a square of the median area of the queries' ground."""
+    """Side of a square with the median area of the queries' ground."""
     lat, lon = queries.corners.lat_deg, queries.corners.lon_deg
     ring = np.repeat(np.arange(len(lat)), lat.shape[1])
     areas = WGS84.ring_areas_m2(lon.ravel(), lat.ravel(), ring, len(lat))
@@ -251,7 +251,7 @@ def _side_of_ground_m(queries: Plan) -> float:
 
 
 def _ground(queries: Mapping[str, Plan]) -> Box:
-    """Bounding box of the queries' ground; longitudes of a mission are continuous."""
+    """Bounding box of the queries' ground; longitudes are continuous."""
     corners = [one.corners for one in queries.values()]
     lat = np.concatenate([one.lat_deg.ravel() for one in corners])
     lon = np.concatenate([one.lon_deg.ravel() for one in corners])
@@ -277,7 +277,7 @@ def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any
     asked = settings.queries
     values = {
         "frame": "map",
-        # The reference is a map, and not meant to resemble a camera's image.
+        # The reference is a map and need not resemble a camera's image.
         "accept_error": True,
         "image_format": asked.output.image_format,
         "crs": asked.imagery.crs,
@@ -297,7 +297,7 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
         math.radians(box.span_deg) * float(WGS84.normal_radius_m(np.array(widest))) * math.cos(math.radians(widest))
     )
     height_m = math.radians(box.north_deg - box.south_deg) * float(WGS84.meridional_radius_m(np.array(middle)))
-    # Spare for the midpoints of its sides, which a camera above the middle sees outside the box.
+    # One percent more, as a camera above the middle sees the midpoints of the sides outside the box.
     width_m, height_m = width_m * 1.01, height_m * 1.01
     px = math.ceil(max(width_m, height_m) / gsd_m)
     camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
@@ -326,7 +326,7 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
 
 
 def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
-    """Plan of tiles: windows of equal size that cover the mosaic exactly, with at least the overlap asked for."""
+    """Plan of tiles: windows of equal size that cover the mosaic exactly, with at least the requested overlap."""
     grid, zoom = mosaic.grid, mosaic.zoom
     left, top, wide, high = (int(part[0]) for part in mosaic.windows)
     lat, lon = (angle[:1] for angle in mosaic.frame_centres)
@@ -352,7 +352,7 @@ def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
 
 
 def _steps(length_px: int, side_px: int, overlap: float) -> NDArray[np.int64]:
-    """First pixels of tiles along a side, evenly spaced from end to end."""
+    """First pixels of tiles along a side of the mosaic, evenly spaced from end to end."""
     count = math.ceil((length_px - side_px) / max(side_px * (1.0 - overlap), 1.0)) + 1
     starts: NDArray[np.int64] = np.round(np.linspace(0.0, length_px - side_px, count)).astype(np.int64)
     return starts

@@ -1,4 +1,4 @@
-"""Built-in and user's methods, and their run over the queries of a benchmark."""
+"""Look up built-in and users' methods, and run them over the queries of a benchmark."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .folder import Benchmark
 
 
 def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
-    """Method that always answers with the middle of the reference: the baseline that any other has to beat."""
+    """Method that always answers with the middle of the reference: a baseline that other methods have to beat."""
     mosaic = benchmark.mosaic
     lat, lon = (
         float(angle) for angle in mosaic.ground(np.array(mosaic.width_px / 2.0), np.array(mosaic.height_px / 2.0))
@@ -35,12 +35,12 @@ def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
 
 
 def method_named(name: str) -> Method:
-    """Return a built-in method by name, or a user's by ``module:function``.
+    """Return a built-in method by name, or a user's method by ``module:function``.
 
     Raises
     ------
     InvalidInput
-        It does not exist or cannot be imported.
+        The method does not exist or cannot be imported.
     """
     if name in METHODS:
         module, function = METHODS[name]
@@ -48,7 +48,7 @@ def method_named(name: str) -> Method:
     module, colon, function = name.partition(":")
     if not colon:
         raise InvalidInput("method {0!r}: must be one of {1}, or module:function of your own", name, ", ".join(METHODS))
-    # Finds modules of the current folder, as `python -m` does.
+    # Find modules in the current folder, as `python -m` does.
     if "" not in sys.path:
         sys.path.insert(0, "")
     found = _imported(name, module, function)
@@ -91,16 +91,16 @@ def run_method(
     part : str
         As in `score`.
     progress : callable
-        Called with the number of answered queries and the number of all.
+        Called with the number of answered queries and the number of all queries.
     cancelled : callable
-        Called before each query.
+        Called before each query; returns whether to stop.
 
     Raises
     ------
     InvalidInput
         The part has no queries, or the method does not return an `Answer`.
     """
-    rows = benchmark.chosen(part).tolist()
+    rows = benchmark.query_rows_in(part).tolist()
     locate = method(benchmark, benchmark.gallery(part))
     answers: list[Answer] = []
     seconds: list[float] = []
@@ -116,12 +116,12 @@ def run_method(
 
 
 def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
-    """Have a query answered and convert the answer to plain values; a user's may be of any type."""
+    """Answer a query and convert the answer to plain values, as a user's method may return any types."""
     answer = locate(query)
     if not isinstance(answer, Answer):
         raise InvalidInput("method: answers {0} with {1}, not an Answer", query.id, safe_str(answer, repr))
     try:
-        # One more than there are is enough to refuse it: a generator may be endless.
+        # Read at most one reference more than there are tiles: a generator may be endless.
         references = tuple(islice(iter(answer.references), tiles + 1))
         pose = {name: float(getattr(answer, name)) for name in POSE}
     except (TerrAInavError, MemoryError):
@@ -139,7 +139,7 @@ def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
 
 
 def scores_folder(folder: Path, name: str, part: str = "") -> Path:
-    """Folder in the benchmark's for the scores of a method over a part, or over all queries."""
+    """Folder inside the benchmark's folder for the scores of a method over a part, or over all queries."""
     return folder / "scores" / (f"{name}-{part}" if part else name).replace(":", "-")
 
 

@@ -30,9 +30,9 @@ class Figure(NamedTuple):
     Attributes
     ----------
     name, unit : str
-        The unit is empty for a share, which is from 0 to 1.
+        The unit is empty for counts, and for shares, which are from 0 to 1.
     value : float
-        NaN where there is nothing to count.
+        NaN without anything to count or average.
     definition : str
     """
 
@@ -44,7 +44,7 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Errors(Columns):
-    """Errors of the answers to q queries; NaN where an answer has no such part.
+    """Errors of the answers to q queries; NaN where an answer lacks what an error needs.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ class Errors(Columns):
         True position of the camera.
     predicted_lat_deg, predicted_lon_deg : array (q,)
     error_m : array (q,)
-        Distance between the two along the ground.
+        Distance along the ground between true and predicted position.
     distance_m : array (q,)
         Distance between true and predicted camera in space.
     error_deg : array (q,)
-        Angle between the attitudes.
+        Angle between true and predicted attitude.
     rank : array (q,)
-        Rank of the first positive, from 1.
+        Rank of the first positive tile, from 1.
     tile_m : array (q,)
         Distance from the ground at the query's centre to the centre of the first tile.
     seconds : array (q,)
@@ -86,12 +86,12 @@ class Scores:
     Attributes
     ----------
     groups : dict of str to tuple of Figure
-        By the queries' imagery, with `ALL` for their union where there are several.
+        Figures by the queries' imagery, and for `ALL` queries if there are several imageries.
     recall : dict of str to array (k,)
         Recall@1 to recall@k of each group.
     errors : Errors
     tiles : int
-        Number in the gallery.
+        Number of tiles in the gallery.
     part : str
         Part of the queries; empty for all.
     """
@@ -104,7 +104,7 @@ class Scores:
 
 
 class _Compared(NamedTuple):
-    """Errors, hits (q, k), and distances of tiles (q, k); and whether any answer has a ranking, position, attitude."""
+    """Errors, hits and distances (q, k) of tiles, and whether any answer has a ranking, a position or an attitude."""
 
     errors: Errors
     hits: NDArray[np.bool_]
@@ -117,7 +117,7 @@ class _Compared(NamedTuple):
     is_posed: bool
 
     def take(self, rows: Numbers) -> _Compared:
-        """Return those of some queries."""
+        """Comparison of some queries, by row."""
         return _Compared(
             self.errors.take(rows),
             self.hits[rows],
@@ -137,14 +137,14 @@ def score(benchmark: Benchmark, predictions: Predictions, part: str = "") -> Sco
     Parameters
     ----------
     part : str
-        ``train``, ``validation`` or ``test``: its queries, searched among its tiles; empty for all.
+        ``train``, ``validation`` or ``test`` to score the part's queries, searched among its tiles; empty for all.
 
     Raises
     ------
     InvalidInput
         The part has no queries, or an answer ranks tiles of another part.
     """
-    rows, gallery = benchmark.chosen(part), benchmark.gallery(part)
+    rows, gallery = benchmark.query_rows_in(part), benchmark.gallery(part)
     compared = _compare(benchmark, predictions, rows, gallery)
     imagery = np.array(compared.errors.imagery)
     names = list(dict.fromkeys(compared.errors.imagery))
@@ -167,9 +167,9 @@ def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gall
     answer = np.full(len(queries), -1, np.int64)
     answer[predictions.index] = np.arange(len(predictions.index))
     at = answer[rows]
-    there = at >= 0
+    is_answered = at >= 0
     ranking = np.full((len(rows), max(predictions.ranking.shape[1], 1)), -1, np.int64)
-    ranking[there, : predictions.ranking.shape[1]] = predictions.ranking[at[there]]
+    ranking[is_answered, : predictions.ranking.shape[1]] = predictions.ranking[at[is_answered]]
     strange = np.setdiff1d(ranking[ranking >= 0], gallery)
     if len(strange):
         raise InvalidInput(
@@ -179,7 +179,8 @@ def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gall
             remedy="leave the tiles of other parts out, or run the method on the part (terrainav benchmark run --part)",
         )
     pose, seconds = np.full((len(rows), len(POSE)), np.nan), np.full(len(rows), np.nan)
-    pose[there], seconds[there] = predictions.pose[at[there]], predictions.seconds[at[there]]
+    pose[is_answered] = predictions.pose[at[is_answered]]
+    seconds[is_answered] = predictions.seconds[at[is_answered]]
     right = benchmark.positives()
     positives = [right[row] for row in rows.tolist()]
     hits = metrics.hits(ranking, positives)
@@ -222,11 +223,11 @@ def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gall
 
 
 def _figures(compared: _Compared, tiles: int) -> list[Figure]:
-    """All figures of a group."""
+    """Figures of a group of queries."""
     errors = compared.errors
     count = len(errors.query)
-    said = np.isfinite(errors.error_m) | np.isfinite(errors.tile_m)
-    found = [Figure("queries", float(count), "", f"asked for; {int(said.sum()):,} answered")]
+    answered = np.isfinite(errors.error_m) | np.isfinite(errors.tile_m)
+    found = [Figure("queries", float(count), "", f"asked for; {int(answered.sum()):,} answered")]
     if compared.is_ranked:
         found += _ranking_figures(compared, tiles)
     if compared.is_placed:
@@ -332,7 +333,7 @@ def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) ->
 
 
 def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Distances (q,) in space of positions (latitude, longitude, height); NaN where one is NaN."""
+    """Distances (q,) in space between positions (latitude, longitude, height); NaN where the other one has a NaN."""
     found = np.full(len(place[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         frame = LocalFrame(*(float(values[at]) for values in place))
@@ -341,14 +342,14 @@ def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
 
 
 def _between_deg(pose: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Angles (q,) between poses (latitude, longitude, yaw, tilt, roll); NaN where one is NaN."""
+    """Angles (q,) between poses (latitude, longitude, yaw, tilt, roll); NaN where the other one has a NaN."""
     found = np.full(len(pose[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         axes = [
             np.stack(image_axes(*attitude)) @ enu_axes(lat, lon)
             for lat, lon, *attitude in ([float(values[at]) for values in one] for one in (pose, other))
         ]
-        # From the chord between axes: the arccosine of the trace loses the digits of small angles.
+        # Computed from the chord between axes, as the arccosine of the trace loses the digits of small angles.
         chord = np.linalg.norm(axes[0] - axes[1])
         found[at] = math.degrees(2.0 * math.asin(min(float(chord) / math.sqrt(8.0), 1.0)))
     return found

@@ -1,4 +1,4 @@
-"""Ground truth: poses of queries, positions of tiles, and which of them show the same ground."""
+"""Ground truth: poses of queries, positions of tiles, and pairs of a query and a tile that show the same ground."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .planning import BenchmarkPlan, tiles_folder
 
 
 class Captured(NamedTuple):
-    """Images that exist: their set, their rows in its table, and their indices in the plan."""
+    """Images that exist: their `ImageSet`, their rows in its table, and their indices in the plan."""
 
     images: ImageSet
     rows: Numbers
@@ -28,11 +28,11 @@ class Captured(NamedTuple):
 
     @property
     def stems(self) -> list[str]:
-        """Names without extension."""
+        """Names of the images without extension."""
         return [Path(self.images.table.img_names[row]).stem for row in self.rows.tolist()]
 
     def files(self, root: Path) -> list[str]:
-        """Paths relative to a folder."""
+        """Paths of the images relative to a folder."""
         return [self.images.path(row).relative_to(root).as_posix() for row in self.rows.tolist()]
 
 
@@ -62,7 +62,7 @@ def locate_mosaic(root: Path, plan: Plan, found: Captured) -> ReferenceMosaic:
 
 
 def make_queries(root: Path, planned: BenchmarkPlan, parts: list[str]) -> Queries:
-    """Queries whose images exist; ``parts`` has the part of each capture of an imagery, or is empty."""
+    """Queries whose images exist; ``parts`` has the part of each capture (equal for all imageries), or is empty."""
     found = []
     for name, plan in planned.queries.items():
         images = captured(root / QUERIES_FOLDER / name, plan)
@@ -101,7 +101,7 @@ def make_queries(root: Path, planned: BenchmarkPlan, parts: list[str]) -> Querie
 
 
 def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
-    """Latitude and longitude, wrapped, of the ground at image centres."""
+    """Latitude and wrapped longitude of the ground at image centres."""
     middle, poses = ((0.0, 0.0),), plan.poses.take(index)
     poses = poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))
     seen, _ = plan.relief.seen(poses, plan.height_m[index], middle)
@@ -109,7 +109,7 @@ def _centres(plan: Plan, index: Numbers) -> tuple[Floats, Floats]:
 
 
 def make_references(root: Path, planned: BenchmarkPlan, parts: dict[str, list[str]]) -> References:
-    """Tiles whose images exist; ``parts`` has the part of each capture, by folder, or is empty."""
+    """Tiles whose images exist; ``parts`` has the part of each capture by folder, or is empty."""
     found = []
     for width_m, plan in planned.tiles.items():
         folder = tiles_folder(width_m)
@@ -149,7 +149,8 @@ def find_positives(
 ) -> Positives:
     """Pairs of queries and tiles that are positive or semi-positive.
 
-    Outlines of queries are traced by the exact camera, onto the relief if there is one. Areas are on the ellipsoid.
+    Outlines of queries are traced by the exact camera, onto the relief if there is one. Areas are measured on the
+    ellipsoid.
     """
     settings = planned.settings
     edges = references.west, references.south, references.east, references.north

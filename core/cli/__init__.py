@@ -53,13 +53,13 @@ def _main(argv: Sequence[str] | None) -> int:
         with raise_signals(signals), escape_output():
             code = _run(sys.argv[1:] if argv is None else argv)
             if sys.stdout is not None:
-                # Raise errors of output here, and not when Python exits.
+                # Raise errors of output here rather than when Python exits.
                 sys.stdout.flush()
     except KeyboardInterrupt as stopped:
         return _fail("stopped", getattr(stopped, "code", STOPPED))
     except Exception as wrong:  # noqa: BLE001 (the outermost handler)
         if signals and (isinstance(wrong, Cancelled) or not isinstance(wrong, TerrAInavError)):
-            # C modules interrupted by a signal during their import raise other errors.
+            # A C module that a signal interrupts during its import raises another error.
             return _fail("stopped", exit_code(signals[0]))
         return _failed(wrong)
     else:
@@ -77,10 +77,10 @@ def _failed(wrong: Exception) -> int:
     if isinstance(wrong, MemoryError):
         return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
     if isinstance(wrong, ValueError) and "embedded null" in str(wrong):
-        # From a settings file, as no argument can hold one.
+        # The name is from a settings file, as arguments cannot hold null characters.
         return _fail("a file name holds a null character, which is not allowed", BAD_INPUT)
     if isinstance(wrong, UnicodeEncodeError):
-        # Undecodable bytes of names are surrogates in Python. Show 60 characters around them.
+        # Python represents undecodable bytes of names as surrogates. Show 60 characters around them.
         part = wrong.object[max(wrong.start - 60, 0) : wrong.end + 60]
         return _fail(f"{part!a}: cannot be written as {wrong.encoding.upper()}", FAILED)
     if _is_out_of_threads(wrong):
@@ -116,7 +116,7 @@ def _run(argv: Sequence[str]) -> int:
     _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
     run = getattr(importlib.import_module(f".{module}", __name__), function)
-    # Only these two print nothing before their result.
+    # Print notices only for the commands that print nothing before their result.
     if arguments.command not in ("plan", "poses"):
         return int(run(arguments))
     from .printing import busy_notice
@@ -126,13 +126,13 @@ def _run(argv: Sequence[str]) -> int:
 
 
 def _check_addresses(values: Mapping[str, object]) -> None:
-    """Refuse passwords and keys in files, folders and addresses; sources check theirs separately."""
+    """Refuse passwords and keys in files, folders and addresses."""
     from ..errors import Message
     from ..storage.stores import check_no_credentials
 
     for name, value in values.items():
         for text in value if isinstance(value, list) else [value]:
-            # Sources and clusters are checked elsewhere.
+            # Credentials in sources and clusters are checked when these are opened.
             if isinstance(text, str) and name not in ("source", "url", "imagery", "elevation", "surface", "cluster"):
                 check_no_credentials(
                     text,

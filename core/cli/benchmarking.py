@@ -1,4 +1,4 @@
-"""Benchmarks on the command line: made, run and scored."""
+"""Make, run and score benchmarks on the command line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..mission.options import OPTIONS
 from ..text.plain import printable, writable
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
-    NAMED,
+    SOURCE_WAS_NAMED,
     Bar,
     mission_heights,
     names_source,
@@ -56,11 +56,11 @@ def _make(arguments: argparse.Namespace) -> int:
             for imagery in {str(one): one for one in (settings.reference, *settings.imageries)}.values()
         }
         grids = {name: source.grid for name, source in sources.items()}
-        worked_out = plan_benchmark(settings, grids, mission_heights(settings.queries, values))
+        planned = plan_benchmark(settings, grids, mission_heights(settings.queries, values))
         if arguments.dry_run:
-            _print_plan(worked_out)
+            _print_plan(planned)
             return DONE
-        made = _make_benchmark(worked_out, sources, arguments, values, signals)
+        made = _make_benchmark(planned, sources, arguments, values, signals)
     _print_made(made, arguments.json)
     if made.benchmark is None:
         print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
@@ -74,7 +74,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
     from ..mission.settings import build_mission, resolve
 
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
-    values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
+    values = {**resolve(given, config=arguments.config), SOURCE_WAS_NAMED: names_source(arguments)}
     more: dict[str, Any] = {} if arguments.shares is None else {"shares": tuple(arguments.shares)}
     return values, BenchmarkSettings(
         build_mission({**values, "imagery": None}),
@@ -97,7 +97,7 @@ def _open_source(imagery: NamedImagery, settings: BenchmarkSettings, values: dic
     asked = mission.imagery
     return requested_source(
         asked,
-        {**values, NAMED: True},
+        {**values, SOURCE_WAS_NAMED: True},
         open_cache(values),
         area_deg=mission.area.bounds.edges_deg,
         bands=asked.bands,
@@ -107,7 +107,7 @@ def _open_source(imagery: NamedImagery, settings: BenchmarkSettings, values: dic
 
 
 def _make_benchmark(
-    worked_out: BenchmarkPlan,
+    planned: BenchmarkPlan,
     sources: dict[str, Source],
     arguments: argparse.Namespace,
     values: dict[str, Any],
@@ -117,7 +117,7 @@ def _make_benchmark(
     from ..capture.progress import Listener
     from ..imagery.catalogue import check_policy, shared_requests
 
-    captures = [(imagery, sources[str(imagery)], plan) for imagery, plan in worked_out.captures.values()]
+    captures = [(imagery, sources[str(imagery)], plan) for imagery, plan in planned.captures.values()]
     needed = shared_requests([(source, plan.requests) for _, source, plan in captures])
     for (imagery, source, _), requests in zip(captures, needed):
         check_policy(
@@ -125,12 +125,12 @@ def _make_benchmark(
             requests,
             accept_terms=arguments.accept_terms,
             map_types=(imagery.map_type,),
-            bounds_deg=worked_out.settings.queries.area.bounds.edges_deg,
+            bounds_deg=planned.settings.queries.area.bounds.edges_deg,
         )
     bar = Bar(arguments.quiet)
     try:
         return make_benchmark(
-            worked_out,
+            planned,
             sources,
             values["data_dir"],
             connections=values["connections"],
@@ -141,13 +141,13 @@ def _make_benchmark(
         bar.close()
 
 
-def _print_plan(worked_out: BenchmarkPlan) -> None:
-    for folder, (imagery, plan) in worked_out.captures.items():
+def _print_plan(planned: BenchmarkPlan) -> None:
+    for folder, (imagery, plan) in planned.captures.items():
         size = f"{int(plan.frames.width_px.max()):,} x {int(plan.frames.height_px.max()):,} px"
         images = f"{len(plan):,} image{'s' * (len(plan) > 1)} of {size}"
         print(printable(f"{folder:28s}{images}, {plan.requests:,} requests, {imagery}"))
-    if worked_out.left_out:
-        print(f"{worked_out.left_out:,} queries of each imagery left out, which see beyond the imagery")
+    if planned.left_out:
+        print(f"{planned.left_out:,} queries of each imagery left out, which see beyond the imagery")
 
 
 def _print_made(made: BenchmarkResult, as_json: bool) -> None:
@@ -176,9 +176,9 @@ def _counts(benchmark: Benchmark | None) -> dict[str, Any]:
         "tiles": len(benchmark.references),
         "queries without a tile": sum(not len(one) for one in positives),
     }
-    own = benchmark.references.part
+    tile_parts = benchmark.references.part
     for part, queries in benchmark.queries_of_parts.items():
-        counts[part] = f"{queries:,} queries" + (f", {own.count(part):,} tiles" if any(own) else "")
+        counts[part] = f"{queries:,} queries" + (f", {tile_parts.count(part):,} tiles" if any(tile_parts) else "")
     return counts
 
 
@@ -210,7 +210,7 @@ def _run(arguments: argparse.Namespace) -> int:
     written = prediction_file(target, arguments.method)
     predictions.write(written, benchmark)
     print(f"predictions in {printable(str(written))}", file=sys.stderr)
-    return _judge(arguments, benchmark, predictions, arguments.method, target)
+    return _report_scores(arguments, benchmark, predictions, arguments.method, target)
 
 
 def _score(arguments: argparse.Namespace) -> int:
@@ -220,7 +220,7 @@ def _score(arguments: argparse.Namespace) -> int:
     benchmark = Benchmark.read(arguments.folder)
     predictions = Predictions.read(arguments.predictions, benchmark)
     name = writable(Path(arguments.predictions).stem)
-    return _judge(arguments, benchmark, predictions, name, _target(arguments, benchmark, name))
+    return _report_scores(arguments, benchmark, predictions, name, _target(arguments, benchmark, name))
 
 
 def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> Path:
@@ -231,7 +231,9 @@ def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> P
     return scores_folder(benchmark.folder, name, arguments.part or "")
 
 
-def _judge(arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path) -> int:
+def _report_scores(
+    arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path
+) -> int:
     from ..benchmark.page import scores_document, write_scores
     from ..benchmark.scoring import score
 

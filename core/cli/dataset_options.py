@@ -12,25 +12,34 @@ from ..geodesy.lens import Lens
 from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
 
-#: Options of missions that pairs share, from the command line, the environment or a file.
+#: Options of missions that ``terrainav pairs`` also has, on the command line, in the environment or in a file.
 _SHARED = (
-    *(
-        "source",
-        "map_type",
-        "date",
-        "crs",
-        "imagery",
-        "seed",
-        "camera",
-        "fov",
-        "upsample",
-        "ground_height",
-        "error_budget",
-    ),
-    *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
-    *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
+    "source",
+    "map_type",
+    "date",
+    "crs",
+    "imagery",
+    "seed",
+    "camera",
+    "fov",
+    "upsample",
+    "ground_height",
+    "error_budget",
+    "elevation",
+    "surface",
+    "vertical_datum",
+    "height_unit",
+    "height_offset",
+    "holes",
+    "accept_error",
+    "resampling",
+    "connections",
+    "placeholder",
+    "cache_dir",
+    "cache_limit",
+    "no_cache",
 )
-#: Help of those that mean something else for pairs.
+#: Help of shared options that mean something else for pairs.
 _PAIRS_HELP = {
     "map_type": f"one of {', '.join(MAP_TYPES)}",
     "imagery": "imagery of a view, if not --source: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both",
@@ -47,7 +56,15 @@ from 256 down to 121.5 m. From each view the camera looks at the place.
 
 
 def add_option(group: Any, option: Option, text: str = "", **more: Any) -> None:
-    """Add an option; ``text`` replaces its help, and ``more`` are further arguments of one with values."""
+    """Add an option.
+
+    Parameters
+    ----------
+    text : str
+        Replaces the option's help, unless empty.
+    **more
+        Further arguments of `add_argument`, for options that take values.
+    """
     name = "--" + option.name.replace("_", "-")
     if option.flag:
         group.add_argument(name, action="store_true", default=more.get("default"), help=text or option.full_help)
@@ -59,7 +76,7 @@ def add_option(group: Any, option: Option, text: str = "", **more: Any) -> None:
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:
-    """Add ``--json``; with the default `argparse.SUPPRESS` an action keeps the value given to its command."""
+    """Add ``--json``; with the default `argparse.SUPPRESS`, ``--json`` before an action's name still counts."""
     command.add_argument("--json", action="store_true", default=default, help="print as JSON")
 
 

@@ -1,4 +1,4 @@
-"""Datasets on the command line: cleaned, split, loaded as for training, converted."""
+"""Clean, split, load and convert datasets, and write orthophotos of them, on the command line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..dataset.split import Split
 
 
-#: Descriptions of the entropies in a table.
+#: Descriptions of the entropies in a table, by their measure.
 _MEASURES = {
     "grey": "of grey levels (the paper's equation 10)",
     "pooled": "of red, green and blue in one histogram, as the paper's published tables have them; thresholds of the "
@@ -174,7 +174,7 @@ def run_load(arguments: argparse.Namespace) -> int:
         for images, labels in batches:
             shapes[tuple(images.shape), tuple(labels.shape)] += 1
     except InvalidInput as wrong:
-        # Errors of PyTorch's worker processes contain their traceback; the message is its last line.
+        # An error of a PyTorch worker process contains its traceback, whose last line has the message.
         raise InvalidInput(str(wrong).strip().rpartition("\n")[2].rpartition("InvalidInput: ")[2]) from wrong
     seconds = time.perf_counter() - begun
     if arguments.json:
@@ -271,7 +271,7 @@ def _print_load(arguments: argparse.Namespace, samples: LabelledImages, shapes: 
 
 
 def run_convert(arguments: argparse.Namespace) -> int:
-    """Convert a published dataset to one with our tables."""
+    """Convert a published dataset to one with TerrAInav's tables."""
     from ..dataset.convert import convert
 
     converted = convert(arguments.folder, arguments.target, arguments.dataset)

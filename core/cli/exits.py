@@ -1,8 +1,17 @@
 """Exit codes of the command."""
 
-#: Done; some pictures failed; bad input; the source or the folder failed; internal error (EX_SOFTWARE of BSD's
-#: sysexits.h); stopped by the user with Ctrl-C.
-DONE, INCOMPLETE, BAD_INPUT, FAILED, FAULT, STOPPED = 0, 1, 2, 3, 70, 130
+#: Everything is done.
+DONE = 0
+#: Some images failed.
+INCOMPLETE = 1
+#: The input is invalid.
+BAD_INPUT = 2
+#: The source or the folder failed.
+FAILED = 3
+#: Internal error: EX_SOFTWARE of BSD's sysexits.h.
+FAULT = 70
+#: Stopped by the user with Ctrl-C.
+STOPPED = 130
 
 
 def exit_code(number: int) -> int:

@@ -13,13 +13,14 @@ def run_export(arguments: argparse.Namespace) -> int:
     from ..exports.kinds import BENCHMARKS, DATASETS, export_as
 
     kind = arguments.format
-    done = export_as(arguments.folder, arguments.target, kind, arguments.map_type)
+    result = export_as(arguments.folder, arguments.target, kind, arguments.map_type)
     if kind in DATASETS:
-        for path in done.paths:
+        for path in result.paths:
             print(printable(f"written     {path}"))
     elif kind in BENCHMARKS:
-        print(printable(f"{done.written:,} queries as {kind} in {done.paths[0]}"))
+        print(printable(f"{result.written:,} queries as {kind} in {result.paths[0]}"))
     else:
+        # Camera frames.
         where = f"the images stay in {arguments.folder}"
-        print(printable(f"{done.written:,} images as {kind} in {done.paths[0]}; {where}"))
+        print(printable(f"{result.written:,} images as {kind} in {result.paths[0]}; {where}"))
     return DONE

@@ -1,4 +1,4 @@
-"""Missions on the command line: figures, capture, report."""
+"""Plan, capture and report on missions on the command line."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ if TYPE_CHECKING:
     from ..pairs.capturing import PairResult
     from ..pairs.planning import PairSettings
 
-#: Failed pictures printed; all of them are in the journal and the tables.
+#: Failed images printed; the journal and the tables list all.
 NAMED_FAILURES = 10
-#: Key, among the values of options, of whether the user named the source.
-NAMED = "named_by_user"
-#: Suffix of a mission file; plans have others.
+#: Key, among the values of options, for whether the user named the source.
+SOURCE_WAS_NAMED = "named_by_user"
+#: Suffix of a mission file; files of plans have other suffixes.
 _MISSION = ".json"
 
 
 def names_source(arguments: argparse.Namespace) -> bool:
-    """Whether the user named the source, on the command line or in the environment, and not a file."""
+    """Whether the user named the source on the command line or in the environment, rather than in a file."""
     if getattr(arguments, "mission_file", None) is not None:
         return False
     return arguments.source is not None or bool(os.environ.get("TERRAINAV_SOURCE"))
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
-    """Return the requested mission, and the options of its run, including `NAMED`."""
+    """Return the requested mission, and the options of its run, including `SOURCE_WAS_NAMED`."""
     from ..mission.mission import Mission
     from ..mission.settings import build_mission, resolve
 
@@ -62,7 +62,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
         mission = build_mission({**values, "source": _source_name(values["source"])})
-        return mission, {**values, NAMED: names_source(arguments)}
+        return mission, {**values, SOURCE_WAS_NAMED: names_source(arguments)}
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
             raise InvalidInput(
@@ -71,7 +71,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
                 name.replace("_", "-"),
             )
     mission = Mission.load(arguments.mission_file, named_by_user=True)
-    return mission, {**resolve(given, config=arguments.config), NAMED: False}
+    return mission, {**resolve(given, config=arguments.config), SOURCE_WAS_NAMED: False}
 
 
 def _source_name(source: str) -> str:
@@ -100,7 +100,7 @@ def requested_source(
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
-            named_by_user=values[NAMED],
+            named_by_user=values[SOURCE_WAS_NAMED],
             **more,
         ),
     )
@@ -122,7 +122,7 @@ def _named_source(
 
 
 def _as_written(mission: Mission) -> bool:
-    """Whether images keep all bands of a source in its data type."""
+    """Whether images keep all bands of a source, in the source's data type."""
     return mission.output.image_format == "tif"
 
 
@@ -137,7 +137,7 @@ def mission_heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
         seed=mission.imagery.seed,
         connections=values["connections"],
         cache=open_cache(values),
-        named_by_user=values[NAMED],
+        named_by_user=values[SOURCE_WAS_NAMED],
     )
     return mission_heights(mission, options)
 
@@ -165,25 +165,25 @@ def _open_source(mission: Mission, values: dict[str, Any], *, as_stored: bool) -
     return closing(_named_source(mission, values, open_cache(values), as_stored=as_stored).open())
 
 
-def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
+def _bounds_deg(planned: Plan) -> tuple[float, float, float, float]:
     """West, south, east, north of a plan's captures."""
-    lat, lon = worked_out.lat_deg, worked_out.lon_deg
+    lat, lon = planned.lat_deg, planned.lon_deg
     return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
 
 
-def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
+def _check_terms(planned: Plan, source: Source, requests: int, accept_terms: bool) -> None:
     from ..imagery.catalogue import check_policy
 
     check_policy(
         source,
         requests,
         accept_terms=accept_terms,
-        map_types=worked_out.mission.imagery.map_types,
-        bounds_deg=_bounds_deg(worked_out),
+        map_types=planned.mission.imagery.map_types,
+        bounds_deg=_bounds_deg(planned),
     )
 
 
-def _summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> Summary:
+def _summary(planned: Plan, source: NamedSource, values: dict[str, Any]) -> Summary:
     from ..bands import RGB
     from ..imagery.opening import source_kind
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
@@ -191,54 +191,54 @@ def _summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> S
     policy = source.policy
     local = FROM_FILE if source_kind(source.text).is_file else OFFLINE
     costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
-    # The known file sizes are those of 8-bit red, green and blue.
+    # File sizes are known for 8-bit red, green and blue.
     share = source.bands.bytes_per_px / RGB.bytes_per_px
     costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
-    return estimate(worked_out, costs, policy.connections(values["connections"]), os.cpu_count() or 1)
+    return estimate(planned, costs, policy.connections(values["connections"]), os.cpu_count() or 1)
 
 
-def _figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> dict[str, Any]:
+def _figures(planned: Plan, source: NamedSource, values: dict[str, Any]) -> dict[str, Any]:
     """Figures of a plan as JSON data."""
     from ..bands import RGB
     from ..picture.cost import timed_cost
 
-    about = {
+    source_facts = {
         "source": source.title,
         "date": source.date,
         "crs": source.grid.plane.crs,
         "policy": asdict(source.policy),
     }
     if source.bands != RGB:
-        about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
-    cost = timed_cost(worked_out, source.bands)
-    return {**about, **_summary(worked_out, source, values).to_dict(), "cost": cost._asdict()}
+        source_facts["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
+    cost = timed_cost(planned, source.bands)
+    return {**source_facts, **_summary(planned, source, values).to_dict(), "cost": cost._asdict()}
 
 
-def _print_figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> None:
+def _print_figures(planned: Plan, source: NamedSource, values: dict[str, Any]) -> None:
     from ..bands import RGB
     from ..picture.cost import timed_cost
 
     policy = source.policy
-    facts = filter(None, (source.title, source.date, worked_out.grid.plane.label))
+    facts = filter(None, (source.title, source.date, planned.grid.plane.label))
     lines = [("source", ", ".join(facts))]
     if not source.is_local:
-        needed = _requests(worked_out)
+        needed = _requests(planned)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
     if source.bands != RGB:
         lines.append(("bands", str(source.bands)))
-    cost = timed_cost(worked_out, source.bands)
-    summary = _summary(worked_out, source, values)
-    for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
+    cost = timed_cost(planned, source.bands)
+    summary = _summary(planned, source, values)
+    for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(planned)))]:
         print(printable(f"{label:24s}{text}"))
 
 
-def _requests(worked_out: Plan) -> int:
-    return worked_out.requests * len(worked_out.mission.imagery.map_types)
+def _requests(planned: Plan) -> int:
+    return planned.requests * len(planned.mission.imagery.map_types)
 
 
 def run_plan(arguments: argparse.Namespace) -> int:
-    """Plan a mission, for each of its imageries; print the figures and write the files."""
+    """Plan a mission for each of its imageries; print the figures and write the files."""
     from ..mission.export import check_plan_ending, write_plan
 
     endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
@@ -256,9 +256,9 @@ def run_plan(arguments: argparse.Namespace) -> int:
             mission.save(path)
             files.append(path)
             continue
-        for name, worked_out in plans.items():
+        for name, planned in plans.items():
             target = _imagery_path(path, name)
-            exported = write_plan(worked_out, target)
+            exported = write_plan(planned, target)
             files += map(str, exported.files)
             for note in exported.notes:
                 print(printable(f"{target}: {note}"), file=sys.stderr)
@@ -269,17 +269,17 @@ def run_plan(arguments: argparse.Namespace) -> int:
         figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
         print(json.dumps({**({"imageries": figures} if each else figures[""]), "written": files}, indent=1))
         return DONE
-    for number, (name, worked_out) in enumerate(plans.items()):
+    for number, (name, planned) in enumerate(plans.items()):
         if each:
             print("\n" * bool(number) + printable(f"{'imagery':24s}{name}"))
-        _print_figures(worked_out, sources[name], values)
+        _print_figures(planned, sources[name], values)
     for file in files:
         print(printable(f"{'written':24s}{file}"))
     return DONE
 
 
 def _imagery_path(path: str, name: str) -> str:
-    """File of one imagery: ``plan-NAME.csv`` for ``plan.csv``; the same without a name."""
+    """File of one imagery: ``plan-NAME.csv`` for ``plan.csv``; unchanged if the name is empty."""
     from ..mission.export import check_plan_ending
 
     ending = check_plan_ending(path)
@@ -326,7 +326,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
     mission, values = _settings(arguments)
     if not values["data_dir"]:
-        # Probably from an unset variable; do not take it for the current folder.
+        # Probably an unset variable of the shell, which must not mean the current folder.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     each = mission.missions_by_imagery or {"": mission}
     in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
@@ -376,13 +376,13 @@ def _describe(place: str) -> None:
     export_as(place, None, "stac")
 
 
-def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource, values: Any) -> Blocks:
+def _blocks(arguments: argparse.Namespace, planned: Plan, source: NamedSource, values: Any) -> Blocks:
     """Division of a plan into blocks."""
     from ..capture.blocks.division import parse_block_size
     from ..capture.blocks.running import Blocks
 
     def image_bytes() -> float:
-        summary = _summary(worked_out, source, values)
+        summary = _summary(planned, source, values)
         return summary.output_bytes / max(summary.images, 1)
 
     images = IMAGES if arguments.block is None else parse_block_size(arguments.block, image_bytes)
@@ -407,10 +407,10 @@ def _run(
 
     plans = {name: _plan_mission(one, values, sources[name]) for name, one in each.items()}
     needed = shared_requests([(sources[name], _requests(one)) for name, one in plans.items()])
-    for (name, worked_out), requests in zip(plans.items(), needed):
-        _check_terms(worked_out, sources[name], requests, arguments.accept_terms)
+    for (name, planned), requests in zip(plans.items(), needed):
+        _check_terms(planned, sources[name], requests, arguments.accept_terms)
     bar = Bar(arguments.quiet)
-    how: Any = {
+    options: Any = {
         "connections": values["connections"],
         "resume": arguments.resume,
         "only_failed": arguments.only_failed,
@@ -423,12 +423,12 @@ def _run(
     }
     if in_blocks:
         name = next(iter(plans))
-        how["blocks"] = _blocks(arguments, plans[name], sources[name], values)
+        options["blocks"] = _blocks(arguments, plans[name], sources[name], values)
     try:
         if mission.imagery.imageries:
-            result = capture_imageries(mission, plans, sources, values["data_dir"], **how)
+            result = capture_imageries(mission, plans, sources, values["data_dir"], **options)
         else:
-            result = capture(plans[""], sources[""], values["data_dir"], **how)
+            result = capture(plans[""], sources[""], values["data_dir"], **options)
     finally:
         bar.close()
     for name, source in sources.items():
@@ -489,7 +489,7 @@ def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
 
 
 def print_repeated(repeated: Sequence[Repeat]) -> None:
-    """Print files that a provider sent for places far apart, and the remedy if they show no imagery."""
+    """Print files that a provider sent for places far apart, with the option to treat a file as missing imagery."""
     for repeat in repeated:
         named = f", such as {repeat.images[0]}" if repeat.images else ""
         print(
@@ -509,11 +509,11 @@ def run_report(arguments: argparse.Namespace) -> int:
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
-    # Errors are measured as displayed, in 8 bits.
+    # Errors are measured on 8-bit images, as displayed.
     with _open_source(mission, values, as_stored=False) as source:
-        worked_out = _plan_mission(mission, values, source)
-        # A report measures on a few images, and needs at most 200 requests.
-        _check_terms(worked_out, source, 200, arguments.accept_terms)
-        page = write_report(worked_out, source, arguments.output, progress=_say)
+        planned = _plan_mission(mission, values, source)
+        # A report measures only a few images, which take at most 200 requests.
+        _check_terms(planned, source, 200, arguments.accept_terms)
+        page = write_report(planned, source, arguments.output, progress=_say)
     print(printable(f"report in {page}"))
     return DONE

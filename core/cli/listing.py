@@ -1,4 +1,4 @@
-"""Sources, cameras and cached tiles on the command line: listed, added, removed."""
+"""List, add and remove sources, cameras and cached tiles on the command line."""
 
 from __future__ import annotations
 
@@ -19,10 +19,18 @@ if TYPE_CHECKING:
 
 #: Width of the first column of lists.
 _COLUMN = 22
-#: Options of ``sources add`` saved unchanged.
+#: Options of ``sources add`` that are saved unchanged.
 _SAVED = (
-    *("title", "attribution", "licence", "terms_url", "min_zoom", "max_zoom", "native_zoom"),
-    *("max_connections", "requests_per_s", "key_env"),
+    "title",
+    "attribution",
+    "licence",
+    "terms_url",
+    "min_zoom",
+    "max_zoom",
+    "native_zoom",
+    "max_connections",
+    "requests_per_s",
+    "key_env",
 )
 
 
@@ -79,7 +87,7 @@ def _show_source(arguments: argparse.Namespace) -> int:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
-    # Some sources offer several systems besides that of their entry, and refuse others.
+    # A source may offer other systems than its catalogue entry's; it refuses those that it does not offer.
     crs = source.grid.plane.crs if arguments.crs else ""
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
@@ -221,7 +229,7 @@ def _remove_camera(arguments: argparse.Namespace) -> int:
 
 
 def open_cache(values: dict[str, Any]) -> TileCache | None:
-    """Open the cache by the options of a run; None with --no-cache."""
+    """Open the cache that the options of a run name; None with --no-cache."""
     limit_mb = values["cache_limit"]
     if limit_mb is not None and limit_mb < 1:
         raise InvalidInput("cache limit {0} MB: must be 1 or more; --no-cache keeps nothing", limit_mb)
@@ -234,7 +242,7 @@ def open_cache(values: dict[str, Any]) -> TileCache | None:
 
 
 def _check_folder(folder: str | None) -> None:
-    # Probably from an unset variable; do not take it for the current folder.
+    # Probably an unset variable of the shell, which must not mean the current folder.
     if folder == "":
         raise InvalidInput("cache folder '': must be the name of a folder, or left out for the usual one")
     if folder is not None and is_address(folder):

@@ -33,7 +33,7 @@ A key is written {key} in a URL, and kept in the environment as TERRAINAV_KEY.
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser with one-line errors that parses numbers as files do."""
+    """Parser with one-line errors, which reads numbers as files of this project have them."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -67,8 +67,8 @@ def parser() -> argparse.ArgumentParser:
 def normalise(argv: Sequence[str]) -> list[str]:
     """Replace underscores in option names, and join options with values that begin with a minus.
 
-    Argparse would take a coordinate such as -35.1_-70.2_120 for an option; also a number such as -1e-05, which is
-    rewritten without the exponent.
+    Argparse would mistake a coordinate such as -35.1_-70.2_120 for an option, and also a number such as -1e-05, which
+    is rewritten without the exponent.
     """
     with_exponent = re.compile(r"-(?:\d+\.?\d*|\.\d+)[eE][+-]?\d{1,3}", re.ASCII)
     tidy: list[str] = []
@@ -148,7 +148,7 @@ def _add_alignment(command: argparse.ArgumentParser) -> None:
 
 
 def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] = ()) -> None:
-    """Add the options of a mission and the mission file; or, without the file, all options ``but`` some."""
+    """Add the mission file and all options of a mission; with ``but``, all options except these, and no file."""
     if not but:
         command.add_argument(
             "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
@@ -188,10 +188,10 @@ def _add_benchmark(commands: Any) -> None:
         help="ncc, sift, orb or middle, or your own module:function",
     )
     running.add_argument("--quiet", action="store_true", help="no progress")
-    judging = actions.add_parser("score", help="score predictions")
-    judging.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
-    judging.add_argument("predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …")
-    for command in (running, judging):
+    scoring = actions.add_parser("score", help="score predictions")
+    scoring.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
+    scoring.add_argument("predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …")
+    for command in (running, scoring):
         command.add_argument("--part", choices=PARTS, help="only queries of one part")
         command.add_argument(
             "--output", metavar="DIR", help="folder of the page and its files (BENCHMARK/scores/METHOD)"

@@ -15,8 +15,8 @@ from ..text.plain import printable
 from .dataset_options import shared_options
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
-    NAMED,
     NAMED_FAILURES,
+    SOURCE_WAS_NAMED,
     Bar,
     names_source,
     print_failed,
@@ -49,12 +49,12 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     from ..picture.heights import landscape_crs, terrain_heights
 
     if not arguments.data_dir and not arguments.dry_run:
-        # An empty one is probably from an unset variable; do not take it for the current folder.
+        # An empty name is probably an unset variable of the shell, which must not mean the current folder.
         raise InvalidInput("no folder for the pairs: give --data-dir, such as . for the current one")
     if arguments.sheet is not None:
         check_sheet(arguments.sheet)
     given = {option.name: getattr(arguments, option.name) for option in shared_options()}
-    values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
+    values = {**resolve(given, config=arguments.config), SOURCE_WAS_NAMED: names_source(arguments)}
     settings = _settings(arguments, values)
     places = _places(arguments, settings)
     sources = _sources(settings, values, None if arguments.dry_run else open_cache(values))
@@ -63,7 +63,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         crs=landscape_crs(settings.view_imagery(DRONE).source, settings.crs),
         connections=values["connections"],
         cache=open_cache(values) if settings.terrain.elevation else None,
-        named_by_user=values[NAMED],
+        named_by_user=values[SOURCE_WAS_NAMED],
     )
     heights = terrain_heights(settings.terrain, options)
     if arguments.dry_run:
@@ -72,9 +72,9 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         return DONE
     with ExitStack() as stack, collect_signals() as signals:
         opened = {view: stack.enter_context(closing(source.open())) for view, source in sources.items()}
-        worked_out = _plan(places, settings, {view: one.grid for view, one in opened.items()}, heights)
-        result = _capture(worked_out, opened, arguments, values, signals)
-    _print_result(worked_out, result, arguments.json)
+        planned = _plan(places, settings, {view: one.grid for view, one in opened.items()}, heights)
+        result = _capture(planned, opened, arguments, values, signals)
+    _print_result(planned, result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; finished images are kept, continue with --resume", file=sys.stderr)
         return exit_code(signals[0])
@@ -84,14 +84,14 @@ def run_pairs(arguments: argparse.Namespace) -> int:
 
 
 def _sources(settings: PairSettings, values: dict[str, Any], cache: TileCache | None) -> dict[str, NamedSource]:
-    """Source of the satellite, and of the drone if that has another imagery."""
+    """Source of the satellite, and of the drone if its imagery differs."""
     from ..pairs.planning import DRONE, SATELLITE
 
     asked = [settings.view_imagery(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
     return {
         one.name: requested_source(
             replace(settings, source=one.source, date=one.date, map_type=one.map_type, imageries=()),
-            {**values, NAMED: values[NAMED] or one in settings.imageries},
+            {**values, SOURCE_WAS_NAMED: values[SOURCE_WAS_NAMED] or one in settings.imageries},
             cache,
         )
         for one in asked
@@ -183,7 +183,7 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Pair
 
 
 def _capture(
-    worked_out: PairPlan,
+    planned: PairPlan,
     sources: dict[str, Source],
     arguments: argparse.Namespace,
     values: dict[str, Any],
@@ -196,7 +196,7 @@ def _capture(
 
     needed = shared_requests(
         [
-            (source, worked_out.count_requests(view) if len(sources) > 1 else worked_out.requests)
+            (source, planned.count_requests(view) if len(sources) > 1 else planned.requests)
             for view, source in sources.items()
         ]
     )
@@ -205,13 +205,13 @@ def _capture(
             source,
             requests,
             accept_terms=arguments.accept_terms,
-            map_types=(worked_out.settings.view_imagery(view).map_type,),
-            bounds_deg=worked_out.bounds_deg,
+            map_types=(planned.settings.view_imagery(view).map_type,),
+            bounds_deg=planned.bounds_deg,
         )
     bar = Bar(arguments.quiet)
     try:
         return capture_pairs(
-            worked_out,
+            planned,
             sources[SATELLITE],
             arguments.data_dir,
             drone_source=sources.get(DRONE),
@@ -223,39 +223,39 @@ def _capture(
         bar.close()
 
 
-def _counts(worked_out: PairPlan) -> str:
-    counts = worked_out.counts
-    ground = "ground is seen in two parts" if worked_out.ground_shared else "no ground is seen in two parts"
+def _counts(planned: PairPlan) -> str:
+    counts = planned.counts
+    ground = "ground is seen in two parts" if planned.ground_shared else "no ground is seen in two parts"
     return f"{counts['train']:,} to train, {counts['test']:,} to test, {counts['distractor']:,} distractors; {ground}"
 
 
-def _print_plan(worked_out: PairPlan, as_json: bool) -> None:
+def _print_plan(planned: PairPlan, as_json: bool) -> None:
     if as_json:
-        print(json.dumps({**_figures(worked_out), "requests": worked_out.requests}, indent=1))
+        print(json.dumps({**_figures(planned), "requests": planned.requests}, indent=1))
         return
-    views = len(worked_out.settings.views)
-    print(f"places      {len(worked_out.places):,}: {_counts(worked_out)}")
-    print(f"images      {worked_out.images:,}: for each place 1 of the satellite and {views:,} of the drone")
-    print(f"satellite   {worked_out.settings.satellite_width_m:,.1f} m wide")
-    print(f"views reach {worked_out.reach_m:,.0f} m from their place")
-    print(f"requests    {worked_out.requests:,}")
+    views = len(planned.settings.views)
+    print(f"places      {len(planned.places):,}: {_counts(planned)}")
+    print(f"images      {planned.images:,}: for each place 1 of the satellite and {views:,} of the drone")
+    print(f"satellite   {planned.settings.satellite_width_m:,.1f} m wide")
+    print(f"views reach {planned.reach_m:,.0f} m from their place")
+    print(f"requests    {planned.requests:,}")
 
 
-def _figures(worked_out: PairPlan) -> dict[str, Any]:
+def _figures(planned: PairPlan) -> dict[str, Any]:
     return {
-        "places": worked_out.counts,
-        "ground_shared": worked_out.ground_shared,
-        "images": worked_out.images,
+        "places": planned.counts,
+        "ground_shared": planned.ground_shared,
+        "images": planned.images,
     }
 
 
-def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> None:
+def _print_result(planned: PairPlan, result: PairResult, as_json: bool) -> None:
     if as_json:
-        about = {**result_document(result, "capture"), **_figures(worked_out), "left_out": list(result.left_out)}
-        print(json.dumps(about, indent=1))
+        document = {**result_document(result, "capture"), **_figures(planned), "left_out": list(result.left_out)}
+        print(json.dumps(document, indent=1))
         return
     print_written(result)
-    print(f"{len(worked_out.places):,} places: {_counts(worked_out)}")
+    print(f"{len(planned.places):,} places: {_counts(planned)}")
     requests = f"{result.requests:,} requests for {result.unique_parts:,} unique parts"
     print(printable(f"{requests}; pairs in {result.folder}"))
     print_failed(result.failed, result.folder / "pairs.csv")

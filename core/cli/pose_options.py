@@ -11,7 +11,7 @@ from ..mission.parts import Flight
 from ..poses.settings import Corridor, LineFlight, Orbit, PoseFile, Scan, Sensors
 from .dataset_options import add_option
 
-#: Options of a mission for the camera and its overlaps.
+#: Names of a mission's options for the camera and its overlaps.
 CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
 
 
@@ -40,7 +40,7 @@ def _add_read(actions: Any) -> None:
     fields = {field.name: field for field in declared_fields(PoseFile)}
     _add_field(reading, fields["format"])
     local = reading.add_argument_group("tum, kitti and euroc, in metres of a local frame")
-    # Any number of values: PoseFile refuses a wrong number with a better message.
+    # Any number of values, as PoseFile refuses wrong numbers with a better message.
     local.add_argument(
         "--origin",
         nargs="+",
@@ -112,7 +112,7 @@ _LINES = "GeoJSON file of LineStrings, flown one after another"
 
 
 def _add_field(group: Any, field: Field, default: str = "") -> None:
-    """Add the option of a declared field; ``default`` describes a default that depends on others."""
+    """Add the option of a declared field; ``default`` describes a default that depends on other options."""
     option = Option.from_field(field)
     text = (option.full_help, *(f"{value}: {label}" for value, label in field.choices.items()), default)
     more = {"choices": option.choices} if option.choices else {}
@@ -139,7 +139,7 @@ def _add_corridor(actions: Any) -> None:
 
 def _add_orbit(actions: Any) -> None:
     orbit = actions.add_parser("orbit", help="make a table of circles around a place, looking at it")
-    # Separate, as argparse cannot show two names of one positional argument.
+    # Two arguments, as argparse cannot show two names for one positional argument.
     for axis in ("lat", "lon"):
         orbit.add_argument(f"{axis}_deg", type=float, metavar=axis.upper(), help="of the centre, in degrees")
     _add_output(orbit)
@@ -165,7 +165,7 @@ def _add_scans(actions: Any) -> None:
 
 
 def _add_camera(command: argparse.ArgumentParser, *more: str) -> None:
-    """Add the options of a camera and of its overlaps, and others of a mission."""
+    """Add the options of a camera and its overlaps, and ``more`` options of a mission, by name."""
     group = command.add_argument_group("camera", "as for plan and capture, each also in the environment or config.json")
     for option in OPTIONS:
         if option.name in (*CAMERA, *more):

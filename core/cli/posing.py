@@ -65,7 +65,7 @@ def _random(arguments: argparse.Namespace) -> int:
 
 
 def _inside(arguments: argparse.Namespace) -> Callable[[Poses], Any]:
-    """Make the filter of poses that see nothing but imagery."""
+    """Return a function that reports which poses see only imagery of the source."""
     from ..imagery.opening import SourceOptions, named_source
     from ..mission.inside import poses_inside
     from ..mission.settings import build_camera, resolve
@@ -148,7 +148,7 @@ def _scan(arguments: argparse.Namespace) -> Scan:
 
 
 def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
-    """Camera of the command's options, and overlaps along and across rows."""
+    """Camera from the command's options, and overlaps along and across rows."""
     from ..mission.settings import build_camera, resolve
     from .pose_options import CAMERA
 

@@ -1,4 +1,4 @@
-"""Output of the command: notices of long work, and characters that the encoding lacks."""
+"""Output of the command: notices during long work, and escapes for characters that the encoding lacks."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-#: Seconds before the first notice that the command is at work, and between further ones.
+#: Seconds before the first notice that the command is at work, and between later notices.
 QUIET_S, AGAIN_S = 10.0, 60.0
 
 
 @contextmanager
 def busy_notice() -> Iterator[None]:
-    """Print notices to a terminal while the block takes long."""
+    """Print notices to a terminal while a ``with`` block takes long."""
     if sys.stderr is None or not sys.stderr.isatty():
         yield
         return
@@ -38,9 +38,9 @@ def _print_notices(ended: threading.Event) -> None:
 
 @contextmanager
 def escape_output() -> Iterator[None]:
-    r"""Have standard output escape characters that its encoding lacks as ``\xe9``, instead of raising an error."""
+    r"""Make standard output escape characters that its encoding lacks, as ``\xe9``, instead of raising an error."""
     out = sys.stdout
-    # It may be missing, or a notebook's, which accepts all characters.
+    # Standard output may be missing, or a notebook's, which accepts all characters.
     if not isinstance(out, io.TextIOWrapper) or out.errors != "strict":
         yield
         return

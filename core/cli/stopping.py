@@ -15,7 +15,7 @@ _SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP
 
 
 class Interrupted(KeyboardInterrupt):
-    """Raised by these signals as KeyboardInterrupt is by Ctrl-C, so that the command cleans up.
+    """Raised by a signal that ends the command, so that the command cleans up as after Ctrl-C.
 
     Parameters
     ----------
@@ -30,16 +30,16 @@ class Interrupted(KeyboardInterrupt):
 
 @contextmanager
 def raise_signals(received: list[int]) -> Iterator[None]:
-    """Have signals that would end the process raise Interrupted; append those received to a list at the end."""
+    """Raise Interrupted on signals that would end the process; at the end, append received signals to the list."""
 
     def receive(number: int, _frame: object) -> None:
         ask_to_end(number, 0.0)
         raise Interrupted(number)
 
     before = {number: signal.getsignal(number) for number in _SIGNALS}
-    # Signals that the caller ignores, as under nohup, or handles stay unchanged.
-    usual = (signal.SIG_DFL, signal.default_int_handler)
-    before = {number: handler for number, handler in before.items() if handler in usual}
+    # Leave signals that the caller handles, or ignores as under nohup, unchanged.
+    defaults = (signal.SIG_DFL, signal.default_int_handler)
+    before = {number: handler for number, handler in before.items() if handler in defaults}
     if threading.current_thread() is not threading.main_thread():
         before = {}
     for number in before:
@@ -55,7 +55,7 @@ def raise_signals(received: list[int]) -> Iterator[None]:
 
 @contextmanager
 def collect_signals() -> Iterator[list[int]]:
-    """Collect signals in a list instead of raising; the second one of each kind raises as usual."""
+    """Collect signals in a list instead of raising; a second signal of the same kind raises as usual."""
     received: list[int] = []
 
     def receive(number: int, _frame: object) -> None:
@@ -63,9 +63,9 @@ def collect_signals() -> Iterator[list[int]]:
         ask_to_end(number, GRACE_S)
         signal.signal(number, before[number])
 
-    # Signals that the caller ignores, as under nohup, stay ignored, apart from Ctrl-C.
-    heard = [n for n in _SIGNALS if n == signal.SIGINT or signal.getsignal(n) not in (signal.SIG_IGN, None)]
-    before = {number: signal.signal(number, receive) for number in heard}
+    # Signals that the caller ignores, as under nohup, stay ignored, except Ctrl-C.
+    collected = [n for n in _SIGNALS if n == signal.SIGINT or signal.getsignal(n) not in (signal.SIG_IGN, None)]
+    before = {number: signal.signal(number, receive) for number in collected}
     try:
         yield received
     finally:
