@@ -16,9 +16,9 @@ from ..numbers import real_number
 Places = NDArray[np.int64]
 
 _COMMA, _QUOTE, _LINE_END, _MINUS, _DOT, _ZERO = b',"\n-.0'
-#: Most characters of a number: 19 digits, which 64 bits hold, and a point; a sign is replaced by a zero.
+#: Most characters of a number: 19 digits, which fit 64 bits, and a point. A sign is replaced by a zero.
 _PLACES = 20
-#: Powers of ten, which doubles hold exactly, too.
+#: Powers of ten up to 10^19, also exact as doubles.
 _POWERS = np.array([10**power for power in range(_PLACES)], np.uint64)
 
 
@@ -30,7 +30,7 @@ class ReadCells:
     lines : sequence of int
         Lines (n,) on which the rows end, from 1.
     rows : sequence of sequence of str
-        Cells of each row; all rows have equally many.
+        Cells of each row; all rows have the same number.
     """
 
     def __init__(self, lines: Sequence[int], rows: Sequence[Sequence[str]]) -> None:
@@ -56,7 +56,7 @@ class CutCells:
     text : str
         Whole lines.
     raw : array of uint8
-        The text in UTF-8, padded with as many bytes as a number has characters.
+        The text in UTF-8, padded with ``_PLACES`` bytes.
     starts, ends : array (columns, n)
         Where cells begin and end in ``raw``.
     """
@@ -105,7 +105,7 @@ class CutCells:
         return values
 
     def _gather(self, column: int, width: int) -> NDArray[np.uint8]:
-        """First bytes (n, width) of the cells of a column; those of shorter cells run into what follows."""
+        """First bytes (n, width) of a column's cells; a shorter cell is followed by the text after it."""
         if width == 0:
             return np.empty((len(self.lines), 0), np.uint8)
         # View the bytes from each position on as one item: indexing then copies whole items.
@@ -127,14 +127,14 @@ def _parse_number(cell: bytes) -> float | None:
 
 
 def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, NDArray[np.bool_]]:
-    """Parse decimal numbers (n,); also return which of them certainly equal what ``float`` reads.
+    """Parse decimal numbers (n,); also return which of them certainly equal the result of ``float``.
 
     Parameters
     ----------
     found : array (n, places)
-        Characters: a sign, digits and a point. Rows with any others are uncertain. Overwritten.
+        Characters: a sign, digits and a point. Rows with other characters are uncertain. Overwritten.
     lengths : array (n,)
-        Lengths of the texts; the characters behind them are zeros.
+        Lengths of the numbers; the characters after them are zeros.
     """
     width = found.shape[1]
     negative = found[:, 0] == _MINUS
@@ -157,7 +157,7 @@ def _parse_decimals(found: NDArray[np.uint8], lengths: Places) -> tuple[Floats, 
 def _parse_fixed_point(
     point: int, found: NDArray[np.uint8], lengths: Places
 ) -> tuple[Floats, NDArray[np.bool_] | bool]:
-    """Parse numbers that all have the point at one place, or at the width if they have none."""
+    """Parse numbers whose points are all at one place; ``point`` is the width if they have none."""
     width = found.shape[1]
     digits = (found - _ZERO).astype(np.uint8, copy=False)
     places = [place for place in range(width) if place != point]
@@ -166,15 +166,15 @@ def _parse_fixed_point(
     sure = ~is_other.any(axis=1) if is_other.any() else True
     whole = _join_digits(digits, places)
     if point == width:
-        behind = np.clip(width - lengths, 0, _PLACES - 1)
-        return (whole // _POWERS[behind]).astype(np.float64), sure & (width < _PLACES)
+        padding = np.clip(width - lengths, 0, _PLACES - 1)
+        return (whole // _POWERS[padding]).astype(np.float64), sure & (width < _PLACES)
     values, exact = _divide(whole, len(places) - point)
     return values, exact & sure
 
 
 def _join_digits(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np.uint64]:
     """Whole numbers (n,) of the digits (n, …) at some places, most significant first."""
-    # A double holds the sum of ten digits exactly.
+    # Doubles hold the last ten digits exactly, and also the digits before them.
     low = max(len(places) - 10, 0)
     halves = np.zeros((digits.shape[1], 2))
     for index, place in enumerate(places):
@@ -189,9 +189,9 @@ def _join_digits(digits: NDArray[np.uint8], places: Sequence[int]) -> NDArray[np
 def _divide(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.bool_]]:
     """Divide whole numbers (n,) by a power of ten; also return which quotients are certainly the nearest doubles.
 
-    The quotient of the rounded number is corrected by the remainder, which is a double, and by the digits lost in
-    rounding. It is certain if a slightly larger and a slightly smaller correction give the same double: everywhere but
-    within 2^-50 of the middle between two doubles.
+    Each number is rounded to a double and divided. The quotient is corrected by the remainder, which is a double, and
+    by the digits lost in rounding. It is certain if slightly larger and slightly smaller corrections give the same
+    double, which fails only within 2^-50 of the middle between two doubles.
     """
     divisor = _POWERS[power].astype(np.float64)
     held = whole.astype(np.float64)
@@ -202,7 +202,7 @@ def _divide(whole: NDArray[np.uint64], power: int) -> tuple[Floats, NDArray[np.b
     error = ((left[0] * right[0] - product) + left[0] * right[1] + left[1] * right[0]) + left[1] * right[1]
     rest = (((held - product) - error) + last) / divisor
     nearest = quotient + rest
-    # More than the relative error of the correction, which two roundings make.
+    # Bound on the relative error of the correction, which is rounded twice.
     slack = 2.0**-50
     return nearest, (quotient + rest * (1.0 + slack)) == (quotient + rest * (1.0 - slack))
 
@@ -226,15 +226,15 @@ class CsvRows:
     ------
     InvalidInput
         The text is not CSV; messages call the table ``name``. Rows with more or fewer cells than headers are skipped
-        and added to ``faults`` with their lines.
+        and added to ``faults`` with their line numbers.
     """
 
     def __init__(self, texts: Iterable[str], name: str, faults: list[tuple[int, str]]) -> None:
         self._texts, self._name, self._faults = iter(texts), name, faults
         self._line = 0
-        #: Lines of a text that have not been read yet.
+        #: Lines of the current text that have not been read yet.
         self._left = io.StringIO()
-        # Takes a line only when a row needs it.
+        # Reads a line only when a row needs it.
         self._reader = csv.reader(iter(self._next_line, None), strict=True)
         self.headers = self._next_row() or []
 
@@ -298,7 +298,7 @@ def _split_cells(text: str, width: int, first_line: int) -> CutCells | None:
     starts[0], starts[1:] = 0, ends[:-1] + 1
     if quotes:
         quoted = (raw[starts] == _QUOTE) & (raw[ends - 1] == _QUOTE) & (ends - starts > 1)
-        # All quotes enclose whole cells; none is inside one.
+        # Every quote must be the first or the last character of a cell.
         if 2 * int(np.count_nonzero(quoted)) != quotes:
             return None
         starts += quoted

@@ -30,7 +30,7 @@ class Cleaned:
     Parameters
     ----------
     images, failed : int
-        Images that exist; rows of images that could not be made, which stay as they are.
+        Number of images that exist, and of rows whose image could not be made, which stay unchanged.
     rejected : int
         Images marked.
     by_roadmap : int
@@ -76,9 +76,9 @@ def clean(
 ) -> tuple[Cleaned, ...]:
     """Reject the images of all map types of a dataset whose entropy is below a threshold.
 
-    The roadmap's entropies decide for all map types where the dataset has roadmap images, and each image's elsewhere
-    (see `deciding_entropies`). The column ``rejected`` gives the reason. Images that an earlier run moved away and that
-    are no longer rejected are moved back.
+    Where the dataset has roadmap images, their entropies decide for all map types; elsewhere, each image's entropy
+    decides (see `deciding_entropies`). The column ``rejected`` gives the reason. Images that an earlier run moved away
+    and that are no longer rejected are moved back.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def undo(
 def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
     """Lock a dataset's folder against captures and other runs unless it is only read; raises OutputError."""
     with ExitStack() as locks:
-        # Object stores know no locks.
+        # Object stores have no locks.
         folders = [] if only_read or is_address(folder) else [Path(folder)]
         for path in folders:
             # Where a dataset holds several imageries, each of them has a journal.
@@ -172,14 +172,14 @@ def locked_folder(folder: str | os.PathLike[str], *, only_read: bool) -> Iterato
 
 
 def _half_progress(progress: Report | None, start: float) -> Report | None:
-    """Scale progress to the half of the work that starts at a share."""
+    """Scale progress to the half of the work that begins at the share ``start``."""
     return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
 def _judge(map_type: str, deciding: Deciding, threshold: float, move: bool) -> tuple[Cleaned, Table | None, list[Move]]:
     """Plan the cleaning of a map type: counts, the table if it changes, and the files to move."""
     names, made, decisive = deciding.names, deciding.made, deciding.entropies
-    # NaN, of a row without an image, is not below.
+    # Rows without an image have NaN, which is never below.
     below = decisive < threshold
     marks = tuple(
         f"{'roadmap ' if by else ''}entropy {value:.3f} below {threshold:g}" if low else ""

@@ -26,7 +26,7 @@ class Converted:
     Parameters
     ----------
     images, failed : int
-        Images copied; rows without an image.
+        Number of images copied, and of rows without an image.
     framed : int
         Images whose ground is known.
     """
@@ -45,13 +45,13 @@ def convert(
     Images are copied unchanged, including those that cleaning has moved to ``rejected``. Tables get the image sizes.
     Tables in TerrAInav's layout also get poses that look straight down with north up, heights if the name of the image
     folder states them, and windows: centred on ``Lat``, ``Lon`` at zoom ``Alt``, in pixels of 256 px tiles. Published
-    images may consist of tiles of a higher zoom than ``Alt``, which follows from the flight's height and field of view;
-    if these give no whole number of zooms, the windows stay unknown.
+    images may consist of tiles of a higher zoom than ``Alt``. How much higher follows from the flight's height and
+    field of view; if the difference is not a whole number, the windows stay unknown.
 
     Parameters
     ----------
     folder, target : path
-        Source; a new or empty folder.
+        Published dataset, and a new or empty folder for its copy.
     layout : str
         Layout of the source, one of `LAYOUTS`.
 
@@ -82,10 +82,10 @@ def convert(
 def _check_places(source: Path, target: Path) -> None:
     if (source / MISSION_FILE).is_file():
         raise InvalidInput("folder {0}: is a capture, whose tables are ours already", source)
-    inner, outer = target.resolve(), source.resolve()
-    if outer == inner or outer in inner.parents or inner in outer.parents:
+    copy, original = target.resolve(), source.resolve()
+    if original == copy or original in copy.parents or copy in original.parents:
         raise InvalidInput("folder {0}: must lie outside {1}, which is left as it is", target, source)
-    if inner == Path.cwd():
+    if copy == Path.cwd():
         raise InvalidInput(
             "folder {0!r}: is the current one, which is in use", os.fspath(target), remedy="give a new one"
         )
@@ -119,7 +119,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
                 continue
             with open_undecoded(path) as image:
                 sizes[index] = image.size
-                # Decode it to find truncated files: a JPEG at an eighth of its size, which is quick.
+                # Decode the image to find truncated files; a JPEG at an eighth of its size, which is fast.
                 image.draft(image.mode, (1, 1))
                 image.load()
         except UNREADABLE:

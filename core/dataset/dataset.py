@@ -46,11 +46,10 @@ from .vbn import read_vbn
 _MODES = {1: "L", 3: "RGB"}
 #: Raised by Pillow for files that are damaged, too large or not images.
 UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
-#: Pillow's modes with at most eight bits a channel: grey ones, and those converted to RGB.
-_GREY, _COLOUR = (
-    ("1", "L", "LA", "La"),
-    ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV"),
-)
+#: Pillow's grey modes with at most eight bits a channel.
+_GREY = ("1", "L", "LA", "La")
+#: Pillow's other modes with at most eight bits a channel, which are converted to RGB.
+_COLOUR = ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV")
 _GEOTIFF = (".tif", ".tiff")
 #: Unknown size.
 _UNKNOWN_PX = (math.nan, math.nan)
@@ -65,14 +64,14 @@ class ImageSet:
     Parameters
     ----------
     map_type : str
-        Such as ``satellite``, also of a published folder ``satellite_0``.
+        Such as ``satellite``, also for a published folder ``satellite_0``.
     folder : Path
         Folder of the table.
     table : Table
         All rows.
     files : Path or None
-        Local folder of the images; those that cleaning has moved are in ``rejected`` inside. None for images that are
-        objects of a store, or in shards.
+        Local folder of the images; its subfolder ``rejected`` holds the images that cleaning has moved. None if the
+        images are objects of a store, or in shards.
     shards : mapping of str to int
         Sizes in bytes of the tars that hold the images, by name; empty if images are files or objects.
     """
@@ -93,7 +92,7 @@ class ImageSet:
 
     @property
     def image_folder(self) -> Path:
-        """Local folder of the images; raises InvalidInput if they are not files of one."""
+        """Local folder of the images; raises InvalidInput if they are not local files."""
         if self.files is None:
             raise no_files_error(self.folder)
         return self.files
@@ -130,7 +129,7 @@ class ImageSet:
         channels : int or None
             1 for 8-bit grey (ITU-R BT.601), 3 for 8-bit red, green, blue; None for the channels of the file.
         file : path, StoredImage or None
-            Where the image is read from; None for `file`.
+            Where to read the image from; None for the result of the method `file`.
 
         Returns
         -------
@@ -166,8 +165,8 @@ class Dataset:
     layout : str
         One of `LAYOUTS`.
     image_sets : mapping of str to ImageSet
-        By map type; by folder name if several published folders have one map type, such as for several overlaps; by
-        imagery if the dataset holds several.
+        By map type; by folder name if several published folders share a map type, such as with different overlaps; by
+        imagery if the dataset holds several imageries.
     """
 
     folder: Path
@@ -253,14 +252,14 @@ def _check_positions(table: Table, path: Path) -> None:
 
 @dataclass(frozen=True)
 class Move:
-    """Move of a file of the image ``stem`` within a file system."""
+    """A file of the image ``stem``, and where to move it within a file system."""
 
     stem: str
     origin: Path
     target: Path
 
     def carry_out(self) -> None:
-        """Move it; raises OutputError."""
+        """Move the file; raises OutputError."""
         try:
             self.target.parent.mkdir(exist_ok=True)
             os.replace(self.origin, self.target)
@@ -280,23 +279,23 @@ class Images:
     Raises
     ------
     InvalidInput
-        A folder cannot be read, or a file is in both.
+        A folder cannot be read, or a file is in both folders.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        there = is_address(folder) or (folder / REJECTED_FOLDER).is_dir()
+        has_rejected = is_address(folder) or (folder / REJECTED_FOLDER).is_dir()
         self._kept, others = _list_folder(folder)
-        self._rejected, beside = _list_folder(folder / REJECTED_FOLDER) if there else (set(), set())
-        self._blocked = REJECTED_FOLDER in self._kept | others and not there
-        twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
-        if twice:
+        self._rejected, rejected_others = _list_folder(folder / REJECTED_FOLDER) if has_rejected else (set(), set())
+        self._blocked = REJECTED_FOLDER in self._kept | others and not has_rejected
+        in_both = sorted(self._kept & (self._rejected | rejected_others) | self._rejected & others)
+        if in_both:
             raise InvalidInput(
                 "folder {0}: {1} is in it and in {2} as well"
-                if len(twice) == 1
+                if len(in_both) == 1
                 else "folder {0}: {1} are in it and in {2} as well",
                 folder,
-                first_names(twice),
+                first_names(in_both),
                 REJECTED_FOLDER,
                 remedy="remove one of the two",
             )
@@ -312,7 +311,7 @@ class Images:
             Rows whose images have been made.
         """
         endings, stems = _check_names(self._folder, names)
-        alike = len(endings) == 1
+        has_one_ending = len(endings) == 1
         files = self._kept | self._rejected if self._rejected else self._kept
         lost = [name for name, is_made in zip(names, made.tolist()) if is_made and name not in files]
         if lost:
@@ -330,7 +329,7 @@ class Images:
         unknown = sorted(
             name
             for name in files
-            if (name if alike else _plain_stem(name)) not in stems
+            if (name if has_one_ending else _plain_stem(name)) not in stems
             and name[len(_plain_stem(name)) :] in endings
             and NAME.fullmatch(_plain_stem(name))
         )
@@ -363,7 +362,7 @@ class Images:
         Raises
         ------
         InvalidInput
-            A file is in the place of the folder for rejected images.
+            A file has the name of the folder for rejected images.
         """
         leaving, returning = set(out), set(back)
         if leaving and self._blocked:
@@ -404,7 +403,7 @@ class Images:
 
 
 def _check_names(folder: Path, names: Sequence[str]) -> tuple[set[str], set[str]]:
-    """Endings of images' names, and the set of names, without endings unless all are the same.
+    """Check names of images; return their endings, and the set of names, without endings if these differ.
 
     Raises
     ------
@@ -439,7 +438,7 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
 
 
 def _list_folder(folder: Path) -> tuple[set[str], set[str]]:
-    """Names of the files in a folder, and of everything else."""
+    """Names of the files in a folder, and of everything else in it."""
     if is_address(folder):
         return set(list_sizes(folder)), set()
     try:
@@ -470,7 +469,7 @@ def open_image(
     """Read an image, grey (``L``) or ``RGB``, and decode it.
 
     Transparency is dropped: pixels keep the colours below it. Colours become grey by ITU-R BT.601. Images are resized
-    with Pillow's bilinear filter, which averages all pixels that become one.
+    with Pillow's bilinear filter, which averages all pixels merged into one.
 
     Parameters
     ----------
@@ -489,8 +488,8 @@ def open_image(
         The file cannot be read, has more than eight bits a channel, or another size than expected.
     """
     try:
-        # From memory: both libtiff and Pillow close the file of a compressed TIFF, and the second may close a file that
-        # another thread has opened in between.
+        # Decode from memory: libtiff and Pillow both close the file of a compressed TIFF, and the second call may close
+        # a file that another thread has opened in between.
         data = _read(path)
         stored = _parse_bands(path, data, expected_px)
         if stored is not None:
@@ -525,8 +524,8 @@ def open_image(
     except UNREADABLE as wrong:
         # For a damaged compressed TIFF, Pillow reports a bare libtiff error number.
         is_number = re.fullmatch(r"(decoder error )?-?\d+", str(wrong))
-        what = Message("its pixels are damaged or cut off") if is_number else wrong
-        raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
+        reason = Message("its pixels are damaged or cut off") if is_number else wrong
+        raise InvalidInput("image {0}: cannot be read ({1})", path, reason) from wrong
 
 
 def open_masked(
@@ -568,7 +567,7 @@ def open_bands(path: Place, expected_px: tuple[float, float] = _UNKNOWN_PX) -> G
 
 
 def read_band_metadata(path: Place, channels: int) -> Bands | None:
-    """Read the bands stated by an image or by GDAL's file beside it; None if neither does.
+    """Read the bands stated by an image or by GDAL's file beside it; None if neither states any.
 
     Parameters
     ----------
@@ -579,10 +578,10 @@ def read_band_metadata(path: Place, channels: int) -> Bands | None:
         return parse_bands(_read(path))
     if isinstance(path, StoredImage):
         return None
-    beside = Path(f"{path}.aux.xml")
-    if not beside.is_file():
+    sidecar = Path(f"{path}.aux.xml")
+    if not sidecar.is_file():
         return None
-    return parse_pam_bands(read_limited(beside, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
+    return parse_pam_bands(read_limited(sidecar, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
 
 
 def _parse_bands(path: Place, data: bytes, expected_px: tuple[float, float]) -> GeoTiff | None:
@@ -616,7 +615,7 @@ def _shown(path: Place, stored: GeoTiff, img_size: tuple[int, int, int] | None, 
 def image_size(path: Place) -> tuple[int, int]:
     """Read the width and height of an image in px; raises InvalidInput or one of `UNREADABLE`."""
     if _suffix(path) in _GEOTIFF:
-        # Without decoding, as this is done for many images.
+        # Do not decode pixels: many images are read.
         stored = parse_geotiff(_read(path))
         if stored is not None:
             return stored.size

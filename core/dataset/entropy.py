@@ -1,4 +1,4 @@
-"""Entropies of images, which of them decides on each image, and the threshold that separates them best."""
+"""Entropies of images, the choice of the entropy that decides on each image, and the best threshold between them."""
 
 from __future__ import annotations
 
@@ -20,8 +20,13 @@ from .table import Table
 
 #: Entropy of 256 equally frequent grey levels, bits.
 HIGHEST_ENTROPY = 8.0
-#: How the entropies of a table were computed: by `entropy`, by `pooled_entropy`, or by neither.
-GREY, POOLED, UNKNOWN = MEASURES = ("grey", "pooled", "unknown")
+#: Measure of entropies computed by `entropy`.
+GREY = "grey"
+#: Measure of entropies computed by `pooled_entropy`.
+POOLED = "pooled"
+#: Measure of entropies computed in another way.
+UNKNOWN = "unknown"
+MEASURES = (GREY, POOLED, UNKNOWN)
 #: Called with the share done, 0 to 1; returning False stops the work.
 Report = Callable[[float], bool]
 
@@ -117,8 +122,8 @@ def otsu(values: NDArray[np.float64]) -> float | None:
 def separates_groups(values: NDArray[np.float64], threshold: float) -> bool:
     """Whether a threshold lies between two groups of values, not inside a single one.
 
-    Between groups, values near the threshold are at most half as frequent as at the lower of the peaks on either side,
-    by more than chance. `otsu` separates any values: it cuts a single group through the middle.
+    It does if values near it are at most half as frequent as at the lower of the peaks on either side, by more than
+    chance. `otsu` alone separates any values: it cuts a single group through the middle.
 
     Parameters
     ----------
@@ -135,23 +140,23 @@ def separates_groups(values: NDArray[np.float64], threshold: float) -> bool:
         first, last = (np.searchsorted(ordered, places + off) for off in (-width / 2.0, width / 2.0))
         return np.asarray(last - first, np.int64)
 
-    about = int(count_values(np.array([threshold]))[0])
+    near = int(count_values(np.array([threshold]))[0])
     low, high = (count_values(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold]))
-    return bool(about + math.sqrt(about) <= 0.5 * min(int(low), int(high)))
+    return bool(near + math.sqrt(near) <= 0.5 * min(int(low), int(high)))
 
 
 @dataclass(frozen=True, eq=False)
 class Deciding:
-    """The entropies that decide over the images of a map type.
+    """The entropies that decide on the images of a map type.
 
     Parameters
     ----------
     folder : Path
         Folder of the table.
     image_folder : Path
-        Folder of the images; those that cleaning has moved are in ``rejected`` inside.
+        Folder of the images; its subfolder ``rejected`` holds the images that cleaning has moved.
     images : Images
-        Its files, which agree with the table.
+        Files of the images, which agree with the table.
     entropies : array (n,)
         Bits; NaN for rows of images that could not be made.
     by_roadmap : array of bool (n,)
@@ -208,8 +213,8 @@ def image_entropies(dataset: Dataset | str | os.PathLike[str]) -> dict[str, Floa
 def deciding_entropies(folder: str | os.PathLike[str], *, progress: Report | None = None) -> dict[str, Deciding]:
     """Entropies that decide on the images of a dataset, by the names of its map types' folders.
 
-    The roadmap's entropies decide for all map types where the dataset has roadmap images, and each image's elsewhere
-    (the paper's section Post Processing). Entropies missing from the tables are computed from the images.
+    Where the dataset has roadmap images, their entropies decide for all map types; elsewhere, each image's entropy
+    decides (the paper's section Post Processing). Entropies missing from the tables are computed from the images.
 
     Parameters
     ----------
@@ -254,7 +259,7 @@ class _KnownEntropies:
     made : array of bool (n,)
         Rows of images that have been made.
     entropies : array (n,)
-        Bits; NaN for other rows and where the table has none.
+        Bits; NaN for other rows, and where the table has no entropy.
     """
 
     def __init__(self, folder: Path, table: Table, images: Path) -> None:
@@ -265,24 +270,24 @@ class _KnownEntropies:
         self.entropies = np.where(self.made, table.entropies, np.nan)
 
     def measure(self) -> str:
-        """Find the measure of the table's entropies by some images; `GREY` for captures and without entropies."""
+        """Identify the measure of the table's entropies from some images; `GREY` for captures and without entropies."""
         if (self.folder.parent / MISSION_FILE).is_file():
             # Computed before JPEG compression, whose losses can add half a bit and more to flat colours.
             return GREY
         stated = np.flatnonzero(np.isfinite(self.entropies))
-        # Five images show which it is.
-        some = stated[:: max(-(-len(stated) // 5), 1)]
-        off = []
-        for index in some.tolist():
+        # Five images suffice to identify the measure.
+        sample = stated[:: max(-(-len(stated) // 5), 1)]
+        errors = []
+        for index in sample.tolist():
             path = self.images.path(self.table.img_names[index])
             image = np.asarray(open_image(path, as_shown=True))
-            held = float(self.entropies[index])
-            off.append([abs(one(image) - held) for one in (entropy, pooled_entropy)])
-        if not off:
+            in_table = float(self.entropies[index])
+            errors.append([abs(one(image) - in_table) for one in (entropy, pooled_entropy)])
+        if not errors:
             return GREY
-        nearness = np.median(off, axis=0)
+        typical = np.median(errors, axis=0)
         # JPEG losses change an entropy by up to 0.1 bits.
-        return MEASURES[int(np.argmin(nearness))] if nearness.min() <= 0.1 else UNKNOWN
+        return MEASURES[int(np.argmin(typical))] if typical.min() <= 0.1 else UNKNOWN
 
     def entropies_by_place(self, place: Callable[[str], str]) -> dict[str, float]:
         """Entropies of the images that exist, by place."""

@@ -19,9 +19,11 @@ from .entropy import HIGHEST_ENTROPY, Deciding, deciding_entropies, otsu
 
 #: Width of a bar of the histogram, bits.
 _BIN = 0.1
-#: Most bars drawn side by side, each at least a pixel wide; rows of the image that replaces more bars.
-_COLUMNS, _ROWS = 1000, 480
-#: Light and dark, which also differ without colours.
+#: Most bars drawn side by side, each at least a pixel wide.
+_COLUMNS = 1000
+#: Rows of the image that replaces more bars than that.
+_ROWS = 480
+#: Colours of bars, one light and one dark, which also differ in print without colours.
 _REJECTED, _KEPT = "#9A9A9A", BLUE
 
 
@@ -39,17 +41,17 @@ def draw_histogram(
     suggested : float or None
         Another threshold, drawn as a dotted line.
     """
-    there = values[~np.isnan(values)]
+    known = values[~np.isnan(values)]
     dress(axes, title, "entropy, bits", f"images, per {_BIN:g} bit")
     steps = np.arange(np.floor(-threshold / _BIN), np.ceil((HIGHEST_ENTROPY - threshold) / _BIN) + 1.0)
     # Rounding may put the last edge just below the highest entropy, and so leave out images that have it.
     edges = np.append(threshold + steps * _BIN, HIGHEST_ENTROPY + _BIN)
-    counts = np.histogram(there, edges)[0]
+    counts = np.histogram(known, edges)[0]
     low = edges[:-1] < threshold
-    rejected = there < threshold
+    rejected = known < threshold
     for which, colour, label in (
-        (low, _REJECTED, _share("rejected", int(rejected.sum()), len(there))),
-        (~low, _KEPT, _share("kept", int((~rejected).sum()), len(there))),
+        (low, _REJECTED, _count_label("rejected", int(rejected.sum()), len(known))),
+        (~low, _KEPT, _count_label("kept", int((~rejected).sum()), len(known))),
     ):
         axes.bar(
             edges[:-1][which],
@@ -83,16 +85,16 @@ def draw_bars(axes: Any, values: Floats, threshold: float, *, suggested: float |
         Bits; NaN has no bar.
     """
     per_column = max(-(-len(values) // _COLUMNS), 1)
-    across = "image, in the order of the table"
+    x_label = "image, in the order of the table"
     if per_column > 1:
-        across += f" ({per_column:,} to a column, the darker the more of them reach there)"
-    dress(axes, title, across, "entropy, bits")
+        x_label += f" ({per_column:,} to a column, the darker the more of them reach there)"
+    dress(axes, title, x_label, "entropy, bits")
     axes.axhline(threshold, color=VERMILION, linewidth=2.2, label=f"threshold {threshold:g} bits")
     if suggested is not None:
         axes.axhline(suggested, color=BLACK, linewidth=1.5, linestyle=":", label=_suggestion(suggested))
-    there = values[~np.isnan(values)]
-    low = int((there < threshold).sum())
-    labels = _share("rejected", low, len(there)), _share("kept", len(there) - low, len(there))
+    known = values[~np.isnan(values)]
+    low = int((known < threshold).sum())
+    labels = _count_label("rejected", low, len(known)), _count_label("kept", len(known) - low, len(known))
     for kept, colour, label in zip((False, True), (_REJECTED, _KEPT), labels):
         if per_column > 1:
             axes.bar([0.0], [0.0], color=colour, label=label)
@@ -166,7 +168,7 @@ def _describe_source(deciding: Deciding) -> str:
     return f"the entropies of the roadmap, {made - by_roadmap:,} by their own"
 
 
-def _share(what: str, count: int, total: int) -> str:
+def _count_label(what: str, count: int, total: int) -> str:
     return f"{what}: {count:,}" + (f" ({count / total:.1%})" if total else "")
 
 
@@ -191,7 +193,7 @@ def _draw_bars(axes: Any, heights: Floats, colour: str, label: str) -> None:
 
 
 def _shades(values: Floats, threshold: float, per_column: int) -> Floats:
-    """Colours (rows, columns, 3) of bars that share columns, each covering its part of one.
+    """Colours (rows, columns, 3) of bars that share columns, each covering an equal part of its column.
 
     Rows go up from 0 to 8 bits; red, green and blue are from 0 to 1.
     """

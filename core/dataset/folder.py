@@ -18,7 +18,7 @@ JOURNAL_FILE = "journal.jsonl"
 PLAN_FILE = "plan.csv"
 FOOTPRINTS_FILE = "footprints.geojson"
 TABLE_FILE = "meta_data.csv"
-#: Folder beside the images of a map type: those that cleaning has moved away.
+#: Folder beside the images of a map type, with the images that cleaning has moved away.
 REJECTED_FOLDER = "rejected"
 #: The map type whose entropies decide on all images of a place.
 DECIDING = "roadmap"
@@ -29,7 +29,7 @@ NAME = re.compile(r"(\d+)_(\d+)_(-?\d+(?:\.\d+)?(?:e-\d+)?)_(-?\d+(?:\.\d+)?(?:e
 SUPPLEMENT_FOLDER = "JPG2"
 #: Threshold of the paper: in its dataset, images below it lack significant detail.
 DEFAULT_ENTROPY = 2.1
-#: Layouts of folders: of captures and of the paper's published data, and of the Night Vision supplement.
+#: Layouts of folders: of captures and the paper's published data; of the paper's Night Vision supplement.
 LAYOUTS = ("TerrAInav", "VBN")
 TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
 #: Shares of the parts in the paper.
@@ -37,7 +37,7 @@ SHARES = (0.8, 0.1, 0.1)
 SEED = 2024
 #: How images are ordered or grouped before they are split.
 AUTO, *_ = WAYS = ("auto", "shuffled", "in-order", "blocks")
-#: What labels may hold: the image's centre, the camera's position, its height, its attitude.
+#: Contents of labels: the image's centre, and the camera's position, height and attitude.
 TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE = ("image", "camera", "height", "attitude")
 #: Frames of labels by name; others are given as ``EPSG:…``.
 FRAMES = ("utm", "mercator", "mission")
@@ -51,7 +51,7 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
     Raises
     ------
     InvalidInput
-        The folder is not a dataset, or is one map type of a dataset whose others may matter.
+        The folder is not a dataset, or is one map type of a dataset with others that may matter.
     OutputError
         The object store cannot be reached.
     """
@@ -108,9 +108,9 @@ def _list_folders(path: Path) -> list[Path]:
 
 
 def place_key(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
-    """Return the function that maps an image's name to its place, shared by all images of the place.
+    """Return the function that maps an image's name to its key, which all images of one place share.
 
-    The place is the name without ending. For several imageries, whose zooms and pixels differ, it is column and row.
+    The key is the name without ending. For several imageries, whose zooms and pixels differ, it is column and row.
 
     Parameters
     ----------
@@ -141,10 +141,10 @@ def deciding_name(name: str) -> str:
 
 
 def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
-    """Name of the folder whose entropies decide for another: that with its ending, or without.
+    """Name of the roadmap folder whose entropies decide for a folder: with the same ending, or without.
 
-    Among imageries, it is the only one of the deciding map type. None if there is no such folder, or if it is ``name``
-    itself.
+    Among imageries, it is the only imagery of the deciding map type. None if there is no such folder, or if it is
+    ``name`` itself.
     """
     found = next((one for one in (deciding_name(name), DECIDING) if one in among), None)
     if found is None:
@@ -166,7 +166,7 @@ def raster_folders(folder: Path) -> list[Path]:
 
 
 def image_folder(folder: Path, table: Table) -> Path:
-    """Folder of the images of a map type: that of the table, or the folder of images inside that holds them.
+    """Folder of a map type's images: the table's folder or a folder in it, whichever holds most of them.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def image_folder(folder: Path, table: Table) -> Path:
     Raises
     ------
     InvalidInput
-        The images are not local files, several folders hold equally many of them, or one cannot be read.
+        The images are not local files, several folders hold equally many of them, or a folder cannot be read.
     """
     if is_address(folder) or any(table.shard):
         raise no_files_error(folder)
@@ -209,7 +209,7 @@ def no_files_error(folder: Path) -> InvalidInput:
 
 
 def _list_names(folder: Path) -> set[str]:
-    """Names in a folder of images and in its folder of rejected ones."""
+    """Names in a folder of images and in its folder of rejected images."""
     try:
         found = {one.name for one in folder.iterdir()}
         if (folder / REJECTED_FOLDER).is_dir():

@@ -52,7 +52,7 @@ class GeoTiff:
     stated : mapping of int to (low, high)
         Values displayed darkest and brightest, by band.
     is_placed : bool
-        It states the size of its pixels on the ground, as map frames do.
+        Whether the file states the size of its pixels on the ground, as map frames do.
     """
 
     width: int
@@ -98,12 +98,12 @@ class GeoTiff:
         if not self.mask:
             return None
         values = self._pixels
-        nothing = np.isnan(values) if self.mask == "nan" else values == float(self.mask)
+        no_data = np.isnan(values) if self.mask == "nan" else values == float(self.mask)
         # A pixel has no data only if all its bands have the no-data value.
-        return np.asarray(~nothing.all(axis=-1))
+        return np.asarray(~no_data.all(axis=-1))
 
     def shown(self) -> NDArray[np.uint8]:
-        """Displayed image (h, w) or (h, w, 3), stretched between values that the file states, or else percentiles."""
+        """Displayed image (h, w) or (h, w, 3), stretched between the values stated in the file, or else percentiles."""
         values = self.values()
         if self.bands.data_type == "uint8":
             return shown_in_8_bits(values, self.bands, ())
@@ -164,8 +164,8 @@ def _make_image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     if data_type is None or (data_type == "uint8" and count in (1, 3)):
         return None
     width, height = tags[_WIDTH][0], tags[_HEIGHT][0]
-    largest = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
-    if largest or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
+    is_too_large = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
+    if is_too_large or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
         raise ValueError("it is larger than images are")
     items = _parse_band_items(str(tags.get(_METADATA, "")))
     return GeoTiff(

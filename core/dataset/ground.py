@@ -2,8 +2,8 @@
 
 The ground is divided into blocks, bands of latitude cut by meridians. Each block goes to a part, with all images
 centred in it. Images whose ground overlaps that of another part, or is closer to it than the gap, are then removed:
-from the training part first, from the test part never. So parts share no ground whatever the blocks are, as each image
-is compared with all close ones.
+from the training part first, from the test part never. Each image is compared with all close ones, so parts share no
+ground, whatever the blocks are.
 """
 
 from __future__ import annotations
@@ -38,8 +38,10 @@ from .table import Table
 _EDGE_POINTS = 33
 #: Camera frames computed at a time, which bounds memory to about 50 MB.
 _FRAMES_AT_ONCE = 4096
-#: Lengths of the equator and of an average degree of latitude, metres, for nominal sizes of blocks.
-_EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
+#: Length of the equator, for nominal sizes of blocks.
+_EQUATOR_M = 40_075_017.0
+#: Length of an average degree of latitude, for nominal sizes of blocks.
+_DEGREE_M = 111_195.0
 
 
 class GroundBoxes(NamedTuple):
@@ -84,8 +86,8 @@ def ground_boxes(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle
     Raises
     ------
     InvalidInput
-        A window is not about ``Lat``, ``Lon`` of its row, the plan's table is missing or lacks images, or the size of
-        an image cannot be read.
+        A window is not centred on ``Lat``, ``Lon`` of its row, the plan's table is missing or lacks images, or the size
+        of an image cannot be read.
     """
     table = images.table
     edges = np.full((4, len(rows)), np.nan)
@@ -114,8 +116,10 @@ def _window_boxes(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: 
     )
     u, v = lon_to_u(table.lon_deg[rows]), lat_to_v(table.lat_deg[rows])
     tiles = np.exp2(table.zoom[rows].astype(np.float64))
-    far = v * tiles
-    tile_px = 256.0 * max(np.round(np.median((top + height / 2.0)[far > 0.0] / far[far > 0.0]) / 256.0), 1.0)
+    tiles_down = v * tiles
+    tile_px = 256.0 * max(
+        np.round(np.median((top + height / 2.0)[tiles_down > 0.0] / tiles_down[tiles_down > 0.0]) / 256.0), 1.0
+    )
     world = tile_px * tiles
     off_x = (left + width / 2.0) / world - u
     off = np.maximum(np.abs(off_x - np.round(off_x)), np.abs((top + height / 2.0) / world - v)) * world
@@ -153,9 +157,9 @@ def _plane_boxes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Groun
         plane = image_plane(table, int(rows[at[0]]))
         lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
         # No box holds the ground around a pole, whose longitudes add up to a turn.
-        way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
-        known = np.isfinite(lat).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
-        lon = lon[:, :1] + np.concatenate([np.zeros((len(at), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
+        turns = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
+        known = np.isfinite(lat).all(axis=1) & (np.abs(turns.sum(axis=1)) < 180.0)
+        lon = lon[:, :1] + np.concatenate([np.zeros((len(at), 1)), np.cumsum(turns[:, :-1], axis=1)], axis=1)
         u = lon_to_u(lon)
         u = u - np.round(u[:, :1] - middle_u)
         box = u.min(axis=1), u.max(axis=1), lat.min(axis=1), lat.max(axis=1)
@@ -205,9 +209,9 @@ def _trace_boxes(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Float
     ring = trace(lat[:, :, np.newaxis], agl[:, :, np.newaxis], rays)
     ring_lat, dlon = (values.reshape(len(lat), -1) for values in (ring.lat_deg, ring.dlon_deg))
     # No box holds the ground around a pole, whose longitudes add up to a turn.
-    way = wrap_lon_deg(np.roll(dlon, -1, axis=1) - dlon)
-    known = ring.hit.reshape(len(lat), -1).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
-    dlon = dlon[:, :1] + np.concatenate([np.zeros((len(lat), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
+    turns = wrap_lon_deg(np.roll(dlon, -1, axis=1) - dlon)
+    known = ring.hit.reshape(len(lat), -1).all(axis=1) & (np.abs(turns.sum(axis=1)) < 180.0)
+    dlon = dlon[:, :1] + np.concatenate([np.zeros((len(lat), 1)), np.cumsum(turns[:, :-1], axis=1)], axis=1)
     west, east, south, north = dlon.min(axis=1), dlon.max(axis=1), ring_lat.min(axis=1), ring_lat.max(axis=1)
     # Edges bend between their points by a thousandth of their length at most, and resampling reaches some pixels
     # beyond.
@@ -250,9 +254,9 @@ def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> No
 def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
-    Images of a turned camera always are. A camera that looks straight down, with the image's top to the map's north or
-    a quarter turn from it, may have made either kind. Of these, only map frames are georeferenced: by a GeoTIFF's tags,
-    or by a world file beside the image. The same holds for angles within the error budget, as on rows along meridians.
+    Images of a tilted or turned camera always are. Images that look straight down, with the top to the map's north or a
+    quarter turn from it, may be of either kind; of these, only map frames are georeferenced, by a GeoTIFF's tags or by
+    a world file beside the image. Angles within the error budget, as on rows along meridians, count as straight down.
     """
     table = images.table
     # Map frames in another CRS point to its north.
@@ -262,7 +266,7 @@ def are_camera_frames(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -
         *(np.nan_to_num(angle[rows]) for angle in (table.tilt_deg, table.roll_deg)),
     )
     most = max(float(np.abs(angle).max()) for angle in angles)
-    # An image of 640 x 480 px is then wrong by up to 35 px, more than a sensible error budget allows.
+    # By then, a map frame of 640 x 480 px is wrong by up to 35 px, more than a sensible error budget allows.
     if most > 5.0:
         return True
     path = images.file(int(rows[0]))
@@ -327,7 +331,7 @@ def assign_blocks(boxes: GroundBoxes, block_m: float) -> Numbers:
     south, west = boxes.south_deg.min(), boxes.west_u.min()
     step_deg = block_m / _DEGREE_M
     row = _floor_rounded((lat - south) / step_deg)
-    # Blocks at a pole are those of 89.9°, where the cosine is not 0.
+    # Near a pole, use the blocks of 89.9°, where the cosine is not 0.
     middle = np.radians(np.clip(south + (row + 0.5) * step_deg, -89.9, 89.9))
     # A whole number of blocks around the world: each has two neighbours, also at the antimeridian.
     around = np.maximum(np.floor(_EQUATOR_M * np.cos(middle) / block_m), 1.0)
@@ -372,7 +376,7 @@ def assign_parts(
 
 
 def deviation(part: Numbers, shares: Sequence[float]) -> float:
-    """Largest difference of the reached shares from those asked for; infinite if a part has no images."""
+    """Largest difference between the shares reached and those asked for; infinite if a part has no images."""
     counts = [int((part == one).sum()) for one in range(3)]
     if any(share > 0.0 and not count for share, count in zip(shares, counts)):
         return math.inf
@@ -404,7 +408,7 @@ def _assign_parts(sizes: Numbers, order: Sequence[int], shares: Sequence[float],
 
 
 def _remove_gap(boxes: GroundBoxes, part: Numbers, gap_m: float) -> Numbers:
-    """Copy parts (n,) with -1 for boxes too close to one of a later part."""
+    """Copy parts (n,) with -1 for boxes too close to a box of a later part."""
     part = part.copy()
     for low, high in ((1, (2,)), (0, (1, 2))):
         mine, others = np.flatnonzero(part == low), np.flatnonzero(np.isin(part, high))
@@ -414,7 +418,7 @@ def _remove_gap(boxes: GroundBoxes, part: Numbers, gap_m: float) -> Numbers:
 
 
 def find_close(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
-    """Find boxes (n,) that share ground with one of others (m,), or are closer to one than the gap.
+    """Find boxes (n,) that share ground with one of others (m,), or are closer than the gap to one of them.
 
     Boxes that only touch share nothing. Cases of doubt, at corners and by the shape of the Earth, count as close.
     """
@@ -435,13 +439,13 @@ def find_close(boxes: GroundBoxes, others: GroundBoxes, gap_m: float) -> Flags:
 
 
 def _enlarge(boxes: GroundBoxes, gap_m: float) -> GroundBoxes:
-    """Enlarge boxes by all ground closer to them than a gap.
+    """Enlarge boxes by all ground within a gap around them.
 
     On a sphere, the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
     """
     if gap_m == 0.0:
         return boxes
-    # Less than the ellipsoid's smallest radius of curvature, 6335 km, so that angles are rather too large.
+    # Less than the ellipsoid's smallest radius of curvature, 6335 km, so that angles are never too small.
     angle = gap_m / 6_330_000.0
     farthest = np.radians(np.maximum(np.abs(boxes.south_deg), np.abs(boxes.north_deg)))
     ratio = math.sin(angle) / np.maximum(np.cos(farthest), 1e-12)
@@ -524,7 +528,7 @@ def _widest(sizes: Floats) -> float:
 
 
 def _floor_rounded(values: Floats) -> Floats:
-    # Centres of regular missions often lie on the border of two blocks: every machine is to choose the same one.
+    # Centres of regular missions often lie on the border of two blocks: round, so that every machine chooses the same.
     step = 2.0**-20
     whole: Floats = np.floor(np.round(values / step) * step)
     return whole

@@ -75,10 +75,10 @@ class Labels:
     def positions(self, values: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes (n,) in degrees of labels (n, 2), such as a network predicts.
 
-        The scaler is exact (see `Scaler`), so positions are off by the round trip through the projection only: 20 nm in
+        The scaler is exact (see `Scaler`), so the only error is that of the round trip through the projection: 20 nm in
         a UTM zone, in Web Mercator, and in the mission's plane up to 80° of latitude; a micrometre in UPS, and in the
-        mission's plane up to half a degree from a pole. Elsewhere, far from a zone, at a pole, and in frames ``EPSG:…``
-        of another datum, it is less than a millimetre, which `choose_frame` checks for the images.
+        mission's plane up to half a degree from a pole; elsewhere (far from a zone, at a pole, in frames ``EPSG:…`` of
+        another datum) less than a millimetre, which `choose_frame` checks for the images.
         """
         return self.frame.inverse(self.scaler.inverse(values))
 
@@ -230,9 +230,9 @@ class Frame:
     crs : str
         ``EPSG:…``, or PROJ's text of an oblique stereographic plane.
     middle_lat_deg, middle_lon_deg : float
-        Middle of its positions.
+        Middle of the positions.
     zones : tuple of str
-        UTM and UPS zones of its positions, such as ``16N``, ``UPS north``.
+        UTM and UPS zones of the positions, such as ``16N``, ``UPS north``.
     """
 
     crs: str
@@ -253,7 +253,7 @@ class Frame:
         lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
         if self.crs == _WEB_MERCATOR:
             continuous = self.middle_lon_deg + wrap_lon_deg(lon - self.middle_lon_deg)
-            # Without wrapping, keep the last bits, which the detour by the middle would cost.
+            # Leave longitudes that need no wrapping as they are: the detour by the middle costs their last bits.
             u = lon_to_u(np.where(np.abs(continuous - lon) < 180.0, lon, continuous))
             metres: Floats = np.stack([2.0 * u - 1.0, 1.0 - 2.0 * lat_to_v(lat)], axis=-1) * HALF_WORLD_M
             return metres
@@ -351,8 +351,8 @@ def _frame_crs(frame: str, lat_deg: float, lon_deg: float) -> str:
 
 def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
     """Raise InvalidInput unless positions survive the round trip through a frame."""
-    # Projections keep nanometres in their domain; shifts between datums, and an oblique plane beside a pole, some
-    # tenths of a millimetre.
+    # Projections are exact to nanometres in their domain; shifts between datums, and an oblique plane beside a pole,
+    # to some tenths of a millimetre.
     tolerance_m = 1e-3
     metres = frame.forward(lat, lon)
     with np.errstate(invalid="ignore"):
@@ -368,7 +368,7 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         )
         ground = geodesics(middle_lat, middle_lon, lat, lon)[2]
         held &= geodesics(lat, lon, back_lat, back_lon)[2] <= tolerance_m
-        # Web Mercator enlarges distances from the middle by up to 11.6, at the edge of its map; a frame cut by a seam
+        # Web Mercator enlarges distances from the middle up to 11.6 times, at the map's edge; a frame cut by a seam
         # enlarges them far more. NaN, if the frame cannot hold the middle, passes.
         held &= ~(away > 16.0 * ground + tolerance_m)
     if not held.all():
@@ -394,7 +394,7 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
 
 @lru_cache(maxsize=8)
 def _crs(code: str) -> CRS:
-    """Cached, as making a CRS takes some milliseconds."""
+    """Read a CRS; cached, as this takes some milliseconds."""
     return read_reference(code)
 
 
@@ -402,9 +402,9 @@ def _crs(code: str) -> CRS:
 class Scaler:
     """Means and standard deviations of labels, by column.
 
-    `inverse` reverts `transform`: to the last bit if a value is at least 8 times as far from 0 as from the mean, as are
-    most eastings and northings, since the three roundings in between are then less than half of the value's last bit;
-    otherwise within 2⁻⁵¹ of the distance from the mean, 0.4 nm at 1000 km.
+    `inverse` reverts `transform` to the last bit if a value is at least 8 times as far from 0 as from the mean, like
+    most eastings and northings: the three roundings in between are then less than half of the value's last bit.
+    Otherwise, the error is within 2⁻⁵¹ of the distance from the mean, 0.4 nm at 1000 km.
 
     Parameters
     ----------
@@ -430,7 +430,7 @@ class Scaler:
         """Fit a scaler to values (n, k), n > 0.
 
         Sums are exact before they are rounded (`math.fsum`), so every machine finds the same numbers. A column that
-        spreads by at most 1e-6 is constant: it has scale 1 and becomes 0.
+        spreads by at most 1e-6 counts as constant: it has scale 1 and becomes 0.
 
         Raises
         ------

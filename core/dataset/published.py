@@ -60,7 +60,7 @@ def add_windows(table: Table, folder_name: str) -> Table:
     """
     if len(table) == 0 or np.isfinite(table.pose_lat_deg).any():
         return table
-    # Names end in metres above ground, diagonal field of view in degrees, and an aspect ratio that is rounded too much.
+    # Names end in metres above ground, diagonal field of view in degrees, and an aspect ratio, rounded too much.
     number = r"\d+(?:\.\d+)?"
     flight = re.fullmatch(rf"raster_images_.*_(?P<agl>{number})_(?P<fov>{number})_[^_]+_[^_]+", folder_name, re.ASCII)
     agl_m = float(flight["agl"]) if flight else math.nan
@@ -98,5 +98,5 @@ def _levels(table: Table, agl_m: float, fov_deg: float) -> Floats:
     )
     exact = np.log2(coarse * diagonal_px / ground_m)
     whole = np.round(exact)
-    # Images are cut to whole pixels in a UTM plane, which is 0.01 zooms at 100 px; other cameras differ by any amount.
+    # Cutting images to whole pixels in a UTM plane changes this by 0.01 at 100 px; other cameras differ by any amount.
     return np.where((np.abs(exact - whole) <= 0.1) & (whole >= 0.0), whole, np.nan)

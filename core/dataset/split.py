@@ -93,8 +93,8 @@ def split(
     """Write the part of each image to a dataset's tables (column ``split``), and the frame and scaler of its labels.
 
     Images of one place are in the same part in all map types and imageries (see `folder.place_key`). Failed and
-    rejected images are in none. An earlier split is replaced. After an interruption, `Labels.load` refuses the labels
-    until the dataset is split again.
+    rejected images are in no part. An earlier split is replaced. After an interruption, `Labels.load` refuses the
+    labels until the dataset is split again.
 
     Parameters
     ----------
@@ -105,9 +105,9 @@ def split(
     seed : int
         Seed of the order.
     how : {"auto", "shuffled", "in-order", "blocks"}
-        ``shuffled`` takes images by the hash of seed and name, ``in-order`` by the table, and ``blocks`` takes blocks
-        of ground by their hashes, so that no two parts show the same ground. ``auto`` is ``blocks`` if images overlap,
-        else ``shuffled``.
+        ``shuffled`` orders images by the hash of seed and name, ``in-order`` as in the table. ``blocks`` orders blocks
+        of ground by their hashes, and no two parts show the same ground. ``auto`` is ``blocks`` if images overlap, else
+        ``shuffled``.
     block_m : float or None
         Side of the blocks; None chooses one.
     gap_m : float
@@ -193,14 +193,14 @@ def shuffle(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> li
 
 def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
     """Return shares of training, validation and test; raises InvalidInput if they are not three that add up to 1."""
-    said = ", ".join(f"{share:g}" for share in shares)
+    listed = ", ".join(f"{share:g}" for share in shares)
     if len(shares) != len(PARTS):
-        raise InvalidInput("shares {0}: must be three, of {1}", said, ", ".join(PARTS))
+        raise InvalidInput("shares {0}: must be three, of {1}", listed, ", ".join(PARTS))
     if not all(math.isfinite(share) and share >= 0.0 for share in shares):
-        raise InvalidInput("shares {0}: must be finite and not below 0", said)
+        raise InvalidInput("shares {0}: must be finite and not below 0", listed)
     # Decimal shares add up to 1 within rounding.
     if abs(math.fsum(shares) - 1.0) > 1e-9:
-        raise InvalidInput("shares {0}: add up to {1:g}; must add up to 1", said, math.fsum(shares))
+        raise InvalidInput("shares {0}: add up to {1:g}; must add up to 1", listed, math.fsum(shares))
     train, validation, test = map(float, shares)
     return train, validation, test
 
@@ -215,7 +215,7 @@ def _check(shares: Sequence[float], how: str, block_m: float | None, gap_m: floa
         )
     if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
         raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)
-    # The sine of the gap's angle measures distances only up to there.
+    # Beyond that, the sine of the gap's angle no longer measures distances.
     widest_m = 1_000_000.0
     if not 0.0 <= gap_m <= widest_m:
         raise InvalidInput("gap of {0} m: must be from 0 to {1:,.0f} m", gap_m, widest_m)
@@ -311,7 +311,7 @@ def _split_ground(
             remedy="split shuffled or in-order",
         )
     known = boxes.known
-    names = [name for name, there in zip(places, known.tolist()) if there]
+    names = [name for name, is_known in zip(places, known.tolist()) if is_known]
     part, side, count = split_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
     of_known = dict(zip(names, part))
     return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
@@ -417,6 +417,7 @@ def _add_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[s
     """Add the column of parts to a map type's table."""
     table = images.table
     cells = tuple(
-        of_place[place(name)] if there else "" for name, there in zip(table.img_names, usable_rows(table).tolist())
+        of_place[place(name)] if is_usable else ""
+        for name, is_usable in zip(table.img_names, usable_rows(table).tolist())
     )
     return table.replace_other({**table.other, SPLIT: cells})

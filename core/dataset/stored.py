@@ -20,7 +20,7 @@ from ..storage.files import open_foreign, read_existing
 from ..storage.stores import get_range, is_address, is_file, list_sizes
 from .table import Table
 
-#: Tars consist of blocks; a member's header is one.
+#: Size of the blocks of a tar; a member's header is one block.
 TAR_BLOCK_BYTES = tarfile.BLOCKSIZE
 
 
@@ -69,7 +69,7 @@ class StoredImage:
         Raises
         ------
         InvalidInput
-            The image or the shard does not exist, or the shard has something else there.
+            The image or the shard does not exist, or the shard holds something else in the image's place.
         OutputError
             The store cannot be reached.
         """
@@ -150,7 +150,7 @@ ImageFile = Union[Path, StoredImage]
 
 
 def has_sidecar(image: ImageFile, endings: Iterable[str]) -> bool:
-    """Whether a file with the image's name and one of some endings is beside it."""
+    """Whether a file with the image's name and one of the endings is beside the image."""
     if not isinstance(image, StoredImage):
         return any(image.with_suffix(ending).exists() for ending in endings)
     if image.range is None:
@@ -185,22 +185,22 @@ def shard_sizes(folder: Path, table: Table) -> dict[str, int]:
     needed: dict[str, float] = {}
     for name, end in zip(names, (offset + size).tolist()):
         needed[name] = max(needed.get(name, 0.0), end)
-    there = list_sizes(folder) if is_address(folder) else _sizes(folder, needed)
+    found = list_sizes(folder) if is_address(folder) else _sizes(folder, needed)
     for name, end in needed.items():
-        if name not in there:
+        if name not in found:
             raise InvalidInput("folder {0}: the shard {1} of the table is not there", folder, name)
-        if there[name] < end:
+        if found[name] < end:
             raise InvalidInput(
                 "shard {0}: is cut short, as it has {1:,} bytes of {2:,.0f} that its images need",
                 folder / name,
-                there[name],
+                found[name],
                 end,
             )
-    return {name: there[name] for name in needed}
+    return {name: found[name] for name in needed}
 
 
 def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
-    """Sizes in bytes of the files in a folder, if they exist."""
+    """Sizes in bytes of those files that exist in a folder."""
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 

@@ -45,12 +45,12 @@ REJECTED = "rejected"
 WHOLE, NUMBER, TIME, TEXT = "whole", "number", "time", "text"
 #: Rows formatted at a time, as text takes far more memory than numbers.
 _ROWS_A_BLOCK = 2000
-#: Bytes read and decoded at a time. With little at a time, a thread releases Python's lock but takes it back before
-#: another one wakes; decoding a whole table in one call keeps it. Either would freeze a window.
+#: Bytes read and decoded at a time. With few bytes, a thread retakes Python's lock before another thread wakes; a whole
+#: table, decoded in one call, keeps the lock until the end. Either would freeze a window.
 _BLOCK_BYTES = 1 << 20
 #: Additional column that a split writes: the part of an image.
 SPLIT = "split"
-#: Instead of a part: the image is in none, as its ground overlaps that of another part or is too close to it.
+#: Cell of `SPLIT` for an image in no part, as its ground overlaps that of another part or is too close to it.
 GAP = "gap"
 
 
@@ -77,7 +77,7 @@ class Table:
     time_utc : tuple of str
         Times of capture in ISO 8601, if the mission's points state them; the column is written only then.
     height_m : array
-        Heights of cameras over relief above the WGS 84 ellipsoid; this column and ``facade_share`` are written only
+        Heights above the WGS 84 ellipsoid of cameras over relief; this column and ``facade_share`` are written only
         with relief.
     left_px, top_px, width_px, height_px : array
         Windows in the source's global pixel grid at ``zoom``.
@@ -198,7 +198,7 @@ class Table:
             Columns by field, at least those that every table has.
         """
         count = len(known["img_names"])
-        # Unknown columns share their cells, which are not written to.
+        # Unknown columns share their cells, as cells are never changed.
         texts, numbers = ("",) * count, np.broadcast_to(np.nan, count)
         unknown = {name: texts if name in _TEXT else numbers for name in HEADERS}
         return cls(**{**unknown, **known}, other=other)
