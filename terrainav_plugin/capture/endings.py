@@ -34,13 +34,13 @@ class Endings(QObject):
     Signals
     -------
     shown(object)
-        Folder of a run whose images are all on the map.
+        Folder of a run that was not stopped, once its results are on the map.
     test_shot_shown(object)
         Layer of a test shot.
     resume_wanted(object), failed_wanted(object)
-        A run to resume, or whose failed images are to be captured again.
+        A run to resume; a run whose failed images are to be captured again.
     missing_wanted(object, str, int)
-        A run, the SHA-256 of a tile to count as missing, and the number of its images with the tile.
+        A run, the SHA-256 of a tile to count as missing, and the number of the run's images with that tile.
     """
 
     shown = pyqtSignal(object)
@@ -61,7 +61,7 @@ class Endings(QObject):
         self._begun_in: dict[BackgroundRun, int] = {}
 
     def close(self) -> None:
-        """Stop for good."""
+        """Forget all runs, so that nothing more is shown."""
         self._begun_in.clear()
 
     def show_failed(self, run: BackgroundRun, layer: QgsVectorLayer | None) -> None:
@@ -102,9 +102,9 @@ class Endings(QObject):
             self._show(lambda: self._load_results(run))
         else:
             self._show(lambda: place_mosaics(self._open_project.project, run.task.mosaics))
-        # Release layers that are not shown: they keep files open, and runs stay listed.
+        # Release layers that are not shown: the run stays listed, and they would keep files open.
         run.task.opened = None
-        # The last message is on top: failures first of all, then other problems.
+        # The last message is shown on top: failures above all, then other problems.
         if run.task.failed or (run.result is not None and run.result.failed):
             self._tell_repeated(run)
             self._say(run, is_open)
@@ -122,10 +122,10 @@ class Endings(QObject):
             self._messages.error(translate(wrong))
 
     def _load_results(self, run: BackgroundRun) -> None:
-        # Images reported as failed may be gone: those with tiles that count as missing now.
+        # Failed images count as changes: existing images with tiles that now count as missing are removed.
         changed = run.result is None or bool(run.result.written or run.result.failed)
         show_results(self._open_project.mission_group(run.folder), run.task.opened, changed=changed)
-        # With all images there, the plan would only hide them; otherwise the rest of it is still of interest.
+        # A complete set of images replaces the plan on the map; after a stop, the plan still shows what is missing.
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)
 
@@ -162,7 +162,7 @@ class Endings(QObject):
                 text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
             open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
             if run.task.without_mosaic:
-                # This message stays until it is read.
+                # A warning stays until the user closes it.
                 self._messages.warning(f"{name}: {text}", action=open_folder)
             else:
                 self._messages.success(f"{name}: {text}", open_folder)
@@ -182,7 +182,7 @@ class Endings(QObject):
 
     def _tell_repeated(self, run: BackgroundRun) -> None:
         """Report tiles received for distant places, and offer to count them as missing."""
-        # The journal has all of them.
+        # Report three at most; the journal has all of them.
         for repeat in run.result.repeated[:3] if run.result is not None else ():
             images = len(repeat.images)
             text = tr("{name}: the same tile came for {places} places and is in {images} images.").format(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Questions:
-    """Ask questions before a run, and show problems at the field that can solve them.
+    """Ask questions before a run, and show each problem at the entry where the user can solve it.
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ class Questions:
     window : QWidget
         Parent of dialogs.
     mark : callable
-        Shows messages at their entries.
+        Shows messages at entries, by field.
     capture_into : callable
-        Captures the mission entered into another folder.
+        Captures the entered mission into another folder.
     taken : callable
-        Returns the folders of this session's runs, which may not exist yet.
+        Returns the folders of this session's runs, including folders that do not exist yet.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Questions:
         return not problem
 
     def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
-        """Whether the folder holds another mission; if so, uses another folder if allowed, or offers one."""
+        """Whether the folder holds another mission; if so, use the next free folder if allowed, or offer it."""
         from ...core.capture.folder import holds_mission
 
         # The run itself reports what cannot be read.
@@ -84,7 +84,7 @@ class Questions:
         return True
 
     def is_queued(self, mission: Mission, folder: Path, others: list[BackgroundRun]) -> bool:
-        """Whether an unfinished run captures into the folder already; reports it."""
+        """Whether an unfinished run already captures into the folder; reports it."""
         found = next((run for run in others if path_key(run.folder) == path_key(folder)), None)
         if found is None:
             return False
@@ -96,7 +96,7 @@ class Questions:
         return True
 
     def _offer_other(self, folder: Path, text: str, *, may_count_on: bool) -> None:
-        """Use another folder if the panel has proposed the one taken; otherwise offer another.
+        """Use the next free folder if the panel proposed ``folder``; otherwise offer the next free folder.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Questions:
         text : str
             Why the folder cannot be used.
         may_count_on : bool
-            Whether the whole mission is captured, which any folder allows.
+            Whether another folder may be used without asking: only if the whole mission is captured.
         """
         other = next_folder(folder, self._taken())
         if may_count_on and path_key(folder) == path_key(entered_folder(Settings().suggested_folder)):
@@ -116,7 +116,7 @@ class Questions:
         )
 
     def check_limits(self, mission: Mission, requests: int) -> bool:
-        """Whether a source's terms can allow a run, with or without consent; reports it if not."""
+        """Whether a source's terms can allow a run, with or without the user's consent; reports it if not."""
         problem = terms_problem(mission, requests)
         return problem is None or problem[1] or self.terms_allow(mission, requests)
 
@@ -128,7 +128,7 @@ class Questions:
         text, can_agree = problem
         window, title = self._window, tr("TerrAInav: terms of the source")
         if not can_agree:
-            # The message bar shows the first lines only.
+            # A dialog, as the message bar shows only the first lines.
             plain = QTextDocument()
             plain.setHtml(text)
             label = tr("Terms and alternatives")

@@ -1,4 +1,4 @@
-"""The queue of captures: one runs, the others wait; ended ones are listed until dismissed."""
+"""The queue of captures: one runs, the others wait; ended captures are listed until dismissed."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ class Runs(QObject):
     moved()
         The queue has advanced.
     running(bool)
-        The first run has begun, or the last one has ended.
+        True when the first run begins, False when the last run has ended.
     refused(object)
-        Errors of entries, by field.
+        Error messages by field.
     other_folder_wanted(object)
-        The folder into which to capture the mission entered.
+        The folder into which to capture the entered mission.
     results_shown(object), test_shot_shown(object)
-        As of `Endings`.
+        As in `Endings`.
     """
 
     listed = pyqtSignal(object)
@@ -125,9 +125,9 @@ class Runs(QObject):
         return self.questions.has_folder(state.folder) and self.questions.has_usable_key(state.source_name)
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
-        """Put the capture of a plan into the queue, after the questions."""
+        """Ask the questions about a capture, and put it into the queue."""
         requests = self._requests(planned.plan)
-        # First the problems that no other folder can solve.
+        # First the problems that a choice of folder cannot solve.
         if not self.questions.check_limits(planned.plan.mission, requests):
             return
         if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
@@ -148,7 +148,7 @@ class Runs(QObject):
                 text = tr("{name}: its capture did not end: {there} of {total} images.").format(
                     name=left.name, there=number_text(left.there), total=total
                 )
-            # Removed once the folder is captured into: "Forget" would then apply to that capture.
+            # By topic: a new capture into the folder removes the message, as "Forget" would then concern that capture.
             with self._messages.topic(str(left.folder)):
                 self._messages.warning(
                     text,
@@ -157,7 +157,7 @@ class Runs(QObject):
                 )
 
     def resume_unfinished(self, left: UnfinishedCapture) -> None:
-        """Plan a capture of an earlier session again, and put it into the queue."""
+        """Plan an unfinished capture of an earlier session again, and put it into the queue."""
         if not self.questions.has_usable_key(left.mission.imagery.source):
             return
         task = PlanTask(left.mission, grid_finder(left.mission))
@@ -181,7 +181,7 @@ class Runs(QObject):
         self._capture_again(run, run.task.failed, only_failed=True)
 
     def treat_as_missing(self, run: BackgroundRun, digest: str, images: int) -> None:
-        """Count a tile as missing from now on, and capture a run's images with it again."""
+        """Count a tile as missing from now on, and capture the run's images that contain it again."""
         Settings().treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
@@ -194,7 +194,7 @@ class Runs(QObject):
             self.dismiss(run)
 
     def resume(self, run: BackgroundRun) -> None:
-        """Resume a paused run, or put one that ended early into the queue again."""
+        """Resume a paused run, or put a run that ended early into the queue again."""
         if not run.has_ended:
             run.pause(False)
         elif self.questions.has_usable_key(run.mission.imagery.source):
@@ -218,7 +218,7 @@ class Runs(QObject):
             return
         questions = self.questions
         if questions.has_usable_key(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
-            # QGIS removes its temporary folder when it ends.
+            # QGIS removes its temporary files on exit.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
             self._add(BackgroundRun(steps, folder, source_key(mission.imagery.source), test_shot=True))
 
@@ -254,7 +254,7 @@ class Runs(QObject):
         if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(mission, requests):
             return False
         try:
-            # A copy: the views that a plan caches belong to the capture.
+            # A copy of the plan: the views that it caches belong to the capture.
             run = BackgroundRun(replace(plan), folder, source_key(mission.imagery.source), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))

@@ -1,4 +1,4 @@
-"""One capture, from the queue to its end, and texts on its state. No widgets."""
+"""One capture, from the queue to its end, and texts about its state. No widgets."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _UNDER_WAY = (Stage.RUNNING, Stage.PAUSED, Stage.STOPPING)
 
 
 class BackgroundRun(QObject):
-    """A capture of a plan at the time of the request; later entries do not affect it.
+    """A capture of a plan as requested; later changes of entries do not affect it.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ class BackgroundRun(QObject):
     changed()
         The stage or the figures have changed.
     failed_changed(object, object)
-        The run, and its dataset's failed images as a layer; None for none.
+        The run, and a layer of its dataset's failed images; None if no image has failed.
     mosaic_refused(object, str)
-        The run, before its first image, and why there will be no mosaic.
+        The run, and why there will be no mosaic; emitted before the first image.
     ended(object)
         The run, whatever its end.
 
@@ -105,7 +105,7 @@ class BackgroundRun(QObject):
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has come to its end."""
+        """Whether the run has ended."""
         return self.stage is not Stage.WAITING and not self.under_way
 
     @property
@@ -125,7 +125,7 @@ class BackgroundRun(QObject):
         return progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
 
     def begin(self) -> None:
-        """Start the task: it is the run's turn."""
+        """Start the task, when the run is first in the queue."""
         self.task.progressed.connect(self._progressed)
         self.task.progressChanged.connect(self._show_progress)
         self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
@@ -140,14 +140,14 @@ class BackgroundRun(QObject):
             self._become(Stage.PAUSED if paused else Stage.RUNNING)
 
     def cancel(self) -> None:
-        """Stop the run and show finished images; a second call, or one after the last image, also stops the mosaic."""
+        """Stop the run and show its finished images; called again or after the last image, also stop the mosaic."""
         if self.stage is Stage.WAITING:
             self.task.discard()
             self._become(Stage.STOPPED)
             self.ended.emit(self)
         elif self.under_way:
             end = self.task.cancel if self.stage is Stage.STOPPING or self.has_all_images else self.task.stop
-            # Before the task is cancelled, which may end it at once.
+            # Change the stage first: the cancelled task may end at once.
             self._become(Stage.STOPPING)
             end()
 
@@ -219,7 +219,7 @@ def row_text(run: BackgroundRun, place: int = 0) -> str:
     if run.progress is None:
         if run.stage is Stage.PAUSED:
             return tr("Paused")
-        # First, the images are traced over the relief.
+        # A task with relief first reads heights, to trace the images.
         return tr("Reading heights…") if run.mission.terrain.elevation else tr("Starting…")
     if run.stage is Stage.PAUSED:
         return tr("Paused: {counts}").format(counts=_counts(run.progress))
@@ -261,12 +261,12 @@ def _counts(progress: Progress) -> str:
 
 
 def _pace(progress: Progress, making_mosaic: bool) -> str:
-    """Rate and remaining time, by the time worked without pauses."""
+    """Rate and remaining time, computed without pauses."""
     done = progress.done + progress.failed
     left = progress.total - progress.skipped - done
     if not left:
         return tr("; making the mosaic…") if making_mosaic else ""
-    # The first images wait for connections: their rate is not representative.
+    # The rate of the first ten images is not representative: they wait for connections.
     if done < 10 or progress.active_s <= 0.0:
         return ""
     rate = done / progress.active_s

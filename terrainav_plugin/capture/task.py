@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from ..dataset.layers import FailedImages, OpenedResults
     from ..dataset.mosaic import MosaicRaster
 
-#: Shortest time between two checks for failed images, and its least ratio to the time of a check.
+#: Shortest time between two checks for failed images, in s.
 _FAILED_LOOK_S = 3.0
 
 
 class CaptureTask(Task):
-    """Capture a plan into a folder; make a mosaic of its images, or place a test shot on the map.
+    """Capture a plan into a folder, then make a mosaic of the images or place a test shot on the map.
 
     All data is passed to the constructor on the main thread and does not change afterwards; `run` uses plain values.
 
@@ -34,32 +34,32 @@ class CaptureTask(Task):
     ----------
     plan : Plan
     folder : Path
-        Resumes an interrupted run of the same mission.
+        Folder of the dataset; an interrupted run of the same mission there is resumed.
     key : str or None
         API key.
     test_shot : bool
-        Whether it is a single image to look at.
+        Whether to capture a single image, to be shown on the map only.
     only_failed : bool
-        Whether to capture only images that have failed earlier.
+        Whether to capture only images that failed earlier.
 
     Signals
     -------
     progressed(object)
         `Progress`, about ten times a second.
     failed_changed(object)
-        Images of the dataset that have failed in any run, as a layer for the main thread; None for none. Every few
-        seconds at most.
+        Layer of the dataset's images that have failed in any run, for the main thread; None if no image has failed.
+        Every few seconds at most.
     mosaic_refused(str)
-        Why there will be no mosaic; before the first image.
+        Why there will be no mosaic; emitted before the first image.
 
     Attributes
     ----------
     paused : bool
-        Set on the main thread; while True, nothing is requested and no image is begun.
+        Set on the main thread; while True, the task makes no requests and begins no image.
     result : CaptureResult or None
     mosaics : list of MosaicRaster
     without_mosaic : str
-        Why the mosaic is missing although images exist.
+        Why there is no mosaic although there are images.
     opened : OpenedResults or None
         Layers of the results, for the main thread.
     failed : int
@@ -94,7 +94,7 @@ class CaptureTask(Task):
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = mission_snapshot(plan.mission)
         self._with_mosaic = not test_shot
-        # Share of capturing in the progress; mosaics take the rest, and orthorectified ones longer.
+        # Share of capturing in the progress; the mosaic takes the rest, which is longer if it is orthorectified.
         self._capture_share = 0.9 if plan.frames.is_north_up else 0.6
         self._connections = Settings().connections
         self._transport = source_transport(plan.mission.imagery.source)
@@ -113,11 +113,11 @@ class CaptureTask(Task):
         self._stopping = True
 
     def work(self) -> None:
-        """Capture."""
+        """Capture, and report failed images."""
         try:
             self._capture()
         finally:
-            # For a source that cannot be reached, a message suffices.
+            # If the capture could not begin, no image has failed: a message suffices.
             if self.result is not None or self._there:
                 self._look_at_failed()
         if self._shows_results:
@@ -129,7 +129,7 @@ class CaptureTask(Task):
 
     def finished(self, result: bool) -> None:
         """Emit `ended`, on the main thread."""
-        # A task cancelled before its turn does not run.
+        # Also needed here: a task cancelled before its start does not run `work`.
         self._transport.close()
         super().finished(result)
 
@@ -163,7 +163,7 @@ class CaptureTask(Task):
 
     @property
     def _shows_results(self) -> bool:
-        """Whether there are results for the map, and they are wanted."""
+        """Whether there are results to show on the map."""
         result = self.result
         if result is None or self._test_shot or self.isCanceled():
             return False
@@ -186,7 +186,7 @@ class CaptureTask(Task):
         try:
             self.mosaics = build_any_mosaics(self.plan, self.folder, mission_heights, self._mosaic_progress)
         except (InvalidInput, SourceError) as wrong:
-            # Such as images of a pole, which Web Mercator lacks; they can be viewed one at a time.
+            # For example at a pole, which is outside Web Mercator; such images can be viewed one at a time.
             self.without_mosaic = translate(wrong)
 
     def _open_results(self) -> None:
@@ -227,8 +227,9 @@ class CaptureTask(Task):
             if self._failures.update():
                 self.failed_changed.emit(open_failed(self.folder))
         except OutputError:
-            # The capture reports a folder that cannot be written.
+            # The capture itself reports a folder that cannot be written.
             return
+        # Checks take at most a twentieth of the time.
         ended_s = time.monotonic()
         self._next_look_s = ended_s + max(_FAILED_LOOK_S, 20.0 * (ended_s - began_s))
         self.failed = len(self._failures)

@@ -1,4 +1,4 @@
-"""Unfinished captures, noted in the user's profile: after a crash they are found and offered again."""
+"""Unfinished captures, noted in the user's profile so that they can be offered again after a crash."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ _NOTE, _LOCK = ".json", ".lock"
 
 
 class Unfinished:
-    """Notes of this session's captures, each removed when its capture ends.
+    """Notes of this session's captures; each note is removed when its capture ends.
 
-    A lock beside each note shows other QGIS instances on this machine that the capture is running.
+    A lock file for each note shows other QGIS instances on this machine that the capture is running.
     """
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class Unfinished:
         self._locks[run].tryLock(0)
 
     def forget(self, run: BackgroundRun) -> None:
-        """Remove the note of an ended run, whatever its end."""
+        """Remove the note of an ended run, whether it succeeded or failed."""
         lock = self._locks.pop(run, None)
         if lock is not None:
             _remove(_notes() / f"{_digest(run.folder)}{_NOTE}")
@@ -84,7 +84,7 @@ class UnfinishedCapture:
     images : int
         Planned number of images.
     there : int or None
-        Existing images; None if not counted, as in folders on other machines.
+        Number of existing images; None if not counted, as for folders on other machines.
     only_failed : bool
     """
 
@@ -99,11 +99,11 @@ class UnfinishedCapture:
         return self.folder.name or str(self.folder)
 
     def forget(self) -> None:
-        """Remove the note; the files stay."""
+        """Remove the note, but no images."""
         _remove(self._path)
 
     def count(self) -> None:
-        """Count the images without opening them."""
+        """Count the existing images without opening them."""
         ending = f".{self.mission.output.image_format}"
         folders = [self.folder / map_type for map_type in self.mission.imagery.map_types]
         self.there = sum(1 for folder in folders for _ in folder.glob(f"*{ending}"))
@@ -171,14 +171,14 @@ def _notes() -> Path:
 
 
 def _digest(folder: Path) -> str:
-    # Do not resolve links in a folder of another machine, which must not be asked.
+    # Do not resolve links in a folder on another machine: that would access the network.
     place = str(folder) if is_remote(folder) else path_key(folder)
     return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def _make_lock(path: Path) -> QLockFile:
     lock = QLockFile(str(path.with_suffix(_LOCK)))
-    # However old: a capture may take days. Locks of a crashed QGIS are detected by its process.
+    # A lock never expires, as a capture may take days; Qt detects the lock of a crashed QGIS by its process.
     lock.setStaleLockTime(0)
     return lock
 

@@ -3,10 +3,10 @@
 footprints      spatial and numeric access to the footprints
 shown           images of any bands, as 8 bits
 picture         an image read for display
-rectify         a camera frame laid on the map
+rectify         camera frames laid on the map
 mosaic          one raster of all images of a run, with overviews
 layers          footprints, mosaics and failed images as layers
-placing         these layers in their mission's group
-splitting       texts of a split for forms and Processing
-scores          layers of a benchmark in its group, with a method's errors
+placing         the layers of a dataset in their mission's group
+splitting       texts about a split, for forms and Processing
+scores          layers of a benchmark, including a method's errors, in the benchmark's group
 """

@@ -1,9 +1,9 @@
 """Footprints of a dataset, by position and index. On any thread; no file stays open.
 
-QGIS reads a GeoJSON file from its beginning for every query, which takes seconds for a hundred thousand features. Files
-of captures have one footprint per line: they are read once, and then only at the footprints needed. A JSON parser would
-hold the GIL and block the user interface for seconds even on another thread, so numpy reads the bounds from whole
-arrays, which releases the GIL.
+QGIS reads a GeoJSON file from its beginning for every query, which takes seconds for a hundred thousand features.
+Captures write one footprint per line: here their file is read once, and after that only at the lines needed. A JSON
+parser on another thread would hold the GIL and block the user interface for seconds; numpy releases the GIL while it
+reads the bounds from whole arrays.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ...core.storage.files import open_foreign, read_line, too_long_line
 from ...core.text.safe_json import parse_json
 from ..i18n import tr
 
-#: Block size: worthwhile for arrays, without much memory.
+#: Size of blocks to read: large enough for fast array operations, small in memory.
 _BLOCK_BYTES = 1 << 20
 #: Beginning of a footprint's line.
 _FEATURE = b'{"type": "Feature",'
@@ -88,7 +88,7 @@ class FootprintFile:
         return [int(number) for number in np.flatnonzero(inside)]
 
     def read(self, number: int) -> dict[str, Any]:
-        """GeoJSON feature with an index; raises InvalidInput if it cannot be read."""
+        """GeoJSON feature of the footprint ``number``; raises InvalidInput if it cannot be read."""
         try:
             with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 file.seek(int(self._offsets[number]))
@@ -108,9 +108,9 @@ class Outlines:
     stems : tuple of str
         Names of the images, without extension.
     x, y : array (n,)
-        Of all rings: longitude and latitude in degrees, or projected coordinates.
+        Points of all rings: longitude and latitude in degrees, or projected coordinates.
     starts : array (r + 1,)
-        Start of each ring.
+        Index of each ring's first point; finally n.
     owners : array (r,)
         Index of each ring's image.
     """
@@ -122,12 +122,12 @@ class Outlines:
     owners: Numbers
 
     def projected(self, wkt: str) -> Outlines:
-        """Outlines in another CRS, by its WKT; points outside its domain are infinite.
+        """Outlines in the CRS of ``wkt``; points outside its domain are infinite.
 
         Raises
         ------
         InvalidInput
-            The CRS cannot be projected to.
+            There is no transformation to the CRS.
         """
         try:
             transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
@@ -137,7 +137,7 @@ class Outlines:
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
     def bounds(self, stem: str) -> Bounds | None:
-        """West, south, east and north of an image; None if it has no outline here."""
+        """West, south, east and north of an image's outline; None if it has no outline."""
         if stem not in self.stems:
             return None
         rings = np.flatnonzero(self.owners == self.stems.index(stem))
@@ -151,7 +151,7 @@ class Outlines:
 
 
 def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
-    """Outlines of a capture's footprints; empty without a file.
+    """Outlines of a capture's footprints; empty if there is no file of them.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
     try:
         # Images from other programs have no footprints.
         for feature in map(read_feature, feature_lines(path) if path.is_file() else ()):
-            # Check every 500 footprints whether to stop.
+            # Check for cancellation every 500 footprints.
             if len(stems) % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             for ring in chain.from_iterable(polygon_rings(feature)):
@@ -209,8 +209,8 @@ def polygon_rings(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
 
 def feature_lines(path: Path) -> Iterator[bytes]:
     """Lines of the features of a file."""
-    # A thread that reads little at a time releases the GIL and retakes it before another thread wakes: the main thread
-    # would wait for most of a second.
+    # Read large blocks: a thread that reads little at a time retakes the GIL before another thread wakes, which would
+    # block the main thread for most of a second.
     with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
         while line := read_line(file):
             if line.startswith(_FEATURE):
@@ -218,20 +218,20 @@ def feature_lines(path: Path) -> Iterator[bytes]:
 
 
 def read_feature(line: bytes) -> dict[str, Any]:
-    """Parse the feature in a line; raises InvalidInput for another line."""
+    """Parse the feature in a line; raises InvalidInput if the line is not JSON."""
     feature = parse_json(line.rstrip().rstrip(b","))
     return feature if isinstance(feature, dict) else {}
 
 
 def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
-    """Start of each line, (n,), and the bounds of its positions, (n, 4); NaN for a line without any.
+    """Start of each line, (n,), and the bounds of its positions, (n, 4); NaN for a line without positions.
 
-    Bounds are west, south, east and north, exact to the last digit but one of a double.
+    Bounds are west, south, east and north, exact except for the last digit of a double.
 
     Parameters
     ----------
     text : array of bytes
-        Whole lines in which a bracket before a number begins a position, as written by Python's `json`.
+        Whole lines as written by Python's `json`: a bracket before a number begins a position.
     """
     starts = np.concatenate([[0], np.flatnonzero(text[:-1] == _LINE_END) + 1])
     padded = np.concatenate([text, np.zeros(_WIDTH, np.uint8)])
@@ -284,7 +284,7 @@ def _begins_number(signs: Bytes) -> NDArray[np.bool_]:
 
 
 def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
-    """Numbers that begin at some positions, and their lengths in characters."""
+    """Numbers that begin at the indices ``at``, and their lengths in characters."""
     negative = padded[at] == _MINUS
     alive = np.ones(len(at), np.bool_)
     fraction = np.zeros(len(at), np.bool_)
@@ -298,8 +298,7 @@ def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
         alive = is_digit | is_dot
         if not alive.any():
             break
-        # Digits beyond the precision of the integer do not count.
-        # A longer mantissa would overflow the integer.
+        # Ignore digits after the 18th, which would overflow the 64-bit mantissa.
         taken = is_digit & (digits < 18)
         mantissa = np.where(taken, mantissa * _TEN + digit, mantissa)
         digits += taken & (mantissa > 0)

@@ -1,4 +1,4 @@
-"""Layers of a dataset, opened off the main thread, and its failed images."""
+"""Layers of a dataset, opened off the main thread, and the file of its failed images."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .mosaic import MosaicRaster
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Name of the file of failed images, beside the dataset's footprints.
+#: Name of the file of failed images, in the folder of the dataset.
 FAILED_FILE = "failed.geojson"
 _FAILED_MARK = f'"{FAILED}"'.encode()
 _WITHOUT_CUTS = f"difference(boundary($geometry), geom_from_wkt('{CUTS_WKT}'))"
@@ -47,8 +47,8 @@ _NAME = re.compile(rb'"name": "([^"]*)"')
 class OpenedResults(NamedTuple):
     """Layers of a dataset that are not in a project yet; they belong to the main thread.
 
-    A mosaic has no layer if it still has to be put in place, or only the main thread can open it. Images have no paths
-    if they are not files in the folder.
+    A mosaic has no layer if it still has to be put in place, or if only the main thread can open it. Images have no
+    paths if they are not files in the folder.
     """
 
     folder: Path
@@ -64,11 +64,11 @@ def open_results(folder: Path, mission: Mission, mosaics: list[MosaicRaster]) ->
     Raises
     ------
     InvalidInput, OutputError
-        One of them is not what its name says, or QGIS cannot open it.
+        A file does not have the format of its name, or QGIS cannot open it.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
-    # Footprints of a mission do not change, so their extent need not be read when a project is opened. Newer QGIS
-    # (3.40) has a project setting for this, which is the user's choice.
+    # The footprints of a mission do not change: opening a project need not read their extent from the file. From 3.40
+    # the user can choose this for a whole project.
     footprints.setReadExtentFromXml(True)
     footprints = _move_to_main_thread(footprints)
     opened = [None if mosaic.is_made else _opened(mosaic) for mosaic in mosaics]
@@ -83,7 +83,7 @@ def _opened(mosaic: MosaicRaster) -> QgsRasterLayer | None:
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     """Open a file of footprints as a layer; raises InvalidInput and OutputError.
 
-    A style file beside it is ignored: it might fetch symbols from servers, and run actions.
+    A style file of the same name is ignored: it might fetch symbols from servers, and run actions.
     """
     check_vector(path)
     options = QgsVectorLayer.LayerOptions()
@@ -91,15 +91,15 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     layer = QgsVectorLayer(str(path), title, "ogr", options)
     if not layer.isValid():
         raise OutputError("footprints {0}: QGIS cannot open them", path)
-    # QGIS would request the extent on the main thread, and read the whole file; this caches it.
+    # Cache the extent: QGIS would otherwise read the whole file for it on the main thread.
     layer.extent()
     return layer
 
 
 def hide_antimeridian(layer: QgsVectorLayer) -> None:
-    """Hide outlines along ±180° and the poles, where files cut footprints: near a pole they would cross the map.
+    """Hide outlines along ±180° and the poles, where files cut footprints: near a pole, they would cross the map.
 
-    Only for layers that reach both, as drawing by an expression is slower.
+    Change only layers that reach both, as drawing by an expression is slower.
     """
     extent = layer.extent()
     if extent.xMinimum() > -180.0 or extent.xMaximum() < 180.0:
@@ -117,7 +117,7 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
-    """Open an image as a layer, ignoring a style file beside it; raises OutputError."""
+    """Open an image as a layer, ignoring a style file of the same name; raises OutputError."""
     try:
         check_raster(path)
     except InvalidInput as wrong:
@@ -127,7 +127,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
     layer = QgsRasterLayer(str(path), title, "gdal", options)
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)
-    # Smooth when several image pixels share a screen pixel; enlarged pixels stay squares.
+    # Interpolate only reduced images; enlarged pixels stay squares.
     layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
     return layer
 
@@ -139,9 +139,9 @@ def open_failed(folder: Path) -> QgsVectorLayer | None:
 
 
 class FailedImages:
-    """The failed captures of a folder, from its growing journal.
+    """The failed images of a dataset, read from its growing journal.
 
-    Uses files only: works on any thread, beside a run in this or another process.
+    Works on any thread, during a run in this or another process: only files are used.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -153,21 +153,21 @@ class FailedImages:
 
     @property
     def path(self) -> Path:
-        """Path of their file."""
+        """Path of the file of failed images."""
         return self._folder / FAILED_FILE
 
     def __len__(self) -> int:
         return len(self._reasons)
 
     def update(self) -> bool:
-        """Write the journal's current failures; returns whether they have changed.
+        """Write the file of failed images from the journal, or remove it; return whether the failures have changed.
 
         Without failures the file does not exist.
 
         Raises
         ------
         OutputError
-            The journal or the footprints cannot be read, or the file not be written or removed.
+            The journal or the footprints cannot be read, or the file cannot be written or removed.
         """
         try:
             self._follow_journal()
@@ -194,9 +194,9 @@ class FailedImages:
         with open_foreign(path) as file:
             file.seek(self._read_bytes)
             rest = b""
-            # A thread that reads little at a time holds up all others.
+            # Read large blocks: a thread that reads little at a time holds up all other threads.
             while chunk := file.read(1 << 20):
-                # Text after the last line end is still being written; longer lines are not from a capture.
+                # A run is still writing the text after the last line end.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)
                 if len(rest) > MAX_JOURNAL_LINE_BYTES:
@@ -204,7 +204,7 @@ class FailedImages:
                 self._read_bytes = file.tell() - len(rest)
 
     def _note(self, lines: bytes) -> None:
-        # Most journals are long and have no failures; parsing their lines would hold up all other threads.
+        # Most journals are long and have no failures: parsing every line would hold up all other threads.
         if not self._reasons and _FAILED_MARK not in lines:
             return
         for line in lines.split(b"\n"):
@@ -217,7 +217,7 @@ class FailedImages:
                 self._reasons.pop((outcome.map_type, outcome.name), None)
 
     def _find_footprints(self) -> None:
-        """Copy the footprints of new failures from the dataset's, one line each."""
+        """Copy the footprints of new failures from the dataset's file, one per line."""
         wanted = {name for _, name in self._reasons} - set(self._footprints)
         if not wanted:
             return
@@ -242,7 +242,7 @@ class FailedImages:
 def _move_to_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
     main = QgsApplication.instance().thread()
     if QThread.currentThread() != main:
-        # The same CRS, but as read by the main thread (see `tasks`); setting an equal one would have no effect.
+        # Set the CRS that the main thread has read (see `tasks`). First set another CRS, as QGIS ignores an equal one.
         layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != crs)))
         layer.setCrs(crs_named(crs))
         layer.moveToThread(main)
@@ -250,7 +250,7 @@ def _move_to_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
 
 
 def _footprint(line: bytes) -> dict[str, Any] | None:
-    """Feature of a line, or None if a capture has not written it."""
+    """Feature of a line; None if the line was not written by a capture."""
     try:
         feature = read_feature(line)
     except InvalidInput:

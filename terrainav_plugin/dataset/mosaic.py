@@ -44,33 +44,35 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Sums = NDArray[np.uint32]
 
-#: A virtual raster names every image in every band; with more images, QGIS would parse it for minutes.
+#: Largest number of images of a mosaic: QGIS would parse a virtual raster of more images for minutes.
 MOST_PICTURES = 100_000
-#: Endings after the mosaic's name: of the overviews, and of both files until they are put in place.
-_OVERVIEWS, _MADE = ".ovr", ".new"
+#: Ending of the overviews, after the mosaic's name.
+_OVERVIEWS = ".ovr"
+#: Ending of a new mosaic and its overviews, until they are put in place.
+_MADE = ".new"
 #: Ending of the orthomosaic of camera frames.
 _ORTHOPHOTO = ".tif"
-#: Ending of GDAL's metadata about a file, such as statistics, which may be outdated.
+#: Ending of GDAL's sidecar files, whose metadata, such as statistics, may be outdated.
 _NOTES = ".aux.xml"
 _SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
 _SRS = re.compile(r"<SRS[^<>]*>([^<]+)</SRS>")
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 Progress = Callable[[float], bool]
-#: Mosaic pixels along a side of a first overview's pixel. A finer overview costs disk space and gains little: at half
-#: size, a screen needs a few dozen images only.
+#: Mosaic pixels along each side of a pixel of the first overview. A finer overview would take disk space and save
+#: little time: at half size, a screen shows only a few dozen images.
 FACTOR = 4
-#: Size up to which overviews continue: about a thumbnail.
+#: Size of the last overview in px, about a thumbnail.
 _LAST_PX = 256
-#: Lossless and fast: level 1 is within a few percent of the default for aerial imagery.
+#: Lossless and fast: for aerial imagery, level 1 compresses within a few percent of the default.
 _OPTIONS = ("COMPRESS=DEFLATE", "PREDICTOR=2", "ZLEVEL=1", "TILED=YES", "BIGTIFF=IF_SAFER")
 #: Share of the first overview in the progress; the others are made from it.
 _FIRST_SHARE = 0.9
 
 
 class Placed(NamedTuple):
-    """Images in the pixels of their mosaic; arrays (n,), from north to south.
+    """Positions of images in the pixels of their mosaic; arrays (n,), from north to south.
 
-    ``width_px, height_px`` are sizes in the mosaic; files of resized images have others.
+    ``width_px, height_px`` are sizes in the mosaic, which differ from those of resized files.
     """
 
     paths: list[Path]
@@ -83,14 +85,14 @@ class Placed(NamedTuple):
 class MosaicRaster(NamedTuple):
     """A raster of a run's images: a virtual raster with overviews, or the orthomosaic of camera frames.
 
-    A new raster is written beside the old one and then put in place: no file is written while a layer may have it open.
-    GDAL writes a virtual raster when closing it, with the statistics QGIS has computed, and would thus restore the one
-    that a layer was opened from; and Windows replaces no open file.
+    A new raster is written under another name and then put in place, so that no file is replaced while a layer has it
+    open. On closing, GDAL writes a virtual raster again with the statistics that QGIS has computed, and would thus
+    restore the old raster; and Windows cannot replace an open file.
 
     Parameters
     ----------
     is_made : bool
-        Whether it is still to be put in place.
+        Whether the raster is new and still to be put in place.
     """
 
     map_type: str
@@ -107,7 +109,7 @@ class MosaicRaster(NamedTuple):
             return named_crs(read_reference(raster.GetProjection()))
         try:
             with open_foreign(self.path) as file:
-                # The part of a virtual raster before its first band is shorter.
+                # The CRS is in the part before the first band, which is shorter.
                 head = file.read(1 << 16).decode("utf-8", "replace")
         except OSError as wrong:
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
@@ -116,7 +118,7 @@ class MosaicRaster(NamedTuple):
         return named_crs(read_reference(wkt))
 
     def put_in_place(self) -> MosaicRaster:
-        """Replace the old raster by the new one; returns the mosaic in place.
+        """Replace the old raster by the new one; return the mosaic in place.
 
         Raises
         ------
@@ -135,7 +137,7 @@ class MosaicRaster(NamedTuple):
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Preserve the raster, whatever is written in its place meanwhile; raises OutputError."""
+        """Move the raster away, and restore it on exit over any file written meanwhile; raises OutputError."""
         with _replacing(self.path):
             os.replace(self.path, _made(self.path))
             try:
@@ -145,7 +147,7 @@ class MosaicRaster(NamedTuple):
 
 
 def build_any_mosaics(plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress) -> list[MosaicRaster]:
-    """Write the mosaics for a run's images: virtual rasters or orthomosaics; none for too many images.
+    """Write the mosaics of a run's images: virtual rasters or orthomosaics; none if there are too many images.
 
     Parameters and errors are those of `build_mosaics` and `build_orthomosaics`.
     """
@@ -157,12 +159,12 @@ def build_any_mosaics(plan: Plan, folder: Path, open_heights: OpenHeights, progr
 
 
 def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
-    """Refuse a plan whose images allow no mosaic, as far as this is known before they exist.
+    """Refuse a plan of which no mosaic can be made, as far as this is known before the capture.
 
     Raises
     ------
     InvalidInput, SourceError
-        As for `build_any_mosaics`: heights that are not available to the dataset, or images outside the map.
+        As from `build_any_mosaics`: the heights are not available to the dataset, or the images are outside the map.
     """
     if len(plan) > MOST_PICTURES or plan.frames.is_north_up:
         return
@@ -174,7 +176,7 @@ def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
 
 
 def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
-    """Reason why an image shows nothing for a mosaic; None if it does."""
+    """Reason why an image cannot contribute to a mosaic; None if it can."""
     try:
         mosaic_raster(CameraImages.from_plan(plan, index, Path(plan.names[index])))
     except InvalidInput as wrong:
@@ -185,8 +187,8 @@ def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
 def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[MosaicRaster]:
     """Write a virtual raster of the existing images for every map type of a run.
 
-    If there is one already, the new one is beside it until it is put in place. A mission across the antimeridian has
-    two of each, because the map ends there.
+    A new raster replaces an existing one only when it is put in place. A mission across the antimeridian has two
+    rasters for every map type, because the map ends there.
 
     Parameters
     ----------
@@ -244,10 +246,10 @@ def build_orthomosaics(
 
 
 def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
-    """Write one virtual raster and its overviews, beside their place.
+    """Write one virtual raster and its overviews, under the names they have until they are put in place.
 
-    It names images by relative paths, so that the folder can be moved; ground without an image is transparent; where
-    images overlap, the one farther south-east is visible.
+    The raster names images by relative paths, so that the folder can be moved. Ground without an image is transparent;
+    where images overlap, the image farther south-east is visible.
     """
     origin = float(placed.left_px.min()), float(placed.top_px.min())
     inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
@@ -273,12 +275,12 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
 
 
 def existing_mosaics(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
-    """Mosaics left in a dataset by an earlier run; None if they do not show its current images."""
+    """Mosaics of a dataset from an earlier run; None if they are missing or do not show the current images."""
     found: list[MosaicRaster] = []
     try:
         journal_s = (folder / JOURNAL_FILE).stat().st_mtime
         for map_type in mission.imagery.map_types:
-            # Cleaning moves images away or back, and writes their table.
+            # Cleaning moves images away or back, and then writes their table.
             table = folder / map_type / TABLE_FILE
             newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
             orthophoto = folder / f"{map_type}{_ORTHOPHOTO}"
@@ -314,9 +316,9 @@ def build_overviews(
     target: Path,
     progress: Callable[[float], bool],
 ) -> None:
-    """Write the overviews of a raster, as a file that GDAL finds, completely or not at all.
+    """Write the overviews of a raster to a sidecar file, completely or not at all.
 
-    An overview pixel is the mean of all image pixels in it, and opaque if there are any.
+    An overview pixel is the mean of all image pixels in it, and transparent if there are none.
 
     Parameters
     ----------
@@ -325,7 +327,7 @@ def build_overviews(
     size : tuple
         Width and height of the mosaic in px.
     channels : int
-        1 or 3, of the images.
+        Number of channels of the images: 1 or 3.
     target : Path
         Path of the file; an existing one is removed, even if the mosaic is too small for overviews.
     progress : callable
@@ -414,11 +416,11 @@ def _virtual_raster(
     shown: ImageRendering,
     folder: Path,
 ) -> Iterator[str]:
-    """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
+    """Lines of the raster in GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
     west, _, _, north = (float(edge) for edge in plan.grid.edges(*origin, *size, plan.zoom))
     across, down = plan.grid.pixel_size(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
-    # The axes are those of the geotransform, whatever their order in the CRS.
+    # Coordinates are in the order of the geotransform, whatever the order of the axes in the CRS.
     axes = "" if plan.grid.plane.wraps else ' dataAxisToSRSAxisMapping="1,2"'
     yield f"<SRS{axes}>{xml_text(wkt_1(plan.grid.plane.crs))}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {across!r}, 0.0, {north!r}, 0.0, {-down!r}</GeoTransform>\n"
@@ -448,7 +450,7 @@ def _virtual_raster(
 
 
 def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterator[tuple[str, str, str]]:
-    """Name, properties and position of every image; with the sizes, GDAL need not open the files beforehand."""
+    """Name, properties and position of every image; the properties save GDAL from opening all files in advance."""
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
         own_width, own_height = plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
@@ -477,13 +479,13 @@ def _pictures(folder: Path, image_format: str) -> set[str]:
 
 
 def _made_s(mosaic: Path) -> float:
-    """Time when a mosaic was made: that of its overviews, as GDAL may have rewritten the virtual raster."""
+    """Time when a mosaic was made: the time of its overviews, as GDAL may have rewritten the virtual raster."""
     overviews = _add_ending(mosaic, _OVERVIEWS)
     return (overviews if overviews.is_file() else mosaic).stat().st_mtime
 
 
 def _title(map_type: str, number: int = 0) -> str:
-    """Title of a mosaic's layer, or of a numbered part of it."""
+    """Title of a mosaic's layer, or of the layer of a numbered part."""
     titles = {
         "satellite": tr("Satellite images"),
         "roadmap": tr("Roadmap images"),
@@ -524,7 +526,7 @@ def _fill(
 
 
 def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
-    """Left, top, and sums and counts of the overview pixels for each image, in order."""
+    """Left, top, and sums and counts of overview pixels, for one image after another."""
     count = os.cpu_count() or 1
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     jobs = zip(placed.paths, *(values.astype(np.int64).tolist() for values in columns))
@@ -545,8 +547,7 @@ def _reduce_picture(channels: int, path: Path, left: int, top: int, width: int, 
     pixels = picture.ReadAsArray(buf_xsize=width, buf_ysize=height) if picture is not None else None
     if pixels is None:
         raise _failed(path)
-    # Image rows as (column, channel), where the last channel counts pixels.
-    # Sixteen bits suffice for the sum in an overview pixel: FACTOR² * 255.
+    # Sums need 16 bits: at most FACTOR² * 255. The last channel counts pixels.
     lines = np.empty((height, width, channels + 1), np.uint16)
     lines[..., :channels] = np.moveaxis(pixels.reshape(-1, height, width)[:channels], 0, -1)
     lines[..., channels] = 1
@@ -555,7 +556,7 @@ def _reduce_picture(channels: int, path: Path, left: int, top: int, width: int, 
 
 
 def _starts(first: int, length: int) -> NDArray[np.int64]:
-    """Starts of the overview's pixels along an image's side."""
+    """Index, along an image's side, at which each overview pixel begins."""
     return np.r_[0, np.arange(FACTOR - first % FACTOR, length, FACTOR)]
 
 
@@ -572,7 +573,7 @@ def _write(raster: gdal.Dataset, sums: Sums, top: int) -> None:
 
 
 def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[float], bool]) -> None:
-    """Halve the first overview repeatedly, in the same file."""
+    """Add further overviews to the file, each half the size of the previous one."""
     factors, factor = [], 2
     while max(size) * FACTOR // factor > _LAST_PX * FACTOR:
         factors.append(factor)

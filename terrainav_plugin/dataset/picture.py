@@ -1,4 +1,4 @@
-"""An image and its depth, read for display. On any thread; no file stays open."""
+"""An image and its depth map, read for display. On any thread; no file stays open."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..i18n import tr
 from .shown import open_image, open_shown
 
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
-#: Colours from near to far, evenly spaced: matplotlib's viridis, perceptually uniform, also for the colour-blind.
+#: Evenly spaced colours from near to far: matplotlib's viridis, perceptually uniform, also for the colour-blind.
 _VIRIDIS = (
     (68, 1, 84),
     (71, 45, 123),
@@ -36,19 +36,19 @@ _VIRIDIS = (
 
 
 class DisplayImage(NamedTuple):
-    """An image, at most at its display size.
+    """An image, reduced to its display size.
 
     Parameters
     ----------
     path : Path
     image : QImage or None
-        Four channels; pixels without imagery are transparent. None if it cannot be read.
+        RGBA; pixels without imagery are transparent. None if the file cannot be read.
     width_px, height_px : int
-        Of the file.
+        Size of the image in the file.
     metadata : mapping of str to str
         Metadata of the file.
     problem : str
-        Reason why the image is missing.
+        Reason why the file cannot be read; empty if it can.
     """
 
     path: Path
@@ -65,13 +65,13 @@ class Depth(NamedTuple):
     Parameters
     ----------
     metres : array (h, w) of float32
-        Along the optical axis, of the displayed pixels; NaN where no ground is visible.
+        Depth of the displayed pixels along the optical axis; NaN where no ground is visible.
     least_m, most_m : float
-        Of all pixels; NaN if none shows the ground.
+        Range of the depth of all pixels; NaN if no ground is visible.
     image : QImage
-        Depth in colours on a logarithmic scale, which distinguishes both near and far.
+        Depth in colours on a logarithmic scale, which shows differences both near and far.
     problem : str
-        Reason why it cannot be read; image and pixels are empty then.
+        Reason why the depth cannot be read; image and pixels are then empty.
     """
 
     metres: np.ndarray
@@ -81,7 +81,7 @@ class Depth(NamedTuple):
     problem: str = ""
 
     def metres_at_point(self, x: float, y: float) -> float:
-        """Metres at a point, given as shares of width and height from 0 to 1; NaN without ground."""
+        """Depth in metres at ``x, y``, shares of width and height from 0 to 1; NaN where no ground is visible."""
         height, width = self.metres.shape
         return float(self.metres[min(int(y * height), height - 1), min(int(x * width), width - 1)])
 
@@ -91,7 +91,9 @@ class Depth(NamedTuple):
 
 
 def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth | None:
-    """Read the depth of an image, reduced as by `read_picture` but to the nearest pixel; None without depth.
+    """Read the depth of an image; None if it has none.
+
+    The size is reduced as by `read_picture`, but to the nearest pixels.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
                 raise RuntimeError(gdal.GetLastErrorMsg())
             del band, file
     except (RuntimeError, InvalidInput) as wrong:
-        # The image is shown nevertheless.
+        # The image itself can still be shown.
         problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
         return Depth(np.empty((0, 0), np.float32), np.nan, np.nan, None, problem)
     metres = np.where(mask == 0, np.nan, read).astype(np.float32)
@@ -130,10 +132,10 @@ def legend_image(width: int) -> QImage:
 
 
 def depth_colours(share: np.ndarray) -> np.ndarray:
-    """Colours (..., 3) for shares of the way from near, 0, to far, 1; grey for NaN."""
+    """Colours (..., 3) of ``share``, from 0 (near) to 1 (far); grey for NaN."""
     at = np.linspace(0.0, 1.0, len(_VIRIDIS))
     channels = [np.interp(share, at, channel) for channel in zip(*_VIRIDIS)]
-    # Grey, which is not in the scale, for pixels without ground.
+    # The scale contains no grey.
     colours = np.where(np.isnan(share)[..., np.newaxis], (128, 128, 128), np.stack(channels, axis=-1))
     return np.rint(colours).astype(np.uint8)
 
@@ -158,7 +160,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
             width, height = file.RasterXSize, file.RasterYSize
             bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **_size(file, longest_px))
             metadata = dict(file.GetMetadata())
-            # Before the file that it reads is released.
+            # Release the file before `_openable` removes the memory from which it is read.
             del file
     except (RuntimeError, InvalidInput) as wrong:
         return DisplayImage(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
@@ -170,7 +172,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Disp
 
 @contextmanager
 def _openable(path: Path, data: bytes | None) -> Iterator[str]:
-    """Name under which GDAL opens a file; in memory for fetched bytes."""
+    """Name under which GDAL opens a file; fetched bytes become a file in memory until exit."""
     if data is None:
         yield str(path)
         return

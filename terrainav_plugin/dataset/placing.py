@@ -1,4 +1,4 @@
-"""Results in their mission's group: mosaics, footprints and failed images."""
+"""Adds results to their mission's group: mosaics, footprints and failed images."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 
 
 class OpenProject:
-    """Tracks which of a session's projects is open: the one in which work began, or a later one.
+    """Tracks whether the project in which work began is still open.
 
-    Work continues after its project is closed. Its results are shown only if that project is still open, or another one
-    that has a group for the same folder.
+    Work continues after its project is closed. Its results are shown only if that project is still open, or if the open
+    project has a group for the same folder.
     """
 
     def __init__(self, project: QgsProject) -> None:
         self.project = project
-        #: Number of projects closed before it.
+        #: Number of projects closed in this session before the open one.
         self.number = 0
         project.cleared.connect(self._closed)
 
@@ -52,7 +52,7 @@ class OpenProject:
         return MissionGroup(self.project, folder)
 
     def shows(self, number: int | None, folder: Path) -> bool:
-        """Whether to show results of a folder for work begun in the project with a number."""
+        """Whether to show results of a folder; ``number`` was that of the open project when the work began."""
         return number == self.number or self.mission_group(folder).find() is not None
 
     def _closed(self) -> None:
@@ -112,9 +112,9 @@ def place_mosaics(project: QgsProject, mosaics: Iterable[MosaicRaster]) -> None:
 
 
 def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
-    """Put a new mosaic in place; layers release the old file and then open the new one.
+    """Put a new mosaic in place; layers of the project release the old file first, and open the new one afterwards.
 
-    A Processing model calls this on another thread, where layers must not be used.
+    Layers are left alone on other threads than the main one, on which a Processing model calls this.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
 
 
 def _set_source(layer: QgsRasterLayer, source: str) -> None:
-    """Change the file of a layer, or remove it; style and name stay."""
+    """Change the file of a layer; empty for none. Style and name stay."""
     layer.setDataSource(source, layer.name(), "gdal", QgsDataProvider.ProviderOptions())
 
 
@@ -160,7 +160,7 @@ def _show_mosaic(
 
 
 def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
-    """Footprints of a mission are the same in every run: an existing layer keeps showing them."""
+    """Add the layer of footprints, or return the existing one: they are the same in every run of a mission."""
     layer = group.layer(CAPTURED)
     if layer is not None and layer.isValid():
         layer.triggerRepaint()
@@ -176,16 +176,16 @@ def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
 
 
 def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> None:
-    """Give footprints the paths of their images: as attributes, in map tips, and for opening.
+    """Add the paths of images to their footprints: as attributes, in map tips, and for opening.
 
-    Paths are relative to the layer: a folder can be moved with its project. If images are not local files, map tips
-    show poses only.
+    Paths are relative to the layer, so that the folder can be moved with its project. If images are not local files,
+    map tips show only poses.
     """
     tips = []
     for map_type in mission.imagery.map_types if has_paths else ():
         ending = mission.output.image_format
         path = path_inside(f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}'", "name", f".{ending}")
-        # A field of the file with this name would hide the virtual one.
+        # A field of the file with the same name would hide the virtual field.
         taken, name = layer.fields().names(), f"{map_type}_file"
         while name in taken:
             name += "_"
@@ -199,7 +199,7 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> 
             )
         )
         tip = escaped_field(name)
-        # Formats that map tips can show.
+        # Map tips can show these formats.
         if mission.output.image_format in ("jpg", "png"):
             tip = image_in_tip(name, 320) + tip
         tips.append(f"<p>{tip}</p>")

@@ -1,7 +1,8 @@
 """Lay camera frames on the map, one or all of a dataset, with overviews. Runs in the background; no widgets.
 
-With ground control points alone, GDAL and QGIS can only place such an image by polynomials or splines, which displace
-an image tilted by 60 degrees by a hundred pixels, or its corners by forty. The core has the exact camera.
+From ground control points, GDAL and QGIS can only place such an image by polynomials or splines. At a tilt of 60
+degrees, polynomials displace it by up to a hundred pixels, and splines displace its corners by forty. The core projects
+with the exact camera.
 """
 
 from __future__ import annotations
@@ -42,11 +43,11 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
     Parameters
     ----------
     plan : Plan
-        Plan of this single capture.
+        Plan of the single image.
     picture : Path
         The captured image.
     target : Path
-        Written completely or not at all.
+        File to write, completely or not at all.
 
     Raises
     ------
@@ -63,7 +64,7 @@ def lay_image_on_map(
     open_heights: OpenHeights,
     fetch: Callable[[Path], None] | None = None,
 ) -> Path:
-    """Create a file that shows an image of a dataset on the map, and return its path; a map frame is returned itself.
+    """Write a file that shows an image of a dataset on the map, and return its path; for a map frame, the image's path.
 
     Parameters
     ----------
@@ -71,12 +72,12 @@ def lay_image_on_map(
     map_type, file : str
     open_heights : callable
     fetch : callable or None
-        Writes an image from outside the dataset's folder to a file.
+        Writes an image that is not in the dataset's folder to the given path.
 
     Raises
     ------
     InvalidInput, OutputError, SourceError
-        As from `lay_on_map`; the image is not in the dataset, or is rejected.
+        As from `lay_on_map`; or the image is not in the dataset, or is rejected.
     """
     if fetch is not None:
         picture = fetched_file(folder, map_type, file)
@@ -104,8 +105,7 @@ def lay_image_on_map(
 
 
 def fetched_file(folder: Path, map_type: str, file: str) -> Path:
-    """Path for a fetched image from outside the dataset's folder."""
-    # Subfolder for images from outside the dataset's folder: remote ones and those in shards.
+    """Path under which to keep an image that is not in the dataset's folder: a remote image, or one in a shard."""
     return folder / ON_MAP_FOLDER / map_type / "fetched" / file
 
 
@@ -117,13 +117,13 @@ def write_mosaic(
     progress: Callable[[float], bool],
     gsd_m: float | None = None,
 ) -> Orthomosaic:
-    """Write one orthophoto of all images of a map type, with overviews; by default at a GSD that suits the size.
+    """Write one orthophoto of all images of a map type, with overviews; the default GSD limits its size.
 
     Raises
     ------
     InvalidInput, OutputError, SourceError, Cancelled
     """
-    # A mosaic has at most a gigabyte: minutes of work for two cores, or half an hour over relief.
+    # The core limits it to a gigabyte: minutes of work for two cores, or half an hour over relief.
     made = make_orthomosaic(
         folder,
         target,
@@ -140,7 +140,7 @@ def write_mosaic(
 def _lay_on_map(frames: CameraImages, target: Path) -> None:
     try:
         with partial_file(target, ".new") as made:
-            # Sharp on a screen, and quick to make.
+            # 2000 px are sharp on a screen, and quickly made.
             orthorectify(frames, made, 2000)
             _add_overviews(made)
     except OSError as wrong:
@@ -148,7 +148,7 @@ def _lay_on_map(frames: CameraImages, target: Path) -> None:
 
 
 def _add_overviews(path: Path) -> None:
-    """Add overviews to a file, each pixel the mean of four."""
+    """Add overviews to a file; each overview pixel is the mean of four pixels."""
     raster = gdal.Open(str(path), gdal.GA_Update)
     if raster is None:
         raise _failed(path)

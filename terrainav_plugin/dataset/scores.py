@@ -1,4 +1,4 @@
-"""Layers of a benchmark in its group: the reference, the queries' footprints, a method's errors."""
+"""Layers of a benchmark in its group: the reference, the queries' footprints, and a method's errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..paths import style
 from ..plain import escaped_field
 from .layers import hide_antimeridian
 
-#: Roles in the group, and their positions.
+#: Roles of layers in the group, and positions at its top and bottom.
 REFERENCE, QUERIES, ERRORS = "reference", "queries", "errors"
 _TOP, _BOTTOM = 0, -1
 
@@ -34,7 +34,7 @@ def group_post_processor(folder: Path, role: str, known: Collection[str]) -> Qgs
     role : str
         `REFERENCE`, or `QUERIES` or `ERRORS` with ``/`` and a name.
     known : collection of str
-        Ids of the project's earlier layers: one with the same file is reused instead of a new one.
+        Ids of the project's earlier layers; a layer of the same file is reused instead of a new one.
     """
     waiting = _waiting()
     waiting[:] = [one for one in waiting if not sip.isdeleted(one)]
@@ -44,7 +44,7 @@ def group_post_processor(folder: Path, role: str, known: Collection[str]) -> Qgs
 
 @lru_cache(None)
 def _waiting() -> list[_IntoGroup]:
-    """Post-processors that Processing will still use: it deletes them itself, but does not keep their Python halves."""
+    """Post-processors that Processing will still use: it owns their C++ objects, but not their Python wrappers."""
     return []
 
 
@@ -61,7 +61,7 @@ class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
     ) -> None:
         """Move and style the layer, on the main thread."""
         if layer.id() in self._known:
-            # A layer of an earlier run, or one added by the user, which stays in place.
+            # A layer of an earlier run, or added by the user: it keeps its place.
             layer.reload()
             layer.triggerRepaint()
             return

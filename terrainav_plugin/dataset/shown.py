@@ -20,16 +20,16 @@ class ImageRendering(NamedTuple):
     Parameters
     ----------
     bands : tuple of int
-        Red, green and blue, or grey; from 1.
+        Numbers of the red, green and blue bands, or of the grey one; from 1.
     ranges : tuple of (low, high)
-        Darkest and brightest value of each band; empty for 8 bits.
+        Darkest and brightest value of each band; empty for bands of 8 bits.
     data_type : str
         GDAL's name of the data type.
     mask : int or str or None
-        Band that is 0 in transparent pixels; ``mask`` if a nodata value defines them; None for neither.
+        Number of the band that is 0 in transparent pixels; ``mask`` if a nodata value marks such pixels; None without.
     stated : tuple of mapping
-        For each band of 8 bits, by elements of GDAL's virtual rasters: description, unit, offset and scale, as far as
-        the file has them.
+        For each band of 8 bits, the description, unit, offset and scale that the file has, by their element in GDAL's
+        virtual rasters.
     """
 
     bands: tuple[int, ...]
@@ -40,7 +40,7 @@ class ImageRendering(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """Whether the file has exactly these bands, in this order."""
+        """Whether the bands are the file's first ones in order, of 8 bits."""
         return not self.ranges and self.bands == tuple(range(1, 1 + len(self.bands)))
 
 
@@ -54,7 +54,7 @@ def image_rendering(image: gdal.Dataset) -> ImageRendering:
         shown = tuple(1 + kinds.index(colour) for colour in colours)
     else:
         there = [f"{i}" for i in range(len(bands)) if i != alpha]
-        # As the core shows bands without a stated range.
+        # As in the core, for bands without colours.
         shown = tuple(1 + at for at in colour_channels(there)) if len(there) == 3 else (1,)
     first = bands[0]
     mask: int | str | None = None if alpha is None else 1 + alpha
@@ -67,16 +67,16 @@ def image_rendering(image: gdal.Dataset) -> ImageRendering:
 
 
 def open_image(path: str | Path) -> gdal.Dataset | None:
-    """Open an image in a format that captures write and that refers to no other file; None for other files.
+    """Open a GeoTIFF, JPEG or PNG that does not refer to other files; None if it has another format.
 
     Raises
     ------
     InvalidInput
-        The file, or a sidecar file that GDAL opens with it, refers elsewhere, or its CRS names files for PROJ.
+        The file, or a sidecar file that GDAL opens with it, refers to other files, or its CRS names files for PROJ.
     """
     if not str(path).startswith(VIRTUAL):
         allowed_drivers(str(path))
-    # A foreign file may be called .png but describe a service.
+    # A foreign file named .png may actually describe a service: allow only image drivers.
     return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=("GTiff", "JPEG", "PNG"))
 
 
@@ -107,7 +107,7 @@ def open_shown(path: str | Path) -> gdal.Dataset | None:
 
 
 def _stated(band: gdal.Band) -> dict[str, str]:
-    """Description, unit, offset and scale of a band, as far as its file has them."""
+    """The description, unit, offset and scale that a band has, by their element in GDAL's virtual rasters."""
     found = {"Description": band.GetDescription(), "UnitType": band.GetUnitType()}
     numbers = {"Offset": (band.GetOffset(), 0.0), "Scale": (band.GetScale(), 1.0)}
     found.update({name: repr(value) for name, (value, plain) in numbers.items() if value not in (None, plain)})
@@ -115,7 +115,7 @@ def _stated(band: gdal.Band) -> dict[str, str]:
 
 
 def _range(band: gdal.Band) -> tuple[float, float]:
-    """Darkest and brightest value of a band: as stated in its file, otherwise the actual ones."""
+    """Darkest and brightest value of a band: the display range stated in its file, otherwise the actual range."""
     stated = band.GetMetadataItem(DISPLAY_RANGE)
     low, high = (float(one) for one in stated.split()) if stated else band.ComputeRasterMinMax(True)
     return low, high if high > low else low + 1.0

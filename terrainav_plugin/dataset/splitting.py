@@ -1,4 +1,4 @@
-"""Texts of a split for forms and Processing: choices, ranges and results. No widgets."""
+"""Texts about a split, for forms and Processing: choices, ranges and results. No widgets."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from ...core.dataset.split import Split
 
 HIGHEST_SEED = 2**31 - 1
-#: Largest block, and largest gap.
+#: Largest block, and largest gap, in metres.
 WIDEST_M = 1_000_000.0
 UTM, *_ = FRAMES
 
 
 class Line(NamedTuple):
-    """A text, and whether it is a warning."""
+    """A line of text, and whether it is a warning."""
 
     text: str
     warns: bool = False
@@ -81,7 +81,7 @@ def helps() -> dict[str, str]:
 
 
 def outcome(made: Split) -> list[Line]:
-    """Shares reached by a split, images in no part, and warnings."""
+    """Shares reached by a split, number of images in no part, and warnings."""
     lines = [
         Line(
             tr("{part}: {images} images ({share} %).").format(

@@ -75,7 +75,7 @@ class BenchmarkTab(Tab):
                 try:
                     return len(Benchmark.read(folder).queries)
                 except TerrAInavError:
-                    # Another dataset.
+                    # The folder is another dataset.
                     return None
 
             self.reader.ask(queries, self._show)

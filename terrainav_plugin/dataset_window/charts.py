@@ -1,4 +1,4 @@
-"""The paper's two charts, with a threshold moved by mouse and keyboard. Drawn with Qt only."""
+"""The paper's two charts, with a threshold that mouse and keyboard move. Drawn with Qt only."""
 
 from __future__ import annotations
 
@@ -17,11 +17,15 @@ from ..i18n import number_text, tr
 LOWEST, HIGHEST = 0.0, 8.0
 #: Decimals of a threshold.
 DECIMALS = 2
-#: Steps of the threshold in bits: by arrow key, with Shift, and by page key.
-_STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
+#: Step of the threshold by arrow key, in bits.
+_STEP = 0.01
+#: Step by arrow key with Shift.
+_SHIFT_STEP = 0.1
+#: Step by page key.
+_PAGE_STEP = 0.5
 _TICK_PX, _GAP_PX = 4, 3
 _HANDLE_PX = 5.0
-#: Least height of a non-empty bin: a few images among thousands matter most.
+#: Least height of a non-empty bin, so that a few images among thousands are visible: they matter most.
 _LEAST_BAR_PX = 2.0
 _BETWEEN_PX = 1.0
 #: Distinguishable for colour-blind people, on light and dark windows and over imagery.
@@ -39,7 +43,7 @@ class PlotArea(NamedTuple):
 
     @property
     def rect(self) -> QRectF:
-        """Return it as a rectangle."""
+        """Rectangle as Qt draws it."""
         return QRectF(self.left, self.top, self.right - self.left, self.bottom - self.top)
 
 
@@ -49,12 +53,12 @@ class Chart(QWidget):
     Signals
     -------
     threshold_moved(float)
-        Bits, when the user moves the line.
+        Threshold in bits; the user has moved the line.
 
     Attributes
     ----------
     look : QWidget
-        Widget with the colours to use: QGIS themes are style sheets, which do not apply to plain widgets.
+        Widget whose colours to use: QGIS themes are style sheets, which do not change a plain widget's palette.
     """
 
     threshold_moved = pyqtSignal(float)
@@ -99,7 +103,7 @@ class Chart(QWidget):
         self.update()
 
     def axis_px(self, bits: float, frame: PlotArea | None = None) -> float:
-        """Position in px of an entropy on the threshold's axis; ``frame`` is the current plot area, if known."""
+        """Position in px of an entropy on the threshold's axis, in ``frame`` (by default the current plot area)."""
         frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
         if self.ACROSS:
@@ -136,7 +140,7 @@ class Chart(QWidget):
     # --- differences between the charts
 
     def prepare(self) -> None:
-        """Compute what every repaint uses."""
+        """Compute values that every repaint uses."""
 
     def left_ticks(self) -> list[tuple[float, str]]:
         """Values and texts of the vertical axis, which begins at 0."""
@@ -214,7 +218,7 @@ class Chart(QWidget):
         painter = QPainter(self)
         if not len(self.bits):
             flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-            # Also if the chart is disabled: the hint may explain why.
+            # In colours of an enabled widget, even if disabled: the hint may explain why.
             painter.setPen(self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText))
             painter.drawText(self.rect().adjusted(_GAP_PX, _GAP_PX, -_GAP_PX, -_GAP_PX), flags, self._hint)
             return
@@ -263,7 +267,7 @@ class Chart(QWidget):
         painter.restore()
 
     def _paint_line(self, painter: QPainter, frame: PlotArea) -> None:
-        """Draw the threshold with handle and value, and the suggestion as a dotted line."""
+        """Draw the threshold with handle and value, and the suggested threshold as a dotted line."""
         text = self._text_colour()
         if self.suggested is not None:
             painter.setPen(QPen(text, 1.0, Qt.PenStyle.DotLine))
@@ -274,7 +278,7 @@ class Chart(QWidget):
         painter.drawLine(start, end)
         painter.setBrush(text)
         painter.drawEllipse(start if self.ACROSS else end, _HANDLE_PX, _HANDLE_PX)
-        # The focus frame is drawn later, without a fill.
+        # Without a fill, which the focus frame would otherwise have.
         painter.setBrush(Qt.BrushStyle.NoBrush)
         label = tr("{bits} bits").format(bits=f"{self.threshold:.{DECIMALS}f}")
         metrics = self.fontMetrics()
@@ -300,8 +304,8 @@ def bits_ticks() -> list[tuple[float, str]]:
 
 
 def count_ticks(end: float) -> list[tuple[float, str]]:
-    """Ticks of an axis of counts from 0 to ``end``: one, two or five times a power of ten apart."""
-    # About five ticks.
+    """Ticks of an axis of counts from 0 to ``end``, at steps of 1, 2 or 5 times a power of ten."""
+    # For about five ticks.
     rough = max(end / 5, 1.0)
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= rough)
@@ -318,10 +322,9 @@ class Histogram(Chart):
         self.prepare()
 
     def prepare(self) -> None:
-        """Count."""
-        there = self.bits[~np.isnan(self.bits)]
+        """Count the images in each bin."""
         # Bins of a tenth of a bit.
-        self.counts, self._edges = np.histogram(there, 80, (LOWEST, HIGHEST))
+        self.counts, self._edges = np.histogram(self.bits[~np.isnan(self.bits)], 80, (LOWEST, HIGHEST))
 
     def left_ticks(self) -> list[tuple[float, str]]:
         """Counts."""
@@ -341,7 +344,7 @@ class Histogram(Chart):
         return HIGHEST, max(float(self.counts.max()), 1.0) * 1.08
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
-        """Draw the bins, in two colours on either side of the threshold."""
+        """Draw the bins, in a different colour on each side of the threshold."""
         line = self.axis_px(self.threshold, frame)
         scale = (frame.bottom - frame.top) / self.ranges()[1]
         for low, high, count in zip(self._edges[:-1], self._edges[1:], self.counts.tolist()):
@@ -357,7 +360,7 @@ class Histogram(Chart):
 
 
 class Bars(Chart):
-    """Entropy of each image in flight order; the range of several if images outnumber pixels."""
+    """Entropy of each image in flight order; if images outnumber pixels, the range of several images."""
 
     ACROSS = False
 
@@ -369,7 +372,7 @@ class Bars(Chart):
         return bits_ticks()
 
     def bottom_ticks(self) -> list[tuple[float, str]]:
-        """Numbers of images."""
+        """Image numbers."""
         return count_ticks(float(max(len(self.bits), 1)))
 
     def titles(self) -> tuple[str, str]:
@@ -381,7 +384,7 @@ class Bars(Chart):
         return float(max(len(self.bits), 1)), HIGHEST
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
-        """Draw a bar for each image, or each column of pixels."""
+        """Draw a bar for each image, or for each column of pixels."""
         count = len(self.bits)
         columns = min(count, max(int(frame.right - frame.left), 1))
         starts = np.arange(columns) * count // columns
@@ -405,7 +408,7 @@ class Bars(Chart):
 
 
 def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
-    """Every n-th of some evenly spaced ticks from 0, at least ``least_px`` apart."""
+    """Every n-th of evenly spaced ticks that begin at 0, so that they are at least ``least_px`` apart."""
     if len(ticks) < 2:
         return ticks
     return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]

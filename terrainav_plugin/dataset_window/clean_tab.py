@@ -1,4 +1,4 @@
-"""Tab for cleaning a dataset: it shows data and emits requests."""
+"""Tab for cleaning a dataset; displays only, and emits the user's requests."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .entropies import Entropies, Example
 from .tab import no_folder
 from .tasks import MARK, MOVE, UNDO
 
-#: Example images on either side.
+#: Number of example images on each side of the threshold.
 COUNT = 4
 _ICON_PX = (72, 54)
 
@@ -45,7 +45,7 @@ class CleanTab(QWidget):
     -------
     map_type_chosen(str)
     threshold_changed(float)
-        In bits, whichever control was moved.
+        Threshold in bits, from any of the controls.
     on_map_toggled(bool)
     action_wanted(str)
         One of `MARK`, `MOVE` and `UNDO`.
@@ -86,7 +86,7 @@ class CleanTab(QWidget):
     # --- display
 
     def show_hint(self, text: str = "") -> None:
-        """Show a text instead of entropies; without a folder, ask for one."""
+        """Show a text instead of entropies; by default, ask for a folder."""
         text = text or no_folder()
         self.entropies = None
         for chart in self.charts:
@@ -101,7 +101,7 @@ class CleanTab(QWidget):
         self._enable()
 
     def show_reading(self, percent: float) -> None:
-        """Show the progress of reading, unless it is quick."""
+        """Show the progress of reading."""
         self.bar.show()
         self.bar.setValue(int(percent))
 
@@ -173,8 +173,8 @@ class CleanTab(QWidget):
         self.notes.setText(" ".join(notes) or tr("Not cleaned yet."))
 
     def _enable(self) -> None:
-        """Enable what is possible now."""
-        # The window's focus: a tab remembers which child had it before it moved outside.
+        """Enable the actions that are possible now."""
+        # The window's focus, as a tab's own `focusWidget` remembers a child that has lost the focus.
         focus = self.window().focusWidget()
         focus = focus if focus is not None and self.isAncestorOf(focus) else None
         there = self.entropies is not None and not self._busy
@@ -189,7 +189,7 @@ class CleanTab(QWidget):
         self._keep_focus(focus)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Return the focus to a widget that lost it by being disabled, once it is enabled."""
+        """Note a widget that loses the focus by being disabled, and return the focus once the widget is enabled."""
         if before is not None and self._lost_focus is None and not before.isEnabled():
             self._lost_focus = before
         elif self._lost_focus is not None and self._lost_focus.isEnabled():
@@ -197,11 +197,11 @@ class CleanTab(QWidget):
             self._lost_focus = None
 
     def forget_focus(self) -> None:
-        """Keep the focus where it is now: the user types there."""
+        """Leave the focus where it is, as the user is typing there."""
         self._lost_focus = None
 
     def _suggest(self) -> None:
-        """Set the threshold between two groups of entropies and explain it; keep it if there is one group."""
+        """Set the threshold between two groups of entropies, and explain it; keep it if there is only one group."""
         found = self.entropies
         if found is None or found.suggested is None:
             return
@@ -319,7 +319,7 @@ class CleanTab(QWidget):
 
 
 class ExampleStrip(QWidget):
-    """Show example images, those nearest to the threshold in the middle.
+    """Show example images; the nearest to the threshold are in the middle.
 
     Signals
     -------
@@ -338,7 +338,7 @@ class ExampleStrip(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setVerticalSpacing(2)
         sides = (
-            # The nearest rejected image comes last, beside the nearest kept one.
+            # The nearest rejected image comes last, next to the nearest kept image.
             (tr("Just below: rejected"), REJECTED, self.below[::-1]),
             (tr("Just above: kept"), KEPT, self.above),
         )
@@ -360,11 +360,11 @@ class ExampleStrip(QWidget):
         self.show_examples([], [])
 
     def show_examples(self, below: Sequence[ExampleImage], above: Sequence[ExampleImage]) -> None:
-        """Show images, the nearest to the threshold first."""
+        """Show images below and above the threshold; in both lists, the nearest to the threshold comes first."""
         self._rows.clear()
         for buttons, shown in ((self.below, below), (self.above, above)):
-            for button, one in zip(buttons, [*shown, *[None] * (len(buttons) - len(shown))]):
-                self._show(button, one)
+            for button, example in zip(buttons, [*shown, *[None] * (len(buttons) - len(shown))]):
+                self._show(button, example)
 
     def _show(self, button: QToolButton, shown: ExampleImage | None) -> None:
         button.setEnabled(shown is not None)
@@ -390,7 +390,7 @@ class ExampleStrip(QWidget):
 
 
 class ExampleImage(NamedTuple):
-    """An example with its image."""
+    """An example, and its image."""
 
     example: Example
     picture: DisplayImage
@@ -417,7 +417,7 @@ def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
 
 
 class _Line(QWidget):
-    """A line in the colour of one side in the charts."""
+    """A horizontal line in the colour that one side of the threshold has in the charts."""
 
     def __init__(self, colour: QColor) -> None:
         super().__init__()
@@ -436,7 +436,7 @@ def _buttons(side: str) -> list[QToolButton]:
         button.setIconSize(QSize(*_ICON_PX))
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        # With a large font they shrink, and crop their images.
+        # With a large font, the buttons shrink and crop their images.
         button.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         button.setMinimumWidth(40)
         buttons.append(button)
@@ -449,7 +449,7 @@ def _icon(picture: DisplayImage, ratio: float) -> QIcon:
         pixmap = QPixmap(size)
         pixmap.fill(QColor(0, 0, 0, 0))
     else:
-        # Cropped to fill, so that images of different shapes make an even row.
+        # Crop the image to fill the icon, so that images of different shapes make an even row.
         whole = picture.image.scaled(
             size, Qt.AspectRatioMode.KeepAspectRatioByExpanding, Qt.TransformationMode.SmoothTransformation
         )

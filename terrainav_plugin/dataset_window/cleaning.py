@@ -47,7 +47,7 @@ class Cleaning(QObject):
     """
 
     dataset_wanted = pyqtSignal(object)
-    #: Number of a reading, and its percentage done; emitted on the reader's thread.
+    #: Number of the request to read, and the percentage read; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
     def __init__(self, iface: QgisInterface, messages: Messages, work: Work) -> None:
@@ -61,7 +61,7 @@ class Cleaning(QObject):
         self._found: dict[str, Entropies] = {}
         self._map_type = ""
         self._asked = 0
-        # A separate worker: images are needed while a long table is being read, and vice versa.
+        # Two workers: images are needed while a long table is being read, and vice versa.
         self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
         self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
@@ -71,15 +71,15 @@ class Cleaning(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether a result is due."""
+        """Whether results are pending."""
         return self._rested.isActive() or self._pictures.busy or self.marks.busy or self._reader.busy
 
     def take(self, folder: Path | None) -> None:
-        """Show the current state of a dataset; None for none."""
+        """Show the current state of a dataset; None shows no dataset."""
         if folder is not None:
             self._read(folder)
             return
-        # Drop the reading under way.
+        # Abandon the current reading.
         self._reader.forget()
         self._forget(None)
         self.panel.show_hint()
@@ -103,14 +103,14 @@ class Cleaning(QObject):
     # --- reading
 
     def _forget(self, folder: Path | None) -> int:
-        """Switch to another folder, not read yet; returns the number of its reading."""
+        """Switch to a folder that has not been read; return the number of the next request to read."""
         self._folder, self._found = folder, {}
         self.marks.hide()
         self._asked += 1
         return self._asked
 
     def _read(self, folder: Path) -> None:
-        """Read a dataset; abandons a reading under way."""
+        """Read a dataset, and abandon the current reading."""
         number = self._forget(folder)
         self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
 
@@ -129,7 +129,7 @@ class Cleaning(QObject):
 
     def _show(self, found: dict[str, Entropies]) -> None:
         self._found = found
-        # With several map types, the roadmap is there to judge the others.
+        # Of several map types, the roadmap only decides about the images of the others.
         of_pictures = [name for name in found if not name.startswith(DECIDING)] or list(found)
         self._show_map_type(self._map_type if self._map_type in found else of_pictures[0])
 
@@ -173,7 +173,7 @@ class Cleaning(QObject):
         if extent is None:
             self._messages.warning(no_footprints())
             return
-        # The map shows four times the image.
+        # Show four times the extent of the image.
         show_extent(self._canvas, extent, 4.0)
 
     # --- actions of the buttons
@@ -215,7 +215,7 @@ class Cleaning(QObject):
 
     def _pictures_saved(self, task: PicturesTask) -> None:
         if not task.written:
-            # Stopped before it began.
+            # The task was stopped before it began.
             return
         self._messages.success(
             tr("{count} charts written to {folder}.").format(count=len(task.written), folder=task.target),

@@ -40,9 +40,9 @@ class Datasets(QObject):
     dataset_wanted(object)
         Folder of a dataset to open, with its mosaics rebuilt.
     benchmark_wanted()
-        A benchmark is to be made from the panel's mission.
+        The user wants to make a benchmark from the panel's mission.
     score_wanted(object)
-        A benchmark is to be scored: its folder, or None.
+        The user wants to score a benchmark: its folder, or None.
     compare_wanted()
         The user wants to compare two images on the map.
     """
@@ -60,18 +60,18 @@ class Datasets(QObject):
         self.tabs: dict[str, Tab] = {}
         self.folder: Path | None = None
         self._work: Work | None = None
-        #: Tabs that show another dataset than the open one, or an earlier state of it.
+        #: Tabs that do not show the current state of the open dataset.
         self._stale: set[str] = set()
 
     @property
     def busy(self) -> bool:
-        """Whether a result is due."""
+        """Whether results are pending."""
         if self.window is None:
             return False
         return self._work.busy or self.cleaning.busy or any(tab.busy for tab in self.tabs.values())
 
     def open(self, folder: Path | None = None, tab: str = "") -> None:
-        """Show the window with a dataset, by default the one captured last, at a tab, by default the current one."""
+        """Show a dataset in the window, by default the one captured last, in a tab, by default the current one."""
         window = self._shown_window()
         folder = folder or self.folder or self._last()
         if tab:
@@ -96,7 +96,7 @@ class Datasets(QObject):
     # --- the folder
 
     def _last(self) -> Path | None:
-        """Folder of the most likely dataset, or else of the one opened last."""
+        """Folder of the most likely dataset; if there is none, of the dataset opened last."""
         folders = (*self._folders(), *recent())
         return next((folder for folder in folders if file_exists(folder / MISSION_FILE)), None)
 
@@ -105,7 +105,7 @@ class Datasets(QObject):
         self._take(entered_folder(text) if text.strip() else None)
 
     def _take(self, folder: Path | None) -> None:
-        """Show the current state of a dataset in the visible tab; the others read it when they become visible."""
+        """Show the current state of a dataset in the visible tab; other tabs read it when they become visible."""
         self.folder = folder
         self._stale = set(TABS)
         self._show_current()
@@ -121,7 +121,7 @@ class Datasets(QObject):
         self._show_sight(self.window.isUserVisible())
 
     def _show_sight(self, visible: bool) -> None:
-        """Show or hide the crosses on the map with the tab."""
+        """Show the crosses on the map only while the cleaning tab is visible."""
         self.cleaning.show_in_sight(visible and TABS[self.window.tabs.currentIndex()] == CLEAN)
 
     # --- tasks
@@ -133,11 +133,11 @@ class Datasets(QObject):
             tab.show_working(working)
 
     def _ended(self, task: CleanTask | SplitTask) -> None:
-        """Show the state after a task, whatever its end."""
+        """Show the state of the dataset after a task, whether it succeeded or failed."""
         from .tasks import SplitTask
 
         if task.changes_dataset and self.window is not None:
-            # The split tab reads its folder itself, so that its text about the split stays.
+            # The split tab reads its folder itself, and keeps its text about the split.
             self._stale = set(TABS) - ({SPLIT} if isinstance(task, SplitTask) else set())
             self._show_current()
 

@@ -16,7 +16,7 @@ from ...core.storage.files import file_exists
 
 
 class Example(NamedTuple):
-    """An image that serves as example.
+    """An image close to the threshold, as an example.
 
     Parameters
     ----------
@@ -35,20 +35,20 @@ class Example(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Entropies:
-    """Entropies that decide about the images of a map type.
+    """The entropies that decide which images of a map type are rejected.
 
     Parameters
     ----------
     folder : Path
-        Of the images.
+        Folder of the images.
     names : tuple of str
-        Files in order of the table, which is flight order.
+        File names in the order of the table, which is flight order.
     bits : array (n,)
         Deciding entropies; NaN for images that failed.
     by_roadmap : int
-        Images for which the roadmap decides.
+        Number of images for which the roadmap decides.
     marked, moved : int
-        Images marked and files moved by an earlier cleaning.
+        Number of images marked, and of files moved, by an earlier cleaning.
     """
 
     folder: Path
@@ -57,15 +57,15 @@ class Entropies:
     by_roadmap: int
     marked: int
     moved: int
-    #: Names without extension.
+    #: File names without extension.
     stems: tuple[str, ...] = field(init=False)
     #: Rows of existing images, by increasing entropy.
     order: Numbers = field(init=False)
-    #: Their entropies, in this order.
+    #: Entropies of existing images, increasing.
     ordered: Floats = field(init=False)
     #: Threshold that separates the entropies best; None if all are equal.
     suggested: float | None = field(init=False)
-    #: Whether it separates two groups of entropies; otherwise they form one.
+    #: Whether the suggested threshold separates two distinct groups of entropies.
     groups: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -84,7 +84,7 @@ class Entropies:
 
     @property
     def failed(self) -> int:
-        """Images that failed."""
+        """Number of images that failed."""
         return len(self.bits) - len(self.order)
 
     def rejected(self, threshold: float) -> int:
@@ -96,7 +96,7 @@ class Entropies:
         return [self.stems[row] for row in self.order[: self.rejected(threshold)].tolist()]
 
     def examples(self, threshold: float, count: int) -> tuple[list[Example], list[Example]]:
-        """Images just below and just above a threshold, at most ``count`` each, the nearest first."""
+        """Images just below a threshold, and images just above it: at most ``count`` each, the nearest first."""
         first_kept = self.rejected(threshold)
         below = self.order[max(first_kept - count, 0) : first_kept][::-1]
         above = self.order[first_kept : first_kept + count]
@@ -109,12 +109,12 @@ class Entropies:
 
 
 def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, Entropies]:
-    """Deciding entropies of a dataset by map type folder, as used by cleaning.
+    """Deciding entropies of a dataset, as used by cleaning, by the name of the map type's folder.
 
     Parameters
     ----------
     progress : callable
-        Called with the share done, 0 to 1, if images must be read; returning False stops the reading.
+        Takes the share done, 0 to 1, if images must be read; stops the reading by returning False.
 
     Raises
     ------

@@ -36,7 +36,7 @@ class ExportFormats(NamedTuple):
     Parameters
     ----------
     reasons : dict
-        Why a format is impossible, by format; None if it is possible.
+        By format, the reason why it is impossible; None if it is possible.
     map_types : tuple of str
         Empty for a benchmark.
     """
@@ -59,7 +59,7 @@ def read_possible(folder: Path) -> ExportFormats:
 
 
 class ExportTab(Tab):
-    """Formats in three groups; only those possible for the dataset are enabled."""
+    """Formats in three groups; only the formats possible for the dataset are enabled."""
 
     def __init__(self, work: Work) -> None:
         super().__init__("export_tab")
@@ -97,7 +97,7 @@ class ExportTab(Tab):
         self.show_result("")
         folder = self.folder
         if folder != self._read_folder:
-            # The entries were for another dataset.
+            # The previous entries were for another dataset.
             self._read_folder, self._suggested = folder, ""
             with QSignalBlocker(self.target):
                 self.target.setFilePath("")
@@ -110,7 +110,7 @@ class ExportTab(Tab):
         self.enable()
 
     def enable(self) -> None:
-        """Enable what is possible now."""
+        """Enable the actions that are possible now."""
         reasons = {} if self._possible is None else self._possible.reasons
         for kind, button in self.kinds.items():
             button.setEnabled(kind in reasons and reasons[kind] is None and not self.working)
@@ -127,7 +127,7 @@ class ExportTab(Tab):
             reasons = [possible.reasons[kind] for kind in kinds]
             for kind, reason in zip(kinds, reasons):
                 self.kinds[kind].setToolTip("" if reason is None else shown_plain(translate(reason)))
-            # Show a reason for a whole group once: tooltips need a mouse.
+            # If the whole group is impossible, show the reason once as text: tooltips need a mouse.
             if None in reasons:
                 note.setText("")
             elif kinds is BENCHMARKS:
@@ -192,7 +192,7 @@ class ExportTab(Tab):
         self.show_result(text.format(count=count, format=KINDS[task.kind], folder=where), where)
 
     def show_result(self, text: str, written: Path | None = None) -> None:
-        """Show the export, or why it failed."""
+        """Show the result of the export, or why it failed."""
         self._written = written
         self.result.setText(text)
         self.open_folder.setVisible(written is not None)

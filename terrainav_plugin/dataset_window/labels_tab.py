@@ -1,4 +1,4 @@
-"""Tab that shows images of a dataset with their training data."""
+"""Tab that shows images of a dataset with their training data (part of the split, label and depth)."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class LabelsTab(Tab):
         ).format(frame=learned.labels.frame.crs, count=number_text(learned.labels.images))
 
     def _choose_map_type(self) -> None:
-        """Offer the parts with images of a map type."""
+        """Offer the parts that have images of the chosen map type."""
         titles = {ALL: tr("All"), **parts(), GAP: tr("In no part (gap)"), REJECTED_ONES: tr("Rejected")}
         before = self.of.currentData()
         counts = self.learned.counts(self.map_type.currentData())
@@ -228,7 +228,7 @@ class _ImageLabel(QLabel):
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
 
     def show_image(self, image: QImage | None) -> None:
-        """Show an image completely; None for none."""
+        """Show a whole image, reduced to fit; None clears it."""
         if image is None:
             self.clear()
             return
@@ -245,7 +245,7 @@ class _ImageLabel(QLabel):
 
 
 class DepthScale(QWidget):
-    """Colour scale of a depth from near to far, with its limits in metres."""
+    """Colour scale of a depth map from near to far, with its limits in metres."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -255,7 +255,7 @@ class DepthScale(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
     def sizeHint(self) -> QSize:
-        """Room for colours and the texts below: side by side, or stacked with a large font."""
+        """Room for the colours and the texts below them, which are stacked if they do not fit side by side."""
         lines = 1 if self._fits() else len(self.texts)
         return QSize(_IMAGE_PX[0], _SCALE_PX + lines * self.fontMetrics().height() + 1)
 

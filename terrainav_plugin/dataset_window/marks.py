@@ -23,14 +23,14 @@ from .charts import REJECTED
 
 
 class MarksItem(QgsMapCanvasItem):
-    """An image on the map that moves with it."""
+    """An image on the map canvas that moves with the map."""
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
         self.image = QImage()
 
     def show_image(self, image: QImage, extent: QgsRectangle) -> None:
-        """Show an image of a part of the map."""
+        """Show an image that covers an extent of the map."""
         self.image = image
         self.setRect(extent)
         self.update()
@@ -38,17 +38,17 @@ class MarksItem(QgsMapCanvasItem):
     def paint(self, painter: QPainter, *_: object) -> None:
         """Paint."""
         if not self.image.isNull():
-            # The item has a margin of a pixel on either side of the rectangle.
+            # QGIS adds a margin of a pixel on each side of the rectangle.
             painter.drawImage(self.boundingRect().adjusted(1.0, 1.0, -1.0, -1.0), self.image)
 
 
 class Marks(QObject):
-    """Keep the crosses consistent with threshold and view; they are drawn off the main thread.
+    """Redraw the crosses when the threshold or the map's view changes, off the main thread.
 
     Signals
     -------
     failed(object)
-        An error in drawing.
+        The error that stopped a drawing.
 
     Attributes
     ----------
@@ -73,16 +73,16 @@ class Marks(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether a drawing is due."""
+        """Whether a drawing is pending."""
         return self._worker.busy
 
     @property
     def item(self) -> MarksItem | None:
-        """Marks on the map, if any."""
+        """The item on the map canvas, if any."""
         return self._item
 
     def show(self, folder: Path, stems: Callable[[], Collection[str]]) -> None:
-        """Cross out images of a dataset; ``stems`` gives their names without extension, on any thread."""
+        """Cross out images of a dataset; ``stems`` returns their names without extension, on any thread."""
         self._wanted = folder, stems
         self._draw()
 
@@ -94,7 +94,7 @@ class Marks(QObject):
     def find(self, folder: Path, stem: str, found: Callable[[QgsRectangle | None], None]) -> None:
         """Find the extent of a dataset's image in the map's CRS; ``found`` receives it, or None if it is unknown.
 
-        Crosses being drawn are requested again.
+        This abandons a drawing of crosses, which is then requested again.
         """
 
         def answer(bounds: Bounds | None) -> None:
@@ -127,7 +127,7 @@ class Marks(QObject):
         return crs.toWkt(QgsCoordinateReferenceSystem.WktVariant.WKT_PREFERRED)
 
     def _draw(self, *_: object) -> None:
-        """Request a drawing of the current view; abandons one for an earlier view or threshold."""
+        """Request a drawing of the current view, and abandon a drawing for an earlier view or threshold."""
         settings = self._canvas.mapSettings()
         extent = settings.visibleExtent()
         if self._wanted is None or extent.isEmpty():
@@ -161,7 +161,7 @@ class Marks(QObject):
 
 
 class MapExtent(NamedTuple):
-    """Rectangle shown by the map, in its CRS, with the pixel size.
+    """Extent of the map canvas in the map's CRS, with its pixel size.
 
     Parameters
     ----------
@@ -181,12 +181,12 @@ class MapExtent(NamedTuple):
 
 
 class Drawer:
-    """Draw the crosses; keeps the footprints of one dataset until another is requested. On one thread.
+    """Draw the crosses; the footprints of a dataset are kept until another dataset is drawn. Use on one thread only.
 
     Parameters
     ----------
     closed : callable
-        Whether nobody waits any longer, which ends reading a long file.
+        Returns whether to stop reading a long file because nobody waits for it any longer.
     """
 
     def __init__(self, closed: Callable[[], bool]) -> None:
@@ -203,7 +203,7 @@ class Drawer:
         view: MapExtent,
         cancelled: Callable[[], bool],
     ) -> Drawn | None:
-        """Draw a view of a dataset; None if it is overtaken. Raises InvalidInput."""
+        """Draw a view of a dataset; None if cancelled. Raises InvalidInput."""
         try:
             outlines, chosen = self._read_outlines(folder, wkt), stems()
             return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
@@ -238,14 +238,14 @@ class Drawn(NamedTuple):
 def draw(
     outlines: Outlines, stems: Collection[str], view: MapExtent, cancelled: Callable[[], bool] = lambda: False
 ) -> QImage:
-    """Image of a view with some of the outlines crossed out, transparent elsewhere.
+    """Image of a view in which the outlines of ``stems`` are crossed out; transparent elsewhere.
 
     Parameters
     ----------
     outlines : Outlines
-        In the map's CRS.
+        Outlines in the map's CRS.
     stems : collection of str
-        Names of the images.
+        Names of the images to cross out, without extension.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def draw(
     right, bottom = np.maximum.reduceat(x, first), np.maximum.reduceat(y, first)
     wanted = set(stems)
     chosen = np.array([stem in wanted for stem in outlines.stems], np.bool_)[outlines.owners]
-    # Infinite values compare as outside.
+    # Points outside the CRS's domain are infinite: their outlines are not drawn.
     seen = chosen & (left < wide) & (right > 0.0) & (top < high) & (bottom > 0.0) & np.isfinite(left + top)
     painter = QPainter(image)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -273,11 +273,11 @@ def draw(
     veil.setAlpha(70)
     try:
         for done, ring in enumerate(np.flatnonzero(seen).tolist()):
-            # Check every 500 footprints whether to stop.
+            # Check for cancellation every 500 footprints.
             if done % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             box = QRectF(left[ring], top[ring], right[ring] - left[ring], bottom[ring] - top[ring])
-            # Footprints too small for a cross become dots.
+            # Draw footprints too small for a cross as dots.
             if max(box.width(), box.height()) < 6.0 * view.ratio:
                 painter.fillRect(box, REJECTED)
                 continue

@@ -19,7 +19,7 @@ from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 if TYPE_CHECKING:
     from ...core.dataset.dataset import ImageSet
 
-#: Choices of images beside the parts of a split.
+#: Choices of images besides the parts of a split.
 ALL, REJECTED_ONES = "all", "rejected"
 
 
@@ -31,9 +31,9 @@ class ImagePreview(NamedTuple):
     name : str
     picture : DisplayImage
     depth : Depth or None
-        None if the dataset has none.
+        None if the image has no depth map.
     part : str
-        One of `PARTS` or `GAP`; empty for no part.
+        One of `PARTS`, or `GAP`; empty if the image is in no part.
     label : tuple of float or None
         Scaled easting and northing; None if there are no labels.
     entropy : float
@@ -60,7 +60,7 @@ class DatasetTables:
     is_split : bool
     labels : Labels or None
     fault : TerrAInavError or None
-        Why labels are missing although there is a file.
+        Why labels are missing although the dataset has a file for them.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -78,11 +78,11 @@ class DatasetTables:
         self._rows = {name: _image_choices(one) for name, one in self._sets.items()}
 
     def counts(self, map_type: str) -> dict[str, int]:
-        """Images of a map type by choice (all, each part, no part, rejected), without empty choices."""
+        """Number of images of a map type by choice (all, a part, the gap, rejected), without empty choices."""
         return {name: len(rows) for name, rows in self._rows[map_type].items() if len(rows)}
 
     def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[ImagePreview]:
-        """Read ``count`` images of a map type and choice, starting with number ``first``."""
+        """Read ``count`` images of a map type and of the choice ``of``, from index ``first``."""
         images = self._sets[map_type]
         rows = self._rows[map_type].get(of, np.zeros(0, np.int64))[first : first + count]
         return self._read(images, rows.tolist(), longest_px)
@@ -110,10 +110,10 @@ class DatasetTables:
 
 
 def _image_choices(images: ImageSet) -> dict[str, np.ndarray]:
-    """Rows of a table that have an image, by choice."""
+    """Rows of existing images in a table, by choice."""
     table = images.table
-    there = np.flatnonzero(table.made)
+    existing = np.flatnonzero(table.made)
     parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))
-    part = np.array([parts[row] for row in there.tolist()], object)
-    mark = np.array([bool(marks[row]) for row in there.tolist()], np.bool_)
-    return {ALL: there, **{name: there[part == name] for name in (*PARTS, GAP)}, REJECTED_ONES: there[mark]}
+    part = np.array([parts[row] for row in existing.tolist()], object)
+    mark = np.array([bool(marks[row]) for row in existing.tolist()], np.bool_)
+    return {ALL: existing, **{name: existing[part == name] for name in (*PARTS, GAP)}, REJECTED_ONES: existing[mark]}

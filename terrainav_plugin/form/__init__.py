@@ -2,10 +2,10 @@
 
 text            numbers, aspect ratios and degrees as people type and read them
 fields          translated titles and tips of a mission's fields
-state           the entries, each a field; JSON between sessions
-area            the area: a box, a polygon or points; from pasted text, and as a description
+state           the entries as one dataclass, kept as JSON between sessions
+area            the area: a box, a polygon or points; read from pasted text, and described in words
 camera          the camera by field of view, lens and sensor, or ground sample distance
-presets         values for a purpose, as entries
+presets         presets of entries: applied, undone and recognised
 headings        summaries of the groups of entries
 mission_form    the mission of the entries, and the entries of a mission
 """

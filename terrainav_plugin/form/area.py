@@ -1,4 +1,4 @@
-"""The area entered: read, written and described. No widgets."""
+"""The area of the entries: read, written and described. No widgets."""
 
 from __future__ import annotations
 
@@ -33,16 +33,18 @@ from .text import (
     to_decimal_points,
 )
 
-#: Heights this close are equal: spin boxes show four decimals, of a foot at least.
+#: Heights closer than this are equal: spin boxes show four decimals, of metres or feet.
 SAME_HEIGHT_M = 1e-4
-#: Parsed shapes that are cached: the one entered, and those of undo steps.
+#: Number of parsed shapes to cache: the shape entered, and the shapes of undo steps.
 _KEPT = 8
-#: Numbers of a corner, of a point with height and yaw, and of two corners.
-_POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
+#: Count of numbers in ``lat lon``, ``lat lon agl`` and ``lat lon agl yaw``.
+_POINT, _POSE, _POSE_AND_YAW = 2, 3, 4
+#: Count of numbers in two opposite corners.
+_CORNERS = 4
 
 
 class FormError(TerrAInavError):
-    """Entries that make no mission: a message for each wrong field."""
+    """Entries from which no mission can be made, with a message for each wrong field."""
 
     def __init__(self, messages: dict[str, str]) -> None:
         super().__init__("; ".join(messages.values()))
@@ -55,7 +57,7 @@ def replace_box(state: FormState, box: Box, text: Callable[[float], str] = degre
 
 
 def replace_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
-    """State with another area, and its height above ground in metres if it has one."""
+    """State with another area, and with ``agl_m`` as its height above ground unless None."""
     if agl_m is not None and agl_m != state.agl_m:
         state = replace(state, agl=agl_m / LENGTHS_M[state.agl_unit], height_by="agl", camera_gsd=0.0)
     if isinstance(area, Box):
@@ -79,17 +81,17 @@ def paste_coordinates(state: FormState, text: str) -> FormState:
 
 
 def entered_shape(state: FormState) -> Polygon | Polygons | Points | None:
-    """Polygons or points entered, at the height entered; None if the area is a box.
+    """Return the polygons or points entered, at the height entered; None if the area is a box.
 
     Raises
     ------
     InvalidInput
-        The state's text of the shape cannot be read.
+        ``state.shape`` cannot be read.
     """
     if not state.shape:
         return None
     bounds = parse_shape(state.shape).bounds
-    # Edges other than those around the shape were entered later, and make the area a box.
+    # If the edges are not the shape's bounding box, a box was entered after the shape.
     edges = _edges(bounds, exact_degrees_text)
     if any(getattr(state, name) != text for name, text in edges.items()):
         return None
@@ -110,7 +112,7 @@ def entered_area(state: FormState) -> Area | None:
 
 
 def edge_deg(name: str, text: str) -> float:
-    """Degrees of an edge as entered, by its field; raises ValueError if it is not an angle."""
+    """Degrees of the edge entered in the field ``name``; raises ValueError if ``text`` is not an angle."""
     return parse_degrees(text, LATITUDE if name in ("north", "south") else LONGITUDE)
 
 
@@ -132,17 +134,17 @@ class EnteredShape:
     agl_m: float
 
     def area_at_height(self, agl_m: float) -> Polygon | Polygons | Points:
-        """Area at a height entered: all points have that height, unless it is the one they were taken with."""
+        """Area with all points at ``agl_m``; unchanged if that is the height at which they were taken."""
         if not isinstance(self.area, Points) or abs(agl_m - self.agl_m) <= SAME_HEIGHT_M or agl_m <= 0.0:
             return self.area
         return replace(self.area, poses=tuple((lat, lon, agl_m) for lat, lon, _ in self.area.poses))
 
 
 def shape_text(area: Area, agl_m: float) -> str:
-    """Text of polygons or points, taken with a height entered; empty for a box."""
+    """JSON of polygons or points, with the height entered when they were taken; empty for a box."""
     if isinstance(area, Box):
         return ""
-    # As in a mission's file, without the copy of every corner that `Mission.to_dict` makes.
+    # The form of a mission's file; `Mission.to_dict` would copy every corner.
     data = {field.name: getattr(area, field.name) for field in fields(area)}
     if isinstance(area, Polygons):
         data = {"parts": [{"rings": part.rings} for part in area.parts]}
@@ -151,7 +153,7 @@ def shape_text(area: Area, agl_m: float) -> str:
 
 @lru_cache(_KEPT)
 def parse_shape(text: str) -> EnteredShape:
-    """Shape from a text; raises InvalidInput if it cannot be read."""
+    """Shape from the text of `shape_text`; raises InvalidInput if it cannot be read."""
     try:
         data = parse_json(text)
         agl_m = float(data.pop("agl_m", 1.0))
@@ -164,18 +166,18 @@ def parse_shape(text: str) -> EnteredShape:
 
 
 def no_fly_text(polygons: tuple[Polygon, ...]) -> str:
-    """Text of no-fly areas; empty for none."""
+    """JSON of no-fly areas; empty if there are none."""
     return json.dumps([{"rings": polygon.rings} for polygon in polygons]) if polygons else ""
 
 
 @lru_cache(_KEPT)
 def parse_no_fly(text: str) -> tuple[Polygon, ...]:
-    """No-fly areas from a text; raises InvalidInput if they cannot be read."""
+    """No-fly areas from the text of `no_fly_text`; raises InvalidInput if they cannot be read."""
     return area_from_dict({"type": "polygons", "parts": parse_json(text)}).parts if text else ()
 
 
 def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
-    """No-fly areas entered; none if they cannot be read."""
+    """No-fly areas entered; empty if they cannot be read."""
     try:
         return parse_no_fly(state.no_fly)
     except InvalidInput:
@@ -184,7 +186,7 @@ def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
 
 @lru_cache(_KEPT)
 def parse_area(text: str, agl_m: float) -> Polygon | Polygons | Points:
-    """Area from a text, at a height entered; raises InvalidInput if it cannot be read."""
+    """Area from the text of `shape_text`, at the height entered; raises InvalidInput if it cannot be read."""
     return parse_shape(text).area_at_height(agl_m)
 
 
@@ -199,20 +201,20 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         one line may omit the height. `to_decimal_points` reads decimal commas, and `to_decimal_degrees` degrees,
         minutes and seconds with a hemisphere's letter.
     agl : float
-        Height if the text has none.
+        Height for text without heights.
     agl_unit : str
-        m or ft, for all heights.
+        Unit of all heights: m or ft.
 
     Returns
     -------
     area : Box or Points
     agl_m : float or None
-        Height in the text, in metres; of the first point if there are several; None if missing.
+        Height of the first point in the text, in metres; None if the text has no height.
 
     Raises
     ------
     InvalidInput
-        With what cannot be read, and its line.
+        The text cannot be read; the message quotes the wrong part and the number of its line.
     """
     held = [
         (number, line)
@@ -258,7 +260,7 @@ def size_m(box: Box) -> tuple[float, float]:
     middle = np.radians((box.north_deg + box.south_deg) / 2.0)
     radius = float(WGS84.normal_radius_m(np.degrees(middle)))
     width = radius * math.cos(float(middle)) * math.radians(box.span_deg)
-    # 17 latitudes give the length of a meridian to the four digits shown.
+    # The mean of 17 latitudes gives the meridian's length to the four digits shown.
     radii = WGS84.meridional_radius_m(np.linspace(box.south_deg, box.north_deg, 17))
     return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
 
@@ -291,12 +293,12 @@ def describe_area(area: Area, unit: str) -> str:
 
 
 def angle_names() -> dict[str, str]:
-    """Names of the angles of points."""
+    """Translated names of the angles of points, by field."""
     return {"yaw": tr("yaw"), "tilt": tr("tilt"), "gimbal_pitch": tr("gimbal pitch"), "roll": tr("roll")}
 
 
 def readout(area: Area, unit: str) -> str:
-    """Readout at the cursor while drawing or moving an area."""
+    """Text shown at the cursor while an area is drawn or moved."""
     if isinstance(area, Points):
         return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
     return size_text(area, unit) if isinstance(area, Box) else area_text(area.area_m2(), unit)
@@ -308,13 +310,13 @@ def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
 
 
 def _without_separators(line: str) -> str:
-    """Line without separators at its ends; a pattern for the end would take quadratic time."""
+    """Line without separators at either end; a regular expression for the end would take quadratic time."""
     first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
     return line[first : len(line) - after]
 
 
 def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:
-    """Points from several lines, all with a yaw or all without."""
+    """Points from several lines, either all with a yaw or all without; and the first height, if any."""
     poses: list[tuple[float, float, float]] = []
     yaws: list[float] = []
     given = False

@@ -1,4 +1,4 @@
-"""Conversions of the camera entered: fields of view, lens and sensor, ground sample distance."""
+"""Conversion of the camera entered between field of view, lens and sensor, and ground sample distance."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .text import aspect_text, parse_aspect
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
 
-#: Sensor width assumed for a lens if unknown: full frame, the photographers' standard for comparing lenses.
+#: Width of a full-frame sensor, by which photographers compare lenses; assumed if the sensor is unknown.
 FULL_FRAME_MM = 36.0
-#: Metres per unit of a ground sample distance, by the unit of lengths.
+#: Metres per unit of ground sample distance, by the unit of lengths: cm with metres, inches with feet.
 GSD_M = {"m": 0.01, "ft": M_PER_FT / 12.0}
 #: Entries that determine the field of view, by camera mode.
 _TYPED_FOR = {
@@ -31,12 +31,12 @@ _NOTHING_TYPED = {
     "sensor_width_mm": 0.0,
     "sensor_height_mm": 0.0,
 }
-#: Entries that determine a ground sample distance, beside the height.
+#: Entries that, together with the height, determine the ground sample distance.
 _CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
 
 
 def state_camera(state: FormState) -> Camera | None:
-    """Camera of a state; None if its entries make none."""
+    """Camera of a state; None if its entries are invalid."""
     from ...core.errors import InvalidInput
     from ...core.geodesy.camera import Camera
 
@@ -47,7 +47,7 @@ def state_camera(state: FormState) -> Camera | None:
 
 
 def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
-    """Camera from the numbers shown by a state.
+    """Camera from the numbers typed in the camera mode of a state.
 
     Raises
     ------
@@ -67,12 +67,12 @@ def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
 
 
 def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] | None = None) -> FormState:
-    """State of the same camera in the terms of ``mode``, with its numbers computed.
+    """State with the same camera in another mode, whose numbers are computed.
 
     Parameters
     ----------
     sensor_mm : (width, height) or None
-        Of the camera, if known; otherwise full frame.
+        Sensor size of the camera; None for full frame.
     """
     plain = replace(state, fov_mode=mode, **_NOTHING_TYPED)
     camera = state_camera(state)
@@ -83,16 +83,16 @@ def convert_camera(state: FormState, mode: str, sensor_mm: tuple[float, float] |
     if mode == VERTICAL:
         return replace(plain, fov_typed_deg=camera.vertical_fov_deg)
     width_mm, height_mm = sensor_mm or (FULL_FRAME_MM, FULL_FRAME_MM / camera.aspect_ratio)
-    # By the diagonal, as cameras are made from their data sheets.
+    # By the diagonal, as in `Camera.from_sensor`.
     half_mm = math.hypot(width_mm, height_mm) / 2.0
     focal_length_mm = half_mm / math.hypot(*camera.half_tangents)
     return replace(plain, focal_length_mm=focal_length_mm, sensor_width_mm=width_mm, sensor_height_mm=height_mm)
 
 
 def shown_gsd(state: FormState) -> float:
-    """Ground sample distance of the camera in the state's unit; 0 if its entries make no camera.
+    """Ground sample distance of the camera in the state's unit; 0 if its entries are invalid.
 
-    At the middle of an image straight down whose longer side has ``image_px`` pixels.
+    It applies at the middle of a nadir image whose longer side has ``image_px`` pixels.
     """
     if state.height_by == "gsd":
         return state.camera_gsd
@@ -103,14 +103,14 @@ def shown_gsd(state: FormState) -> float:
 
 
 def settled(before: FormState, now: FormState, field: str) -> FormState:
-    """State after one entry has been changed, with its consequences.
+    """State after a change of one entry, with dependent entries updated.
 
-    Keep what was typed as typed: height or ground sample distance, field of view or lens.
+    Of height and ground sample distance, and of field of view and lens, the one typed is kept and the other computed.
 
     Parameters
     ----------
     before, now : FormState
-        States before and after a change of ``field`` only.
+        States before and after the change, which differ only in ``field``.
     """
     if field == "fov_mode":
         return convert_camera(_restore_fields(before, now, _CAMERA), now.fov_mode)
@@ -126,13 +126,13 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
 
 
 def in_length_unit(state: FormState, unit: str) -> FormState:
-    """State with the same height in another unit."""
+    """State with the same height and ground sample distance in another unit."""
     gsd = in_unit(in_metres(state.camera_gsd, GSD_M[state.agl_unit]), GSD_M[unit])
     return replace(state, agl=in_unit(state.agl_m, LENGTHS_M[unit]), camera_gsd=gsd, agl_unit=unit)
 
 
 def update_height(state: FormState) -> FormState:
-    """State with the height for its ground sample distance, if that determines the height."""
+    """State with the height computed from the ground sample distance, if the latter was typed."""
     if state.height_by != "gsd":
         return state if state.camera_gsd == 0.0 else replace(state, camera_gsd=0.0)
     camera = state_camera(state)
@@ -143,7 +143,10 @@ def update_height(state: FormState) -> FormState:
 
 
 def in_unit(value: float, unit: float) -> float:
-    """Number of units in metres: the shortest that `in_metres` converts back exactly, if any."""
+    """Convert metres to a unit of ``unit`` metres.
+
+    Return the shortest number that `in_metres` converts back exactly; the plain quotient if there is none.
+    """
     if unit == 1.0:
         return value
     quotient = value / unit
@@ -152,12 +155,12 @@ def in_unit(value: float, unit: float) -> float:
 
 
 def _restore_fields(before: FormState, now: FormState, names: Iterable[str]) -> FormState:
-    """State after a change, with some fields restored."""
+    """State ``now`` with some fields restored from ``before``."""
     return replace(now, **{name: getattr(before, name) for name in names})
 
 
 def _update_diagonal(state: FormState) -> FormState:
-    """State whose diagonal field of view follows from the numbers typed; unchanged if they make no camera."""
+    """State with the diagonal field of view computed from the numbers typed; unchanged if they are invalid."""
     from ...core.errors import InvalidInput
 
     if not _TYPED_FOR[state.fov_mode]:
@@ -169,7 +172,7 @@ def _update_diagonal(state: FormState) -> FormState:
 
 
 def _update_aspect(state: FormState) -> FormState:
-    """State with the aspect ratio of its sensor, unless the difference is within the rounding of data sheets."""
+    """State with the aspect ratio of its sensor; unchanged if both agree within the rounding of data sheets."""
     from ...core.geodesy.lens import SQUARE_PIXELS
 
     width_mm, height_mm = state.sensor_width_mm, state.sensor_height_mm
@@ -180,5 +183,5 @@ def _update_aspect(state: FormState) -> FormState:
         same = abs(ratio / parse_aspect(state.aspect) - 1.0) <= SQUARE_PIXELS
     except (ValueError, ZeroDivisionError):
         same = False
-    # Data sheets round sensors: 13.2 by 8.8 mm is 3:2.
+    # Twelve digits, so that 13.2 by 8.8 mm becomes 3:2.
     return state if same else replace(state, aspect=aspect_text(float(f"{ratio:.12g}")))

@@ -8,12 +8,12 @@ from ..i18n import capitalized, translate
 
 
 def field_label(field: Field) -> str:
-    """Title at the beginning of a row, with its mnemonic."""
+    """Title at the beginning of a row, with its keyboard mnemonic."""
     return capitalized(translate(field.label or field.title))
 
 
 def field_title(field: Field) -> str:
-    """Title without mnemonic, with the unit of numbers as typed."""
+    """Title without mnemonic, followed by the unit in which numbers are typed."""
     unit = translate(field.unit.typed_words or field.unit.words)
     title = capitalized(translate(field.title))
     return f"{title} ({unit})" if unit else title
@@ -25,11 +25,12 @@ def field_sentence(field: Field) -> str:
 
 
 def field_tip(field: Field) -> str:
-    """Help of a field with its unit and range; only the unit if numbers are typed in another."""
-    numbers = field.kind in (float, int)
-    beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.domain)
+    """Help of a field, with its unit and range if numeric; without the range if numbers are typed in another unit."""
     text = capitalized(translate(field.help))
-    shown = ", ".join(map(translate, filter(None, beside))) if numbers else ""
+    if field.kind not in (float, int):
+        return text
+    details = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.domain)
+    shown = ", ".join(map(translate, filter(None, details)))
     return f"{text} ({shown})" if shown else text
 
 
@@ -39,5 +40,5 @@ def field_choices(field: Field) -> tuple[tuple[str, str], ...]:
 
 
 def map_type_title(name: str) -> str:
-    """Title of a map type; the folder's name if it is unknown."""
+    """Title of a map type; its name if it is unknown."""
     return translate(field_named(Imagery, "map_types").choices.get(name, name))

@@ -112,7 +112,7 @@ def _choice(state: FormState, name: str) -> str:
 
 
 def _changed_choice(state: FormState, name: str) -> str:
-    """Title of the choice; empty for the default."""
+    """Title of the choice in the entry ``name``; empty for the default."""
     return "" if getattr(state, name) == DECLARED[name].default else _choice(state, name)
 
 

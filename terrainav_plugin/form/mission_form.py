@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ...core.mission.areas.area import Area, Box
     from ...core.mission.mission import Mission
 
-#: Entries for fields that messages name differently.
+#: Entries by the name that error messages give to their field, where it differs.
 _ENTRIES = {
     "area": "north",
     "agl_m": "agl",
@@ -46,7 +46,7 @@ _ENTRIES = {
     "speed_m_per_s": "wind_speed_m_per_s",
     "from_deg": "wind_from_deg",
 }
-#: Places of errors that belong to no entry of the panel.
+#: Key of errors that concern no entry of the panel.
 _BEYOND = "more"
 
 
@@ -60,7 +60,7 @@ class _Checks:
         try:
             return check()
         except TerrAInavError as wrong:
-            # When entries are checked together, the error may name another one.
+            # When entries are checked together, the error may name an entry other than ``field``.
             named = wrong.field if wrong.field in BOX_FIELDS else field
             self.messages.setdefault(named, translate(wrong))
         return None
@@ -87,7 +87,7 @@ def mission(state: FormState) -> Mission:
     area = _box(state, checks)
     shape = checks("shape", lambda: entered_shape(state))
     if shape is None and area is not None:
-        # The box around points may have no ground.
+        # Only a box is checked: the box around points may have no area on the ground.
         checks("south", lambda: check_ground(area))
     return _mission(state, area if shape is None else shape, checks)
 
@@ -134,12 +134,12 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     try:
         return Mission(area, state.agl_m, camera, wind=wind, no_fly=no_fly, **entries)
     except InvalidInput as wrong:
-        # Entries that are valid one by one but do not go together.
+        # Each entry is valid, but not in combination with another.
         raise FormError({field_entry(wrong.field) or _BEYOND: translate(wrong)}) from wrong
 
 
 def unread_text(name: str, text: str) -> str:
-    """Return what is wrong with a text in a number's entry: not a number, or not allowed there."""
+    """Message for an invalid text in a number's entry: it is not a number, or outside the entry's range."""
     others = {
         "camera_gsd": tr("GSD"),
         "fov_typed_deg": tr("field of view"),
@@ -175,7 +175,7 @@ def _check(name: str, value: Any) -> None:
 
 
 def takeoff(state: FormState) -> tuple[float, float] | None:
-    """Latitude and longitude of the take-off point entered; None for none.
+    """Latitude and longitude of the take-off point entered; None if there is none.
 
     Raises
     ------
@@ -199,7 +199,7 @@ def takeoff(state: FormState) -> tuple[float, float] | None:
 
 
 def takeoff_text(place: tuple[float, float] | None) -> str:
-    """Text of a take-off point from which `takeoff` reads the same numbers; empty for none."""
+    """Text of a take-off point, from which `takeoff` reads the same numbers; empty for None."""
     return "" if place is None else ", ".join(map(exact_degrees_text, place))
 
 
@@ -221,13 +221,13 @@ def field_entry(field: str) -> str:
 
 
 def refused_fields(error: TerrAInavError) -> dict[str, str]:
-    """Message by the entry that a refusal is about; empty if it is about none or several."""
+    """Map the entry that an error concerns to the message; empty if the error concerns no entry, or several."""
     entry = field_entry(error.field) if error.field else ""
     return {entry: translate(error)} if entry else {}
 
 
 def _wind(state: FormState, checks: _Checks) -> Any:
-    """Wind entered, checked entry by entry; None for none."""
+    """Wind entered, checked entry by entry; None if there is none."""
     from ...core.mission.flight.wind import Wind
 
     if not state.wind:
@@ -241,7 +241,7 @@ def _wind(state: FormState, checks: _Checks) -> Any:
     }
     wind = Wind(seed=seed)
     for field, (name, value) in entries.items():
-        # Add each to those already valid; the airspeed limits speed and turbulence.
+        # Add each value to the valid ones: the airspeed limits speed and turbulence together.
         better = checks(
             field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}).checked(airspeed)
         )
@@ -259,13 +259,13 @@ def _camera(state: FormState, checks: _Checks) -> Any:
     field = {DIAGONAL: "fov_deg", SENSOR: "focal_length_mm"}.get(state.fov_mode, "fov_typed_deg")
     if state.fov_mode == SENSOR:
         size_mm = (state.sensor_width_mm, state.sensor_height_mm)
-        # With a lens that suits it, so that an error is the sensor's.
+        # Check the sensor with a focal length that is certainly valid, so that an error is about the sensor.
         if checks("sensor_width_mm", lambda: Camera.from_sensor(size_mm, max(size_mm), ratio)) is None:
             return None
     checks(field, lambda: camera_as_typed(state, ratio if sound else 1.0))
     if state.height_by == "gsd" and not state.camera_gsd > 0.0:
         checks.messages["camera_gsd"] = tr("GSD: must be above 0")
-    # The diagonal itself, which the typed numbers may give with other digits.
+    # Use the stored diagonal: recomputed from the typed numbers, its last digits may differ.
     return checks(field, lambda: Camera(state.fov_deg, ratio)) if sound and field not in checks.messages else None
 
 
@@ -295,7 +295,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
 
 
 def mission_state(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
-    """State that gives ``mission``, in the unit and terms of another state; metric by default."""
+    """State that gives ``mission``, in the units and modes of ``like``; by default in metres."""
     from ...core.imagery.opening import source_kind
 
     given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
@@ -339,9 +339,9 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
 
 
 def extras_text(state: FormState) -> str:
-    """Values of a state's mission without entries in the panel, as text; empty for none."""
-    said = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
-    return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
+    """Titles and values of the fields without entries in the panel that differ from their defaults."""
+    extras = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
+    return ", ".join(f"{translate(field.title)}: {value}" for field, value in extras if value != field.default)
 
 
 def drop_extras(state: FormState) -> FormState:

@@ -18,7 +18,7 @@ def apply_preset(state: FormState, preset: Preset, offered: Collection[str] = ()
     Parameters
     ----------
     offered : collection of str
-        Map types of the source; empty for one that gives any type.
+        Map types of the source; empty if the source accepts any.
     """
     entries = _entries(preset, offered)
     aspect = entries.pop("aspect", state.aspect)
@@ -27,7 +27,7 @@ def apply_preset(state: FormState, preset: Preset, offered: Collection[str] = ()
 
 
 def without_preset(state: FormState, preset: Preset, before: FormState) -> FormState:
-    """State with the entries before a preset restored in place of its values."""
+    """State in which the entries set by a preset are restored from ``before``."""
     entries = {name: getattr(before, name) for name in _entries(preset, ())}
     aspect = entries.pop("aspect", state.aspect)
     state = replace(state, **entries)
@@ -35,12 +35,12 @@ def without_preset(state: FormState, preset: Preset, before: FormState) -> FormS
 
 
 def find_preset(state: FormState, offered: Collection[str] = ()) -> Preset | None:
-    """Preset whose values are entered; None for other values. ``offered`` is as in `apply_preset`."""
+    """Preset whose values are entered; None if there is none. ``offered`` is as in `apply_preset`."""
     return next((preset for preset in PRESETS if _has(state, _entries(preset, offered))), None)
 
 
 def _has(state: FormState, entries: Mapping[str, Any]) -> bool:
-    """Whether a state has these entries; the image size does not matter unless images are resized."""
+    """Whether a state has these entries; the image size is compared only if images are resized."""
     size = ("resize_width_px", "resize_height_px", "resize_grey")
     return all(
         set(value) == set(state.map_types) if name == "map_types" else value == getattr(state, name)
@@ -65,6 +65,6 @@ def _entries(preset: Preset, offered: Collection[str]) -> dict[str, Any]:
         had = tuple(name for name in values["map_types"] if name in offered)
         entries["map_types"] = had or tuple(offered)[:1]
     elif len(values["map_types"]) > 1:
-        # A source with one kind of image writes the same under every name.
+        # Any name would give the same images from a source of one kind: one is enough.
         entries["map_types"] = values["map_types"][:1]
     return entries

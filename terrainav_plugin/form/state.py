@@ -1,4 +1,4 @@
-"""The dock's entries as one plain value: a mission's fields, some of them as typed. No widgets."""
+"""The panel's entries as one plain value: the fields of a mission, some as typed. No widgets."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", 
 #: Value of the source chooser other than a catalogue entry's name.
 URL_TEMPLATE = "url-template"
 BOX_FIELDS = ("north", "west", "south", "east")
-#: Fields of a mission that are entered differently: in a unit, after a choice, or as several entries.
+#: Fields of a mission whose entries differ from them: typed in a unit, after a choice, or as several entries.
 _ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
-#: All other named fields of a mission: entries of the same name, value and default.
+#: The other fields of a mission: their entries have the same name, value and default.
 ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _ENTERED_OTHERWISE
 }
-#: Those of them without entries in the panel, which keeps them and says so.
+#: Fields in `ENTERED_AS_DECLARED` without widgets: the panel keeps the values of a mission, and shows a note.
 WITHOUT_ENTRY = ("imageries", "mesh", "seed", "max_images")
-#: Entries of the wind, and entries typed differently, by the fields that they state.
+#: Field of a mission for each entry: same names, entries that differ, and entries of the wind.
 DECLARED: dict[str, Field] = {
     **ENTERED_AS_DECLARED,
     "agl": field_named(Flight, "agl_m"),
@@ -52,7 +52,7 @@ _Asked: Any = make_dataclass(
 class FormState(_Asked):
     """The panel's entries as typed: texts for free entries, numbers for spin boxes.
 
-    The fields of `ENTERED_AS_DECLARED` are those of a mission; the following are typed differently.
+    The fields in `ENTERED_AS_DECLARED` are inherited; the following are added.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class FormState(_Asked):
     fov_mode : str
         Mode of describing the camera, one of `FOV_MODES`.
     fov_typed_deg : float
-        Horizontal or vertical field of view as typed, in these modes; otherwise 0.
+        Horizontal or vertical field of view as typed, in the mode of that name; otherwise 0.
     focal_length_mm, sensor_width_mm, sensor_height_mm : float
         As typed, in sensor mode; otherwise 0.
     aspect : str
@@ -75,15 +75,15 @@ class FormState(_Asked):
     agl : float
         Height above ground, in ``agl_unit`` (m or ft).
     agl_unit : str
-        Unit of other lengths too.
+        Unit of the height and of all other lengths.
     height_by : str
-        What determines the height: itself (``agl``), or the camera's ground sample distance (``gsd``).
+        Entry that determines the height: the height (``agl``), or the camera's ground sample distance (``gsd``).
     camera_gsd : float
         Ground sample distance of the camera in cm, or in inches with feet, if it determines the height; otherwise 0.
     resolution : str
-        What determines the source's pixels: ``auto``, ``zoom`` or ``gsd``.
+        Entry that determines the resolution of the source's pixels: ``auto``, ``zoom`` or ``gsd``.
     zoom, gsd_m_per_px
-        As in a mission, in these modes of ``resolution``.
+        As in a mission; used if ``resolution`` is ``zoom`` or ``gsd``.
     resize : bool
         Whether to resize images to the size below.
     resize_width_px, resize_height_px : int
@@ -94,14 +94,14 @@ class FormState(_Asked):
         Latitude and longitude of the take-off point; empty for none.
     folder : str
     wind : bool
-        Whether there is the wind described below.
+        Whether there is wind; the following fields describe it.
     wind_speed_m_per_s, wind_from_deg, turbulence : float
     wind_seed : int or None
         Seed of the gusts; None for the mission's.
     hidden : tuple of str
-        Hidden entries, which keep what was typed but are not used.
+        Names of hidden entries, which keep their values; `effective` replaces them by defaults.
     unread : tuple of (str, str)
-        Entries of numbers with an invalid text, which is not in the state; they keep their last number.
+        Name and text of each number's entry with an invalid text; the state keeps its last valid number.
     """
 
     north: str = ""
@@ -156,17 +156,17 @@ class FormState(_Asked):
 
     @property
     def effective(self) -> FormState:
-        """State with defaults for what is hidden."""
+        """State with defaults in place of the values of hidden entries."""
         usual = asdict(FormState())
         return replace(self, **{name: usual[name] for name in self.hidden if name in usual})
 
     def to_json(self) -> str:
-        """Text for the settings."""
+        """JSON for the settings."""
         return json.dumps(asdict(replace(self, unread=())))
 
     @classmethod
     def from_json(cls, text: str) -> FormState:
-        """State from the text of `to_json`; entries that do not fit keep their defaults."""
+        """State from the text of `to_json`; unknown names and values of a wrong type are ignored."""
         try:
             data = parse_json(text) if text else {}
         except InvalidInput:
@@ -186,20 +186,20 @@ class FormState(_Asked):
 
 
 def in_metres(count: float, unit_m: float) -> float:
-    """Metres of a number of units, to 15 digits: converted back and forth, metres stay the same."""
+    """Convert ``count`` units to metres, rounded to 15 digits so that metres survive a conversion and back."""
     return float(f"{count * unit_m:.15g}")
 
 
 def keep_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:
-    """State read from widgets, with the values given to them wherever they still show those.
+    """State read from widgets, with the exact value from ``given`` in each field that the user has not changed.
 
-    Spin boxes round to their decimals, and check boxes have a fixed order: without this, looking at a mission would
+    Spin boxes round to their decimals, and check boxes have a fixed order: without this, displaying a mission would
     change it.
 
     Parameters
     ----------
     read, shown : FormState
-        Values of the widgets now, and right after ``given`` was entered.
+        State read from the widgets now, and right after ``given`` was entered into them.
     """
     kept = {
         entry.name: getattr(given, entry.name)

@@ -11,29 +11,32 @@ from ..i18n import decimal_sign, localized, plain_number
 _TWO, _THREE = 2, 3
 #: Separators of pasted coordinates.
 SEPARATORS = re.compile(r"[_,;\s]+")
-#: A separator other than a comma, and a number with decimal comma or point.
-_RUN, _DECIMAL = re.compile(r"[^_;\s]+"), re.compile(r"([-+\u2212]?\d*)[.,](\d+)")
-#: Integers of ratios.
+#: Text between separators other than commas.
+_RUN = re.compile(r"[^_;\s]+")
+#: A number with decimal comma or point.
+_DECIMAL = re.compile(r"([-+\u2212]?\d*)[.,](\d+)")
+#: An integer in an aspect ratio.
 _DIGITS = re.compile(r"\d{1,15}")
-#: A number with or without decimals, and a comma between digits.
+#: A number with or without decimals.
 _NUMBER = re.compile(r"[-+\u2212]?\d+(\.\d*)?")
+#: A comma between digits.
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
-#: Letters of hemispheres, for latitudes and longitudes.
+#: Letters of the hemispheres of latitudes and longitudes.
 LATITUDE, LONGITUDE = "NS", "EW"
-#: Degrees, minutes and optional seconds, with signs or spaces between. All repetitions are bounded, so that long texts
-#: take no time.
+#: Degrees, minutes and optional seconds, separated by their signs or spaces. All repetitions are bounded, so that
+#: matching a long text takes linear time.
 _SEXAGESIMAL = (
     r"(?P<degrees>\d{1,3})(?:\s?[°º]\s?|\s)(?P<minutes>\d{1,2}(?:[.,]\d{0,20})?)"
     r"(?:(?:\s?['′’]\s?|\s)(?P<seconds>\d{1,2}(?:[.,]\d{0,20})?)\s?(?:[\"″”]|''|′′)?|\s?['′’])?"
 )
 _ANGLE = re.compile(rf"(?P<sign>[-+]?){_SEXAGESIMAL}")
-#: The same followed by a hemisphere's letter, as other programs write places.
+#: Such an angle followed by a hemisphere's letter, as other programs write places.
 _LETTERED = re.compile(rf"(?<![\w.,])(?P<sign>){_SEXAGESIMAL}\s?(?P<letter>[NSEWnsew])\b")
 _FULL_MINUTES = 60.0
 
 
 def parse_number(text: str) -> float:
-    """Read degrees as people type them: as `plain_number`, with an optional degree sign or hemisphere's letter.
+    """Read degrees as people type them: `plain_number`, with an optional degree sign or hemisphere's letter.
 
     Raises
     ------
@@ -59,27 +62,27 @@ def parse_degrees(text: str, letters: str) -> float:
     Raises
     ------
     ValueError
-        The text is not such an angle.
+        The text is not an angle in one of these forms, or has the letter of the other axis.
     """
     plain = text.strip().replace("\u2212", "-")
     letter = next((end for end in (plain[:1], plain[-1:]) if end and end.upper() in letters), "")
     if letter:
         plain = (plain[1:] if plain.startswith(letter) else plain[:-1]).strip()
         if not plain[:1].isdecimal():
-            # A sign and a letter may contradict each other.
+            # Refuse a sign together with a letter: they may contradict each other.
             raise ValueError(text)
     found = _ANGLE.fullmatch(" ".join(plain.split()))
     if not found and plain[-1:].isalpha():
-        # Also if the letter is that of the other axis.
+        # This includes a letter of the other axis.
         raise ValueError(text)
     value = _angle_deg(found) if found else parse_number(plain)
     return -value if letter and letter.upper() in "SW" else value
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Read a latitude and longitude from a text; raises ValueError if there are no or several ways to read it."""
+    """Read a latitude and longitude from a text; raises ValueError unless there is exactly one way to read it."""
     plain = to_decimal_points(text.strip().strip(",;"))
-    # Longer than any place that people write.
+    # No place that people write is longer.
     if len(plain) > 100:
         raise ValueError(text)
     halves = ((plain[: one.start()], plain[one.end() :]) for one in SEPARATORS.finditer(plain))
@@ -133,7 +136,7 @@ def _angle_deg(found: re.Match[str]) -> float:
     """Degrees of an angle in degrees, minutes and seconds; raises ValueError if minutes or seconds reach 60."""
     minutes, seconds = found["minutes"], found["seconds"]
     parts = plain_number(minutes), plain_number(seconds or "0")
-    # Only the last part may have decimals.
+    # Only the last of minutes and seconds may have decimals.
     if max(parts) >= _FULL_MINUTES or (seconds is not None and not minutes.isdecimal()):
         raise ValueError(found[0])
     value = float(found["degrees"]) + (parts[0] + parts[1] / _FULL_MINUTES) / _FULL_MINUTES
@@ -162,7 +165,7 @@ def aspect_text(ratio: float) -> str:
 
 
 def degrees_text(value: float, decimals: int = 7) -> str:
-    """Degrees without trailing zeros; 7 decimals are a centimetre on the ground."""
+    """Degrees without trailing zeros; 7 decimals correspond to a centimetre on the ground."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
     return "0" if text in ("", "-0") else text
 
@@ -174,7 +177,7 @@ def exact_degrees_text(value: float) -> str:
 
 
 def short_degrees(text: str) -> str:
-    """Text of degrees as the user writes it, to 7 decimals: a centimetre."""
+    """Text of degrees with the user's decimal sign, rounded to 7 decimals (a centimetre)."""
     plain = to_decimal_point(text)
     _, _, decimals = plain.partition(".")
     if len(decimals) > 7 and _DECIMAL.fullmatch(plain):
@@ -183,7 +186,7 @@ def short_degrees(text: str) -> str:
 
 
 def short_place(text: str) -> str:
-    """Text of a latitude and a longitude as the user writes it, each as from `short_degrees`."""
+    """Text of a latitude and a longitude, each as from `short_degrees`; other text unchanged."""
     parts = SEPARATORS.split(text.strip()) if "." in text else ()
     if len(parts) != _TWO or not all(map(_NUMBER.fullmatch, parts)):
         return text
@@ -191,12 +194,12 @@ def short_place(text: str) -> str:
 
 
 def short_aspect(text: str) -> str:
-    """Text of an aspect ratio as the user writes it, to four digits unless it is a common fraction or longer."""
+    """Text of an aspect ratio with the user's decimal sign; a quotient of measurements is rounded to four digits."""
     first, colon, second = text.partition(":")
     if colon and _DIGITS.fullmatch(first) and _DIGITS.fullmatch(second):
         fraction = Fraction(int(first), int(second) or 1)
         written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
-        # Common ratios reduce to small numbers (4:3, 16:9, 3000:2000); others are quotients of measurements.
+        # Common ratios (4:3, 16:9, 3000:2000) reduce to small integers; others are quotients of measurements.
         long = written and fraction.denominator > 100
         return as_written(f"{float(fraction):.4g}") if long else text
     plain = to_decimal_point(text)
@@ -207,22 +210,22 @@ def short_aspect(text: str) -> str:
 
 
 def to_decimal_point(text: str) -> str:
-    """Text of one number with a decimal point; other text unchanged."""
+    """Text of a number with a point in place of the user's decimal sign; other text unchanged."""
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
     found = _DECIMAL.fullmatch(plain)
     return f"{found[1]}.{found[2]}" if found else text
 
 
 def as_written(text: str) -> str:
-    """Text of one number with a decimal point, as the user writes it; other text unchanged."""
+    """Text of a number with the user's decimal sign in place of a point; other text unchanged."""
     return localized(text) if _DECIMAL.fullmatch(text) and "." in text else text
 
 
 def to_decimal_points(text: str) -> str:
     """Text of numbers with decimal commas replaced by points.
 
-    They are replaced if the user's locale has decimal commas, the text has no point, and something other than a comma
-    separates the numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two numbers.
+    Commas are replaced if the user's locale has decimal commas, the text has no point, and spaces, semicolons or
+    underscores separate the numbers: ``35,14 -89,9`` and ``35,14, -89,9`` are two numbers.
 
     Raises
     ------
@@ -238,7 +241,7 @@ def to_decimal_points(text: str) -> str:
 
 
 def looks_like_coordinates(text: str) -> bool:
-    """Whether a text in one field is several numbers, as pasted coordinates are, and not a single angle."""
+    """Whether a text in one field consists of several numbers, as pasted coordinates do, and is not one angle."""
     if is_angle(text):
         return False
     if len(_LETTERED.findall(text)) > 1:
@@ -250,7 +253,7 @@ def looks_like_coordinates(text: str) -> bool:
 
 
 def inserted(before: str, now: str) -> int:
-    """Return the number of characters that one change has inserted."""
+    """Number of characters inserted by the edit from ``before`` to ``now``."""
     most = min(len(before), len(now))
     begin = next((at for at in range(most) if before[at] != now[at]), most)
     end = next((at for at in range(most - begin) if before[-1 - at] != now[-1 - at]), most - begin)

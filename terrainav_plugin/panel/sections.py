@@ -302,8 +302,13 @@ class RouteSection(Section):
         label = field_label(DECLARED["takeoff"])
         self.add("takeoff", label, self.takeoff, row(self.takeoff, self.pick_takeoff, stretch=0))
         for name in (
-            *("entry", "lead_in_m", "turnaround_m", "trigger"),
-            *("photo_interval_s", "battery_min", "drone"),
+            "entry",
+            "lead_in_m",
+            "turnaround_m",
+            "trigger",
+            "photo_interval_s",
+            "battery_min",
+            "drone",
         ):
             self.add_declared(name)
 

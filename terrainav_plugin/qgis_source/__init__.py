@@ -1,7 +1,7 @@
 """Project layers and QGIS connections as imagery sources.
 
-connections     connections to servers that the user has made in QGIS
-terms           terms of the providers of a layer
+connections     QGIS connections of the user to servers
+terms           terms of use of a layer's providers
 snapshot        copies of the project's layers at the start of a capture
 source          a layer, or the whole map, as a source
 tiles           tile layers, with pixels as the server sends them

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 #: Prefix of sources that are QGIS connections to XYZ tiles.
 XYZ = "qgis:xyz/"
-#: Prefix in the chooser of a service whose layer is still to be chosen; missions never contain it.
+#: Prefix of a service in the source chooser, before its layer is chosen; missions never contain it.
 SERVICE_PREFIX = "qgis:service/"
 _SERVICE_KIND = "WMS"
-#: Headers of a connection, which QGIS versions write in several ways.
+#: Prefix of a request header in a connection's data source; the rest differs between QGIS versions.
 _HEADER = "http-header:"
-#: Zooms of a connection that states none, as in QGIS.
+#: Highest zoom of a connection that states none, as in QGIS.
 _USUAL_ZOOM = 18
 
 
@@ -40,14 +40,14 @@ class Connection:
     url : str
         Template, with {key} in place of a key.
     key : str
-        Empty for none. Never write it anywhere.
+        API key; empty if there is none. Never write it to a file or log.
     min_zoom, max_zoom, tile_px : int
     any_size : bool
-        Whether the size of its tiles is not stated: QGIS then draws each tile at 256 px, whatever its size.
+        Whether the connection does not state its tiles' size; QGIS then draws each tile at 256 px.
     authcfg : str
         Id of its authentication configuration; empty for none.
     headers : mapping of str
-        Sent with each request.
+        Headers sent with each request.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Connection:
     headers: Mapping[str, str] = field(default_factory=dict)
 
     def entry(self) -> CatalogueEntry:
-        """Entry of the tiles, under their provider's terms if those are known.
+        """Catalogue entry of the tiles, with the terms of their provider if it is known.
 
         Raises
         ------
@@ -112,7 +112,7 @@ def connection(source: str) -> Connection:
     Raises
     ------
     InvalidInput
-        QGIS has no such connection (any more), or it cannot be used.
+        QGIS does not have the connection (any more), or it cannot be used.
     """
     wanted = source[len(XYZ) :]
     for name, uri in _listed():
@@ -136,7 +136,7 @@ class ServiceConnection:
     ----------
     name : str
     address : str
-        With {key} in place of a key.
+        URL, with {key} in place of a key.
     key : str
     authcfg : str
     """
@@ -148,14 +148,14 @@ class ServiceConnection:
 
 
 def service(name: str) -> ServiceConnection:
-    """Connection with a name from `service_names`."""
+    """Connection of the given name, one of `service_names`."""
     uri = QgsOwsConnection(_SERVICE_KIND, name).uri()
     address, key = without_key(uri.param("url"))
     return ServiceConnection(name, address.rstrip("?&"), key, uri.authConfigId())
 
 
 def without_key(url: str) -> tuple[str, str]:
-    """Address with its only key replaced by {key}, and the key; without a key, the address and an empty text."""
+    """Address with its key replaced by {key}, and the key; ``url`` and an empty text unless it has exactly one key."""
     from ...core.addresses import is_key_name
 
     parts = urlsplit(url)

@@ -35,18 +35,18 @@ if TYPE_CHECKING:
 
     from qgis.core import QgsMapRendererJob
 
-#: Seconds a part may take to draw: QGIS's network timeout (60 s) and one retry.
+#: Longest time to draw a part, in s: twice QGIS's network timeout (60 s), for one retry, and a reserve.
 LONGEST_JOB_S = 150.0
-#: Seconds between checks of the jobs being drawn.
+#: Time between checks of running jobs, in s.
 _LOOK_S = 0.1
 _CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
 
 
 class Jobs:
-    """Draw layers, from any number of threads.
+    """Draw layers, on any number of threads.
 
-    Layers are prepared one at a time, as all threads share them; drawing is parallel.
+    All threads share the layers: only one job is prepared at a time, but jobs are drawn in parallel.
     """
 
     def __init__(self, longest_s: float = LONGEST_JOB_S) -> None:
@@ -79,7 +79,7 @@ class Jobs:
             with self.watched(job.cancelWithoutBlocking) as going_on:
                 with self.preparing:
                     job.prepare()
-                # A job ignores a cancellation that precedes its preparation.
+                # The job has ignored a cancellation before its preparation.
                 if not going_on():
                     job.cancelWithoutBlocking()
                 job.renderPrepared()
@@ -89,9 +89,9 @@ class Jobs:
 
     @contextmanager
     def watched(self, end: Callable[[], None]) -> Iterator[Callable[[], bool]]:
-        """Limit a drawing in time: calls ``end``, perhaps repeatedly, when it must stop.
+        """Limit the time of a drawing: call ``end``, perhaps repeatedly, when the drawing must stop.
 
-        Yields a function that returns whether it may continue; raises on exit as `draw` does.
+        Yield a function that returns whether the drawing may continue; raise on exit as `draw` does.
         """
         job = _Job(end, time.monotonic() + self._longest_s)
         with self._lock:
@@ -113,14 +113,14 @@ class Jobs:
             raise PartError(job.reason)
 
     def close(self) -> None:
-        """Cancel all drawing, which raises `Cancelled`, and wait for its end."""
+        """Cancel all drawings, so that `draw` raises `Cancelled`, and wait for their end."""
         self._closed.set()
         self._end_unwanted()
         with self._lock:
             self._none_running.wait_for(lambda: not self._running)
 
     def _look(self) -> None:
-        """Cancel jobs that must stop, repeatedly: a job being prepared ignores it."""
+        """Cancel jobs that must stop; repeatedly, as a job being prepared ignores a cancellation."""
         while self._running or not self._closed.is_set():
             self._end_unwanted()
             if self._closed.wait(_LOOK_S):
@@ -158,7 +158,7 @@ def blank(width_px: int, height_px: int) -> QImage:
 
 
 def to_array(image: QImage) -> NDArray[np.uint8]:
-    """Red, green, blue (times alpha) and alpha, (height, width, 4) uint8."""
+    """Premultiplied RGBA of an image, (height, width, 4) uint8."""
     plain = image.convertToFormat(QImage.Format.Format_RGBA8888_Premultiplied)
     height, width = plain.height(), plain.width()
     lines = np.frombuffer(plain.constBits().asstring(plain.sizeInBytes()), np.uint8)
@@ -170,15 +170,15 @@ def to_image(pixels: NDArray[np.uint8]) -> QImage:
     height, width = pixels.shape[:2]
     data = np.ascontiguousarray(pixels).tobytes()
     image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888_Premultiplied)
-    # The conversion copies, so the image does not refer to memory that Python frees.
+    # ``image`` uses memory that Python frees; the conversion makes a copy.
     return image.convertToFormat(_FORMAT)
 
 
 class Pipes:
-    """A layer and its pipes, one for each thread that draws it at the same time.
+    """A layer and its pipes, one for each thread that draws the layer at the same time.
 
-    Create and release on the main thread, which owns QGIS's providers: creating, wrapping or destroying one on another
-    thread may crash QGIS.
+    Create and release on the main thread, which owns QGIS's providers: creating, wrapping or destroying a provider on
+    another thread may crash QGIS.
     """
 
     def __init__(self, layer: QgsRasterLayer) -> None:
@@ -228,7 +228,7 @@ class Pipes:
 
 
 class _Job:
-    """A drawing under way: its time limit, and why it was stopped."""
+    """A running drawing: how to end it, its time limit, and why it was ended."""
 
     def __init__(self, end: Callable[[], None], until_s: float) -> None:
         self.end, self.until_s = end, until_s
@@ -236,14 +236,14 @@ class _Job:
 
 
 class _Pipe(NamedTuple):
-    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is unsafe on other threads."""
+    """A pipe and its last stage, which returns the pixels; both wrapped on the main thread (see `Pipes`)."""
 
     pipe: QgsRasterPipe
     last: QgsRasterInterface
 
 
 def _margin_px(renderer: QgsRasterRenderer) -> int:
-    """Margin in pixels that a block's style needs to avoid seams between blocks."""
+    """Margin in pixels to draw around a block so that its style shows no seams."""
     if isinstance(renderer, QgsHillshadeRenderer):
         return 1
     if isinstance(renderer, QgsRasterContourRenderer):
@@ -259,6 +259,6 @@ def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
         stage = pipe.at(index)
         if not isinstance(stage, QgsRasterProjector):
             copy.set(stage.clone())
-    # The resampling stage is a setting of the pipe.
+    # The resampling stage is a setting of the pipe, not copied with its stages.
     copy.setResamplingStage(pipe.resamplingStage())
     return copy

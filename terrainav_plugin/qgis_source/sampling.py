@@ -1,7 +1,7 @@
 """Sample a raster file's layer, at its pixels or on another grid, without QGIS's approximate reprojection.
 
-QGIS first resamples a raster to another grid and then takes the nearest pixels: up to more than a pixel off. Here each
-pixel of an image takes the raster's pixel that contains its centre, styled by QGIS.
+QGIS first resamples a raster to another grid and then takes the nearest pixels, which displaces them by more than a
+pixel in places. Here QGIS only styles the raster; each image pixel takes the raster pixel that contains its centre.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from .renderer import Jobs, Pipes
 
 #: Header of a line in well-known binary: byte order, type (2), number of points.
 _HEADER = struct.Struct("<BII")
-#: Margin in pixels around the outermost samples for the widest kernel.
+#: Margin around the outermost samples in pixels, which the widest kernel needs.
 _MARGIN_PX = 2
 #: Kernels by the names of QGIS's resamplers; nearest if a layer has none.
 _KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
 
 
 class SampledWindow(NamedTuple):
-    """Pixels of a raster, averaged if the image is much coarser: columns and rows from its upper left."""
+    """Window of a raster in cells of ``factor`` pixels a side; columns and rows from the raster's upper left."""
 
     factor: int
     left: int
@@ -48,7 +48,7 @@ class SampledWindow(NamedTuple):
 def enlarging_kernel(layer: QgsRasterLayer) -> str:
     """Kernel that a layer uses for enlarging."""
     if resamples_early(layer):
-        # Providers have more methods; the smoother ones are closest to cubic.
+        # Providers have further methods, all smoother than bilinear: cubic is the closest kernel.
         method = QgsRasterDataProvider.ResamplingMethod
         exact = {method.Nearest: "nearest", method.Bilinear: "bilinear"}
         return exact.get(layer.dataProvider().zoomedInResamplingMethod(), "bicubic")
@@ -76,19 +76,19 @@ def sampled(
     Parameters
     ----------
     pipes : Pipes
-        Of a layer from a file.
+        Pipes of a raster file's layer.
     settings : QgsMapSettings
-        Has the CRS of the image.
+        Settings with the CRS of the image.
     edges_m : west, south, east, north
-        Of the image, in its CRS.
+        Edges of the image, in its CRS.
     size : width, height
-        Of the image, px.
+        Size of the image in px.
     jobs : Jobs
 
     Returns
     -------
     array (height, width, 4) of uint8, or None if the layer shows nothing there
-        Premultiplied; alpha is 0 beyond the raster.
+        Premultiplied RGBA; alpha is 0 beyond the raster.
     """
     layer, (width, height) = pipes.layer, size
     x, y = _raster_positions(layer, settings, _centres(edges_m, size))
@@ -108,27 +108,27 @@ def sampled(
 
 
 def averaged(pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs) -> Bytes | None:
-    """Pixels of a layer at its raster's resolution, or averages of blocks of them.
+    """Pixels of a layer at its raster's resolution, or means of square blocks of these pixels.
 
     Parameters
     ----------
     pipes : Pipes
-        Of a layer from a file.
+        Pipes of a raster file's layer.
     left_px, top_px : int
-        Of the image, in its pixels from the raster's corner.
+        Upper left corner of the image, in image pixels from the upper left corner of the raster.
     size : width, height
-        Of the image, px.
+        Size of the image in px.
     factor : int
-        Raster pixels along each side of an image pixel; a power of two.
+        Number of raster pixels along each side of an image pixel; a power of two.
     jobs : Jobs
 
     Returns
     -------
     array (height, width, 4) of uint8, or None if the layer shows nothing there
-        Premultiplied; alpha is 0 if any raster pixel below is missing.
+        Premultiplied RGBA; alpha is 0 if any raster pixel in the block is missing.
     """
     layer, (width, height) = pipes.layer, size
-    # At most 8 raster pixels a side, to keep blocks small; above that QGIS subsamples.
+    # Average at most 8 raster pixels a side, to keep blocks small; for larger factors, QGIS subsamples first.
     each = min(factor, 8)
     picked = factor // each
     left, top = max(left_px * each, 0), max(top_px * each, 0)
@@ -150,7 +150,7 @@ def averaged(pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], fac
 
 
 def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) -> Floats:
-    """Pixel centres of an image by rows, (width * height, 2)."""
+    """Pixel centres of an image, row by row, (width * height, 2)."""
     (west, south, east, north), (width, height) = edges_m, size
     x = west + (np.arange(width) + 0.5) * ((east - west) / width)
     y = north - (np.arange(height) + 0.5) * ((north - south) / height)
@@ -169,8 +169,8 @@ def _raster_positions(layer: QgsRasterLayer, settings: QgsMapSettings, points: F
 
 
 def _transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
-    """Points in another CRS by QGIS's operation, many in one call."""
-    # PyQGIS holds the GIL during a call: 4096 points take a few milliseconds.
+    """Points transformed by QGIS, many in each call."""
+    # PyQGIS holds the GIL during a call; 4096 points take a few milliseconds.
     parts = np.array_split(points, -(-len(points) // 4096))
     return np.concatenate([_line_transformed(part, transform) for part in parts])
 
@@ -186,9 +186,9 @@ def _line_transformed(points: Floats, transform: QgsCoordinateTransform) -> Floa
 
 
 def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> SampledWindow:
-    """Cells that contain all samples: pixels, or groups of them so that an image pixel spans two to four."""
+    """Window that contains all samples; cells are pixels, or blocks of them if an image pixel spans four or more."""
     steps = [np.abs(np.diff(values, axis=axis)) for values in (x, y) for axis in (0, 1)]
-    # The longer way along each image axis: the raster may be rotated.
+    # Raster pixels per image pixel, along each image axis: the raster may be rotated.
     ratio = min(
         float(np.median(np.hypot(steps[axis], steps[2 + axis]))) if steps[axis].size else 1.0 for axis in (0, 1)
     )
@@ -201,7 +201,7 @@ def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_
 
 
 def _extent(layer: QgsRasterLayer, cells: SampledWindow) -> QgsRectangle:
-    """Extent of cells in the raster's CRS."""
+    """Extent of a window in the raster's CRS."""
     extent = layer.extent()
     step_x = extent.width() / layer.width() * cells.factor
     step_y = extent.height() / layer.height() * cells.factor

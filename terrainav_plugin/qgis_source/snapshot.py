@@ -45,12 +45,12 @@ from .tiles import ServerTiles, TileAddress, tile_address
 PREFIX = "qgis:"
 PROJECT_SOURCE = f"{PREFIX}project"
 _LAYER = f"{PREFIX}layer/"
-#: QGIS's provider of raster files, which are read directly; others request a service.
+#: QGIS's provider of raster files, which reads files directly; other raster providers request a service.
 FILE_PROVIDER = "gdal"
 _MERCATOR = "EPSG:3857"
-#: Zooms of layers without a resolution.
+#: Highest zoom of layers without a resolution.
 _MAX_ZOOM = 22
-#: Tile addresses by layer id; None for layers without one.
+#: Tile address by layer id; None for layers that have no tile address.
 Addresses = dict[str, Optional[TileAddress]]
 
 
@@ -63,7 +63,7 @@ class LayerChoice(NamedTuple):
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Copies of the layers to draw, independent of the project; create and release on the main thread.
+    """Copies of the layers to draw, independent of the project. Create and release on the main thread.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ class Snapshot:
         As in a source.
     grid : PixelGrid
     ground : tuple of Pipes or ServerTiles
-        Rasters with only rasters below, the lowest first.
+        Rasters that have only rasters below them, the lowest first.
     policy : Policy
         The strictest policy of the tiles' providers.
     drawing : tuple of QgsMapLayer
-        The layers above, the uppermost first.
+        The layers above the ground, the uppermost first.
     settings : QgsMapSettings
-        All settings but layers, extent and size.
+        Settings of the map, without layers, extent and size.
     paper : QColor
         Background colour of the map.
     """
@@ -105,7 +105,7 @@ def source_name(layer: QgsMapLayer) -> str:
 
 
 def layer_choices(project: QgsProject) -> list[LayerChoice]:
-    """Sources of a project: its map, and each layer that shows something."""
+    """Sources of a project: the whole map, and each layer that can be drawn; empty if there is no such layer."""
     layers = list(_layers_that_show(project))
     if not layers:
         return []
@@ -119,7 +119,7 @@ def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
     Raises
     ------
     InvalidInput
-        The layer does not exist, or shows nothing.
+        The layer does not exist, or cannot be drawn.
     """
     if name == PROJECT_SOURCE:
         root = project.layerTreeRoot()
@@ -142,7 +142,7 @@ def source_layers(name: str, project: QgsProject) -> list[QgsMapLayer]:
 
 
 def source_title(name: str, project: QgsProject) -> str:
-    """Title of a source for people."""
+    """Title of a source, shown to users."""
     return tr("Whole map") if name == PROJECT_SOURCE else source_layers(name, project)[0].name()
 
 
@@ -164,7 +164,7 @@ def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: Q
 
 
 def take_snapshot(name: str, project: QgsProject) -> Snapshot:
-    """Copies of a source's layers as shown now; raises InvalidInput as `source_layers`. Main thread only."""
+    """Snapshot of a source's layers as shown now; raises InvalidInput as `source_layers`. Main thread only."""
     layers = source_layers(name, project)
     addresses, ground = _addresses(layers), _ground(layers)
     grid = _grid(name, layers, addresses, project)
@@ -184,7 +184,7 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
 
 
 def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
-    """Terms of all providers that a source uses, with the layers' names, as from `terms.policies`.
+    """Terms of all providers that a source uses, as from `terms.policies`.
 
     Raises InvalidInput as `source_layers`.
     """
@@ -204,7 +204,7 @@ def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProje
 def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
     for layer in project.layerTreeRoot().layerOrder():
         role = str(layer.customProperty(ROLE) or "")
-        # Backgrounds are imagery; the plugin's other layers are results.
+        # Of the plugin's layers, only backgrounds are imagery; the others are results.
         if layer.isValid() and layer.isSpatial() and (not role or role.startswith("background/")):
             yield layer
 
@@ -219,11 +219,11 @@ def _ground(layers: list[QgsMapLayer]) -> list[QgsRasterLayer]:
 
 
 def _copy(layer: QgsMapLayer, project: QgsProject) -> QgsMapLayer:
-    """Copy for drawing on any thread, with all settings that affect its pixels."""
+    """Copy of a layer for drawing on any thread, with all settings that affect its pixels."""
     copy = layer.clone()
     times = layer.temporalProperties()
     if times is not None and times.isActive():
-        # QGIS's copies have none before 3.40.
+        # Before 3.40, QGIS's copies lack the temporal settings.
         style, kind = QDomDocument(), QgsMapLayer.StyleCategory.Temporal
         layer.exportNamedStyle(style, QgsReadWriteContext(), kind)
         copy.importNamedStyle(style, kind)
@@ -235,7 +235,7 @@ def _copy(layer: QgsMapLayer, project: QgsProject) -> QgsMapLayer:
 
 
 def _keep_reading(layer: QgsRasterLayer, copy: QgsRasterLayer) -> None:
-    """Restore on a copy how its layer reads the raster: QGIS reopens it with default settings."""
+    """Apply to a copy the settings with which its layer reads the raster: QGIS opens copies with defaults."""
     own, new = layer.dataProvider(), copy.dataProvider()
     for band in range(1, min(own.bandCount(), new.bandCount()) + 1):
         new.setUserNoDataValue(band, own.userNoDataValues(band))
@@ -248,27 +248,27 @@ def _keep_reading(layer: QgsRasterLayer, copy: QgsRasterLayer) -> None:
 
 
 def _fix_style(copy: QgsRasterLayer, project: QgsProject) -> None:
-    """Make all parts of a raster look alike, however they are divided."""
+    """Make the style of a raster independent of the extent drawn."""
     projector = copy.pipe().projector()
     if projector is not None:
         projector.setPrecision(QgsRasterProjector.Precision.Exact)
     context = project.createExpressionContext()
     context.appendScope(QgsExpressionContextUtils.layerScope(copy))
     copy.pipe().evaluateDataDefinedProperties(context)
-    # Freeze a stretch that follows the map's extent; otherwise each part would get another.
+    # A contrast stretch that follows the map's extent would differ between the parts of an image.
     origin = QgsRasterMinMaxOrigin(copy.renderer().minMaxOrigin())
     origin.setExtent(QgsRasterMinMaxOrigin.Extent.WholeRaster)
     copy.renderer().setMinMaxOrigin(origin)
 
 
 def _refuse_placeless(layers: list[QgsMapLayer]) -> None:
-    """Refuse layers without a CRS: QGIS draws their coordinates in the CRS of the map."""
+    """Refuse layers without a CRS, which QGIS would draw as if they had the map's CRS."""
     for layer in layers:
         required_crs(layer.crs(), layer.name())
 
 
 def _refuse_large(layers: list[QgsMapLayer]) -> None:
-    """Refuse raster files of which QGIS would decode too much per pixel, on each drawing thread."""
+    """Refuse raster files of which QGIS would decode too much for each part, on every drawing thread."""
     for layer in layers:
         if isinstance(layer, QgsRasterLayer) and layer.providerType() == FILE_PROVIDER:
             raster = layer.dataProvider()
@@ -286,10 +286,10 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
     settings.setDestinationCrs(crs)
     settings.setTransformContext(project.transformContext())
     settings.setEllipsoid(project.ellipsoid())
-    # As on screen: sizes in millimetres and scale-dependent visibility follow from it.
+    # As on screen: the resolution determines sizes in millimetres and scale-dependent visibility.
     settings.setOutputDpi(96)
     settings.setBackgroundColor(QColor(Qt.GlobalColor.transparent))
-    # Images adjoin: fills and lines must continue from one to the next.
+    # Images adjoin: fills and lines must continue in the next image.
     for flag in ("Antialiasing", "DrawLabeling", "UseAdvancedEffects", "RenderMapTile"):
         settings.setFlag(getattr(QgsMapSettings.Flag, flag), True)
     labels = project.labelingEngineSettings()
@@ -316,7 +316,7 @@ def _raster_grid(layer: QgsMapLayer) -> PixelGrid | None:
         place = RasterGeoreference(Facts((), ((width, height),), wkt, corner, {}))
         own = place.own_plane()
     except InvalidInput:
-        # Layers outside the domain of a CRS are refused elsewhere.
+        # The layer is outside the domain of a CRS, which is reported elsewhere.
         return None
     if own is None:
         return None
@@ -327,7 +327,7 @@ def _raster_grid(layer: QgsMapLayer) -> PixelGrid | None:
 
 
 def _native_zoom(layer: QgsMapLayer, address: TileAddress | None, project: QgsProject) -> int:
-    """Highest zoom with native detail; the highest of all if there is detail at every scale."""
+    """Highest zoom at which the layer gains detail; `_MAX_ZOOM` if it has detail at every scale."""
     if not isinstance(layer, QgsRasterLayer):
         return _MAX_ZOOM
     if layer.providerType() != FILE_PROVIDER:
@@ -358,7 +358,7 @@ def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:
 
 
 def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float], ...] | None:
-    """Extent of a raster file's imagery, as world fractions; None for other layers."""
+    """Extent of a raster file's imagery in world fractions; None for other layers."""
     if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
         return None
     transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
@@ -383,7 +383,7 @@ def _attribution(layers: list[QgsMapLayer]) -> str:
 
 
 def _date(layer: QgsMapLayer) -> str:
-    """Date of a layer as a whole, as YYYY-MM-DD; empty if it has none."""
+    """Date of a layer's metadata as YYYY-MM-DD; empty if there is none."""
     times = layer.temporalProperties()
     if not (isinstance(layer, QgsRasterLayer) and times is not None and times.isActive()):
         return ""

@@ -2,11 +2,11 @@
 
 A raster file in a projected CRS is drawn, in its style, on its pixel grid; everything else on the map's grid.
 
-There are two kinds of layers. *Ground*, the rasters with only rasters below, looks the same however much is drawn at
-once: it is drawn tile by tile on the global pixel grid, each tile once, at the exact pixels of the grid (in larger
-images QGIS 3.22 duplicates a row of a service's tiles now and then). *Drawings*, all layers above, do not: QGIS places
-labels anew in each image. They are drawn over a whole image at once, so that tile edges cut no label or symbol, and
-with a margin, so that those that cross its edge continue in the next image.
+There are two kinds of layers. *Ground* layers are rasters that have only rasters below them; they look the same
+whatever extent is drawn. They are drawn tile by tile on the global pixel grid, each tile once (in larger images, QGIS
+3.22 sometimes duplicates a row of a service's tiles). *Drawings* are all layers above the ground; QGIS places their
+labels anew for each extent. They are drawn over a whole image at once, so that tile edges cut no label or symbol, and
+with a margin, so that labels and symbols that cross the image's edge continue in the next image.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import ServerTiles
 
-#: Blend mode of layers by default.
+#: Default blend mode of layers.
 _COVERING = QPainter.CompositionMode.CompositionMode_SourceOver
 
 
@@ -41,7 +41,7 @@ class LayerSource:
     ----------
     snapshot : Snapshot
     jobs : Jobs or None
-        None creates new ones.
+        None creates new `Jobs`.
     """
 
     map_types: tuple[str, ...] = ()
@@ -58,7 +58,7 @@ class LayerSource:
         self._paper = np.array([paper.red(), paper.green(), paper.blue()], np.uint16)
 
     def parts(self, window: Window) -> list[Part]:
-        """Return tiles, or the window itself if there are drawings, which must not be cut."""
+        """Return the tiles of a window; the whole window if there are drawings, which must not be cut."""
         if not self._snapshot.drawing:
             return tile_parts(window, self.grid)
         left_px = window.left_px % self.grid.world_px(window.zoom)
@@ -82,11 +82,11 @@ class LayerSource:
         shown = self._draw_above(none if ground is None else ground, part)
         missing = np.zeros(shown.shape[:2], bool)
         if ground is not None:
-            # An unavailable service leaves holes, which drawings above must not hide.
+            # Where a service returned nothing, pixels count as missing even below drawings.
             served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
             missing = (ground if served else shown)[..., 3] == 0
         elif not shown[..., 3].any():
-            # Between features there is paper, but an image without any features shows nothing.
+            # Between features the paper is shown, but an image without any feature is refused.
             raise PartError("{0} shows nothing here", self.title)
         if _any_blended(self._snapshot.drawing):
             below = self._on_paper(none if ground is None else ground, np.zeros_like(missing))
@@ -96,13 +96,13 @@ class LayerSource:
     def _draw_above(self, below: Bytes, part: Window) -> Bytes:
         """Drawings over the image below, premultiplied."""
         image, settings = to_image(below), self._settings(part)
-        # Features this near may have symbols and labels that reach into the image.
+        # Symbols and labels of features up to 128 px outside may reach into the image.
         settings.setExtentBuffer(128 * self.grid.pixel_size(part.zoom)[0])
         self._jobs.draw(image, settings, self._snapshot.drawing)
         return to_array(image)
 
     def close(self) -> None:
-        """Cancel all drawing, which raises `Cancelled`."""
+        """Cancel all drawings, so that `fetch` raises `Cancelled`."""
         for layer in self._snapshot.ground:
             if isinstance(layer, ServerTiles):
                 layer.close()
@@ -136,7 +136,7 @@ class LayerSource:
             known = self._tiles.get(tile)
             if known is None:
                 mine = self._tiles[tile] = Future()
-                # 64 MB.
+                # 256 tiles take 64 MB.
                 if len(self._tiles) > 256:
                     self._tiles.popitem(last=False)
             else:
@@ -193,7 +193,8 @@ class LayerSource:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
         if layer.crs() == settings.destinationCrs() and not _is_timed(layer, settings):
-            # Otherwise QGIS also requests the neighbouring tiles. The shift moves no pixel's centre to another pixel.
+            # Shrink the extent slightly: otherwise QGIS also requests the neighbouring tiles. Every pixel's centre
+            # stays in its pixel.
             extent.grow(-1e-3 * self.grid.pixel_size(tile.zoom)[0])
             return pipes.block(extent, size, self._jobs)
         image = blank(*size)

@@ -1,7 +1,7 @@
-"""Terms of a layer's providers, whatever kind of layer it is and however its address is written.
+"""Terms of use of a layer's providers, for any kind of layer and any form of its addresses.
 
-Addresses are looked for in the layer's data source, in what its provider has read of the service, and in files that
-describe data elsewhere: GDAL's WMS and tile descriptions, VRTs of those, and sidecar files.
+Addresses are searched in the layer's data source, in the service's capabilities, and in files that describe data
+elsewhere: GDAL's descriptions of WMS and tiles, VRTs that name such descriptions, and sidecar files.
 """
 
 from __future__ import annotations
@@ -26,27 +26,29 @@ from ...core.limits import MAX_VRT_BYTES
 if TYPE_CHECKING:
     from ...core.imagery.entry import CatalogueEntry
 
-#: Addresses that a request names as its origin; they are not requested.
+#: Referer headers in a data source: sent along, never fetched.
 _REFERRED = re.compile(r"(http-header:)?refer+er=('[^']*'|\"[^\"]*\"|[^&\s]*)", re.IGNORECASE)
-#: GDAL's tile addresses need no scheme.
+#: URL elements without a scheme, which GDAL allows.
 _BARE = re.compile(r"<(\w*url)\b[^<>]*>\s*(?!\w+:/)([^<>\s]+)", re.IGNORECASE)
 _MARKUP = re.compile(r"<!--.*?-->|<!\[CDATA\[|\]\]>", re.DOTALL)
 #: File names in a description: text of an element, and values of attributes and of JSON.
 _VALUES = re.compile(r">([^<>]{1,1024})<|\"([^\"<>]{1,1024})\"|'([^'<>]{1,1024})'")
-#: Most files searched for one layer, and most levels of nesting.
-_MOST_FILES, _MOST_DEPTH = 10_000, 8
+#: Largest number of files searched for one layer.
+_MOST_FILES = 10_000
+#: Deepest nesting of descriptions that is followed.
+_MOST_DEPTH = 8
 
 
 def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
-    """Terms that limit the use of layers, with the layers' names; terms without exceptions come first.
+    """Terms that limit the use of layers, each with the layers' names.
 
-    Layers of one provider share its limits.
+    Terms that forbid bulk download come first, then terms that require asking. Layers of one provider share its limits.
     """
     found: dict[str, tuple[CatalogueEntry, list[str]]] = {}
     for layer in layers:
         for provider in known_providers(layer):
             found.setdefault(provider.name, (provider, []))[1].append(layer.name())
-    terms = [(_share(one.policy, len(names)), ", ".join(names)) for one, names in found.values()]
+    terms = [(_divided(one.policy, len(names)), ", ".join(names)) for one, names in found.values()]
     limited = [one for one in terms if one[0].bulk_allowed != "yes"]
     return sorted(limited, key=lambda one: (-BULK.index(one[0].bulk_allowed), one[0].max_tiles or 0))
 
@@ -57,19 +59,19 @@ def known_providers(layer: QgsMapLayer) -> list[CatalogueEntry]:
     found = {one.name: one for child in inner for one in known_providers(child)}
     found.update((one.name, one) for text in _texts(layer) for one in find_providers(text))
     names = _names(layer)
-    stamps = tuple((one.mtime, one.size) if one else None for one in map(_regular, names))
+    stamps = tuple((one.mtime, one.size) if one else None for one in map(_file_status, names))
     found.update((one.name, one) for one in _described(names, stamps))
     return list(found.values())
 
 
 @lru_cache(maxsize=64)
 def _described(names: tuple[str, ...], _stamps: tuple[object, ...]) -> tuple[CatalogueEntry, ...]:
-    """Providers found in descriptions; cached while the files are unchanged, as a VRT may name thousands."""
+    """Providers found in descriptions; cached while the files are unchanged, as a VRT may name thousands of files."""
     texts = _Descriptions().texts(names)
     return tuple({one.name: one for text in texts for one in find_providers(text)}.values())
 
 
-def _share(policy: Policy, count: int) -> Policy:
+def _divided(policy: Policy, count: int) -> Policy:
     if count == 1 or policy.max_tiles is None:
         return policy
     return replace(policy, max_tiles=max(policy.max_tiles // count, 1))
@@ -88,7 +90,7 @@ def _texts(layer: QgsMapLayer) -> Iterator[str]:
 
 
 def _names(layer: QgsMapLayer) -> tuple[str, ...]:
-    """Parts of a raster layer's data source that may be a description, or the file name of one."""
+    """Parts of a raster layer's data source that may be a description or name a file with one."""
     if not isinstance(layer, QgsRasterLayer):
         return ()
     source = layer.source()
@@ -97,7 +99,7 @@ def _names(layer: QgsMapLayer) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(names) if isinstance(name, str))
 
 
-def _regular(name: str) -> gdal.StatBuf | None:
+def _file_status(name: str) -> gdal.StatBuf | None:
     """Status of a regular local file; None for other names, and for pipes, which would block."""
     found = None if FETCHED.search(name) or "\0" in name else gdal.VSIStatL(name)
     return found if found is not None and stat.S_ISREG(found.mode) else None
@@ -110,7 +112,7 @@ class _Descriptions:
         self._seen: set[str] = set()
 
     def texts(self, names: Iterable[str], depth: int = 0) -> Iterator[str]:
-        """Texts of the names that are descriptions, or files with one."""
+        """Texts of descriptions; each of ``names`` may be a description or name a file with one."""
         for name in names:
             if name.lstrip().startswith("<"):
                 text, folder = name, ""
@@ -126,13 +128,13 @@ class _Descriptions:
                 inside = (one for one in named if "://" not in one and not one.isdecimal())
                 yield from self.texts((path for one in inside for path in _paths(one, folder)), depth + 1)
         if depth == 0:
-            # Sidecar files that GDAL opens with a raster.
-            beside = [name + ending for name in list(self._seen) for ending in (".aux.xml", ".ovr", ".msk")]
-            yield from self.texts(beside, depth + 1)
+            # GDAL opens these sidecar files together with a raster.
+            sidecars = [name + ending for name in list(self._seen) for ending in (".aux.xml", ".ovr", ".msk")]
+            yield from self.texts(sidecars, depth + 1)
 
     def _text(self, name: str) -> str:
-        """Text of a local file; empty if it is missing or an image."""
-        if name in self._seen or len(self._seen) >= _MOST_FILES or _regular(name) is None:
+        """Text of a local description; empty for another file, such as an image, and for a file already read."""
+        if name in self._seen or len(self._seen) >= _MOST_FILES or _file_status(name) is None:
             return ""
         self._seen.add(name)
         head = _read(name, 256).lstrip(b"\xef\xbb\xbf \t\r\n")
@@ -142,7 +144,7 @@ class _Descriptions:
 
 
 def _paths(name: str, folder: str) -> list[str]:
-    """Paths that a name in a description may refer to."""
+    """Paths to which a name in a description may refer."""
     return [name, f"{folder}/{name}"] if folder else [name]
 
 

@@ -1,8 +1,8 @@
 """Tile layers, with pixels as the server sends them and the layer's colours.
 
-QGIS (from 3.44) draws a tile a pixel larger on each side, to close gaps between tiles, so no pixel of such an image is
-certain to be in place. Tiles of Web Mercator layers are therefore requested from their server here, over QGIS's network
-stack and under the provider's terms, and QGIS only applies the layer's colours.
+QGIS (from 3.44) draws each tile a pixel larger on every side, to close gaps between tiles, so that any pixel may be
+displaced. Tiles of Web Mercator layers are therefore requested from their server here, over QGIS's network stack and
+under the provider's terms, and QGIS only applies the layer's colours.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ _PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
 class ServerTiles:
     """A layer whose tiles are requested from their server.
 
-    Create on the main thread, which owns its connections and the stages of its style.
+    Create on the main thread, which owns the connections and the stages of the layer's style.
 
     Parameters
     ----------
     layer : QgsRasterLayer
-        A copy, as the project's layer may change.
+        A copy of the project's layer, which may change.
     entry : callable
-        Returns the entry of the tiles; called once, on any thread, as it may request a service.
+        Returns the catalogue entry of the tiles; called once, and not on the main thread: it may request a service.
     connection : Connection
         Parameters of requests to the server.
     """
@@ -82,7 +82,7 @@ class ServerTiles:
         self._opened: Source | None = None
 
     def pixels(self, window: Window) -> Pixels | None:
-        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None if the server has none.
+        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None if the server does not have the tile.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class ServerTiles:
         """
         source = self._source()
         grid = source.grid
-        # With tiles of double width a zoom has double resolution; above the highest zoom, its pixels are repeated.
+        # At the same zoom, tiles of double width have double resolution; above the highest zoom, pixels are repeated.
         finer = grid.scale.bit_length() - 1
         zoom = min(window.zoom - finer, grid.max_zoom)
         if zoom < grid.min_zoom:
@@ -109,8 +109,8 @@ class ServerTiles:
         return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))
 
     def close(self) -> None:
-        """Cancel the requests, which raises `Cancelled`."""
-        # First, and without the lock: a request for a service's capabilities holds that.
+        """Cancel the requests, so that `pixels` raises `Cancelled`."""
+        # Close the transport first, without the lock, which a request for a service's capabilities may hold.
         self._transport.close()
         with self._lock:
             if self._opened is not None:
@@ -124,7 +124,7 @@ class ServerTiles:
                 entry = self._entry()
                 grid = entry.grid()
                 if grid.scale & (grid.scale - 1):
-                    # Their zooms differ from those of the image.
+                    # The zooms of such tiles differ from the zooms of the image.
                     raise InvalidInput(
                         tr(
                             "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 "
@@ -167,9 +167,9 @@ class TileAddress(NamedTuple):
     connection : Connection
         Parameters of requests to the server.
     entry : CatalogueEntry or None
-        Of the tiles; None if a service must be requested for it.
+        Catalogue entry of the tiles; None if it must be requested from ``service``.
     service : str
-        Name of this service.
+        Name of a WMTS or WMS; empty if ``entry`` is known.
     """
 
     connection: Connection
@@ -178,13 +178,13 @@ class TileAddress(NamedTuple):
 
     @property
     def highest_zoom(self) -> int | None:
-        """Highest zoom with tiles, counted in tiles of 256 px; None if only the service knows."""
+        """Highest zoom with tiles, counted in tiles of 256 px; None if it must be requested from the service."""
         if self.entry is None:
             return None
         return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
 
     def tiles(self, copy: QgsRasterLayer) -> ServerTiles:
-        """Tiles of the address, for a copy of the layer that they keep."""
+        """Tiles at the address, for a copy of the layer."""
         if self.entry is not None:
             return ServerTiles(copy, lambda: self.entry, self.connection)
         tiles = ServerTiles(copy, lambda: _service_entry(self.service, tiles), self.connection)
@@ -214,7 +214,7 @@ def tile_address(layer: QgsRasterLayer) -> TileAddress | None:
             named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
             return TileAddress(known, None, f"wmts:{address}#{named}")
     except InvalidInput:
-        # QGIS draws addresses that only it can read.
+        # The address cannot be requested here: QGIS draws the layer.
         return None
     return None
 
@@ -223,7 +223,7 @@ def _service_entry(name: str, tiles: ServerTiles) -> CatalogueEntry:
     from ...core.imagery.opening import SourceOptions, named_source
 
     connection, transport = tiles._connection, tiles._transport  # noqa: SLF001
-    # These layers are in Web Mercator, and so must their tiles be.
+    # The layer is in Web Mercator; request its tiles in the same CRS.
     options = SourceOptions(key=connection.key or None, transport=transport, crs=_MERCATOR)
     return named_source(name, options).entry
 
@@ -237,7 +237,7 @@ def _premultiplied(pixels: Pixels) -> Pixels:
 
 
 class _Given(QgsRasterInterface):
-    """Given pixels at the start of a pipe, in place of a provider."""
+    """Start of a pipe that returns given pixels, in place of a provider."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -263,7 +263,7 @@ class _Given(QgsRasterInterface):
 
 
 class _Stages:
-    """The stages of a layer's pipe that colour single pixels."""
+    """The stages of a layer's pipe that change colours pixel by pixel."""
 
     def __init__(self, layer: QgsRasterLayer) -> None:
         self._given = _Given()
@@ -279,7 +279,7 @@ class _Stages:
         """Premultiplied pixels in the layer's colours."""
         height, width = pixels.shape[:2]
         self._given.image = to_image(pixels)
-        # QGIS 3.44 crashes without feedback. The extent does not matter: the pixels are given.
+        # QGIS 3.44 crashes without feedback. The extent has no effect: the pixels are given.
         feedback, extent = QgsRasterBlockFeedback(), QgsRectangle(0.0, 0.0, 1.0, 1.0)
         return to_array(self._stages[-1].block(1, extent, width, height, feedback).image())
 
