@@ -17,17 +17,18 @@ from ..errors import Message
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
 
-#: Limit of the flat model's expansion parameters, beyond which its series is not a bound.
+#: Largest expansion parameters for which the flat model's series is a bound.
 FLAT_DOMAIN = 0.1
 #: Rounding of the series of level cameras in float64, px.
 _SERIES_ROUNDING_PX = 1e-6
-#: Rounding of ground positions in degrees, in metres: half the last digit is 0.8e-9 for a latitude and 1.6e-9 for a
+#: Rounding of ground positions in degrees, in metres. Half the last digit is 0.8e-9 m of latitude and 1.6e-9 m of
 #: longitude; no other error of `ellipsoid.trace` grows with the Earth's size.
 _GROUND_ROUNDING_M = 2e-9
-#: Rounding of positions on the map, in metres: with functions within 4 units in the last place (8·2⁻⁵³) asinh tan φ is
-#: off by 8·2⁻⁵³(ψ + sin φ), at most 6.5e-9 m of ground; φ, 2π and the fraction of the world add 3e-9, its pixels 9e-9.
+#: Rounding of positions on the map, in metres of ground. If functions are within 4 units in the last place (8·2⁻⁵³),
+#: asinh tan φ is off by 8·2⁻⁵³(ψ + sin φ), at most 6.5e-9 m. Rounding of φ, 2π and the world fraction adds 3e-9 m,
+#: rounding of the position in pixels 9e-9 m.
 _MAP_ROUNDING_M = 1.6e-8
-#: Smallest pixel on the ground: float64 degrees resolve a twentieth of it, positions on the map two fifths.
+#: Smallest ground size of a pixel, in metres: rounding of degrees is a twentieth of it, rounding on the map two fifths.
 RESOLVED_M = 4e-8
 
 
@@ -40,7 +41,7 @@ class ImageGeometry:
     width_px, height_px : float or array (n,)
         Size of the planned image.
     poses : Poses
-        (n,).
+        Poses (n,).
     """
 
     camera: Camera
@@ -96,7 +97,7 @@ class ImageGeometry:
 
     @property
     def nadir_px_m(self) -> Floats:
-        """Metres of flat ground per px straight below, (n,)."""
+        """Metres of flat ground that a pixel spans straight below the camera, (n,)."""
         return self.poses.agl_m / self.focal_px
 
 
@@ -114,10 +115,10 @@ def flat_bending_px(scene: ImageGeometry) -> Floats:
 
 
 def map_frame_px(scene: ImageGeometry) -> Floats:
-    """Bound of a map frame through the edge midpoints, with a small attitude ignored, (n,).
+    """Bound of the error of a map frame through the edge midpoints that ignores a small attitude, (n,).
 
     ρεt²/2 + 1.05(T/R)[W·h/4 + (W·w + H·h)/8] + ρ(max(w, h)/R)²(1 + T²) for footprints of w by h metres and images of
-    W by H px; yaw moves a corner by ρ times itself, tilt and roll by f(1 + t²) times themselves.
+    W by H px. A yaw of α radians moves a corner by up to ρα, a tilt or roll of α by up to f(1 + t²)α.
     """
     radius, bend = scene.radius_m, scene.lat_tangent
     width_m, height_m = (2.0 * scene.poses.agl_m * tangent for tangent in scene.camera.half_tangents)
@@ -172,7 +173,7 @@ def exact_px(scene: ImageGeometry) -> Floats:
 
 
 def camera_frame_px(scene: ImageGeometry) -> Floats:
-    """Bound of a camera frame that traces every pixel: that of the exact camera plus rounding on the map, (n,)."""
+    """Bound of a camera frame that traces every pixel: `exact_px` plus rounding of map positions, (n,)."""
     on_map: Floats = _MAP_ROUNDING_M / finest_px_m(scene)
     return exact_px(scene) + on_map
 
@@ -212,7 +213,7 @@ def outside_flat_domain(scene: ImageGeometry, bend: Floats | float | None = None
 
 def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
     """Sines of the corner rays' angles below the horizontal, and squared lengths per unit along the axis, (n, 4)."""
-    # Independent of yaw: one tilt and roll for all poses gives the same corners.
+    # Yaw does not matter: if all poses share one tilt and roll, one pose gives the result for all.
     leans = scene.poses.tilt_deg, scene.poses.roll_deg
     if not any(any(angle.strides) for angle in leans):
         leans = leans[0][:1], leans[1][:1]
@@ -225,7 +226,7 @@ def corner_angles(scene: ImageGeometry) -> tuple[Floats, Floats]:
 def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
     """(1 + ε) sin β of rays over a sphere, and the squared sine of the grazing angle at the ground.
 
-    β is the angle below the horizontal. The second is negative for rays that miss the sphere.
+    β is the angle below the horizontal. The squared sine is negative for rays that miss the sphere.
     """
     reach = 1.0 + height_share
     return reach * sin_below, 1.0 - reach**2 * (1.0 - sin_below**2)
@@ -234,9 +235,9 @@ def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
 def condition_number(scene: ImageGeometry, *, on_mercator: bool = True) -> float:
     """Largest relative change of a ground position per relative change of its inputs.
 
-    The larger of sec φ, the condition of Mercator's latitude if images lie on its map, and the condition of the ray at
-    the flattest angle to the ground: ground distance against angle off nadir, on a sphere. Infinite if the image shows
-    the horizon.
+    The larger of two condition numbers. For images on the Mercator map, that of Mercator's latitude, sec φ. For the ray
+    that meets the ground at the flattest angle, that of the ground distance as a function of the angle off nadir, on a
+    sphere. Infinite if the image shows the horizon.
     """
     nearest_pole = float(np.max(np.abs(scene.poses.lat_deg))) if on_mercator else 0.0
     mercator = 1.0 / float(np.cos(np.radians(nearest_pole)))
@@ -269,7 +270,7 @@ def terrain_px_per_m(scene: ImageGeometry) -> float:
 
 
 def ground_m_per_px(scene: ImageGeometry) -> float:
-    """Most metres of ground spanned by a pixel, which is at the farthest corner; infinite at the horizon."""
+    """Metres of ground that a pixel spans at the farthest corner, the most in the image; infinite at the horizon."""
     sin_below, squared = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]
     lifted, grazed2 = grazing(sin_below, share)

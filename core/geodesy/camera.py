@@ -12,9 +12,10 @@ from ..arrays import Floats
 from .ellipsoid import arctan2, sin_cos
 from .lens import Lens
 
-#: Image coordinates (right, up), each -1..1, of the corners north-west, north-east, south-east,
-#: south-west and of the edge midpoints north, east, south, west of a north-up camera.
+#: Image coordinates (right, up), each -1..1, of a north-up camera's corners north-west, north-east, south-east,
+#: south-west.
 CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+#: Image coordinates of the midpoints of its edges north, east, south, west.
 EDGE_MIDPOINTS = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 
 
@@ -32,12 +33,12 @@ class Camera(Lens):
         """Directions of image points, in the camera's east, north, up.
 
         Yaw turns the top of the image clockwise from north; then tilt raises the view from straight down towards the
-        top of the image; then roll turns the camera about the direction of the image's top, right side down. They are
-        the yaw, pitch and roll (z-y'-x'') of an aircraft whose camera looks down.
+        top of the image; then roll turns the camera about the direction of the image's top, right side down. These
+        are the yaw, pitch and roll (z-y'-x'') of an aircraft whose camera looks down.
 
         Parameters
         ----------
-        image_xy : array (k, 2), or (..., k, 2) for other points in each pose
+        image_xy : array (k, 2), or (..., k, 2) for different points in each pose
             Right and up, each -1..1 from edge to edge of the image.
         yaw_deg, tilt_deg, roll_deg : array (...) or float
             Attitude of each pose, broadcast against each other.
@@ -96,7 +97,7 @@ class Camera(Lens):
     ) -> Floats:
         """Signed offsets of directions from the planes through the camera and the sides of its image.
 
-        Unlike image points, they are smooth at any angle, also behind the camera.
+        Unlike image points, these offsets are smooth at any angle, also behind the camera.
 
         Parameters
         ----------
@@ -105,8 +106,8 @@ class Camera(Lens):
         Returns
         -------
         array (..., k, 4)
-            For right, left, top and bottom, the sine of the angle from the plane relative to that of half the image:
-            never positive inside the image; outside, at small angles, about the distance from the side in half images.
+            For right, left, top and bottom: sine of the angle to the plane, divided by the sine of half the field of
+            view. Not positive inside the image; at small angles outside, about the distance to the side in half images.
         """
         right, image_up, axis = (
             np.einsum("...ki,...i->...k", vectors_enu, direction)
@@ -185,7 +186,7 @@ class Poses(NamedTuple):
 def image_axes(
     yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
-    """Unit vectors (..., 3) of the image's right, of its top, and of the view, in east, north, up; see `rays_enu`."""
+    """Unit vectors (..., 3) to the image's right and top, and along the view, in east, north, up; see `rays_enu`."""
     (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = (
         sin_cos(np.asarray(angle, np.float64)[..., np.newaxis]) for angle in (yaw_deg, tilt_deg, roll_deg)
     )

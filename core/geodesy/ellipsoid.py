@@ -51,8 +51,8 @@ class Ellipsoid:
     def raised(self, height_m: float) -> Ellipsoid:
         """Ellipsoid through the ground at ``height_m`` above this one.
 
-        Both axes grow by the height, and later formulas use the eccentricity of the grown axes: this is within 1.4 mm
-        per kilometre of height of the true surface of constant height.
+        Both axes grow by the height. The result is within 1.4 mm per kilometre of height of the true surface of
+        constant height.
         """
         return Ellipsoid(self.a_m + height_m, self.b_m + height_m)
 
@@ -96,7 +96,7 @@ class Ellipsoid:
     def ring_area_m2(self, lon_deg: Floats, lat_deg: Floats) -> float:
         """Area of ground inside a ring whose edges are straight in longitude and latitude (RFC 7946).
 
-        Green's theorem with quadrature along each edge.
+        Uses Green's theorem, with quadrature along each edge.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class GroundPoints(NamedTuple):
 
 
 class _Viewpoint(NamedTuple):
-    """A camera over the ellipsoid: its latitude with sine and cosine, the normal's length N there, and its height.
+    """A camera over the ellipsoid: latitude with sine and cosine, length N of the normal there, and height.
 
     Points are computed in the camera's east, north and up, relative to the camera or the ground below it: the Earth's
     radius, whose last digit is a nanometre, is never subtracted. ``e2`` is e², ``e2_prime`` is
@@ -221,7 +221,7 @@ class _Viewpoint(NamedTuple):
         return part
 
     def product(self, one: Floats, other: Floats) -> Floats:
-        """Inner product, times a², of vectors (..., 3) in space scaled to a sphere."""
+        """Inner product, times a², of vectors (..., 3) in space scaled so that the ellipsoid is the unit sphere."""
         along = self.polar(one[..., 1], one[..., 2]) * self.polar(other[..., 1], other[..., 2])
         inner: Floats = np.sum(one * other, axis=-1) + self.e2_prime * along
         return inner
@@ -246,7 +246,7 @@ class _Viewpoint(NamedTuple):
 
 
 def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
-    """Intersect rays from a camera above the ellipsoid with it.
+    """Intersect the ellipsoid with rays from cameras above it.
 
     If sines and arctangents are within 4 units in the last place, 8·2⁻⁵³ each, a ground point is off by at most 64
     roundings of the ray, 2⁻⁴⁷·slant/sin(incidence), plus half the last digit of its latitude, 0.8e-9 m.
@@ -274,8 +274,8 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
 def clearance(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
     """Discriminant, and half the linear term, of the quadratic equation along each ray, (...) each.
 
-    A ray hits the Earth where the first is >= 0 and the second < 0. Along a straight line in the image the first is
-    quadratic and the second linear.
+    A ray hits the Earth where the discriminant is >= 0 and the linear term < 0. Along a straight line in the image the
+    discriminant is quadratic and the linear term linear.
     """
     return _clearance(_Viewpoint.locate(lat_deg, agl_m, ground), np.asarray(rays_enu, np.float64), ground)
 
@@ -291,7 +291,7 @@ def _clearance(place: _Viewpoint, rays: Floats, ground: Ellipsoid) -> tuple[Floa
     from_afar = place.excess_m2 > a2
     if not np.any(from_afar):
         return near, half_lin
-    # From high up the two terms cancel; by Lagrange's identity |d|² - |Q × d|² is the same and does not.
+    # High up, the two terms nearly cancel; |d|² - |Q × d|², equal by Lagrange's identity, keeps its digits.
     moment = place.reach_m * north + place.lean_m * up
     high = a2 * square - (a2 + place.excess_m2) * east * east - (1.0 + place.e2_prime) * moment * moment
     return np.where(from_afar, high, near), half_lin
@@ -328,7 +328,7 @@ def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid 
 
 
 def limb_azimuth(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid = WGS84) -> Floats:
-    """Azimuths, radians from north, of the level directions with the same points of the horizon as given directions.
+    """Azimuths, radians from north, of the level directions that share the horizon points of given directions.
 
     Directions that differ only along the line to the Earth's centre share their point of the `limb`; that line leans
     from the vertical by N e² sin φ cos φ over N(1 - e² sin² φ) + h.
@@ -360,7 +360,7 @@ def sight_lines(
     place, point = _Viewpoint.locate(lat_deg, agl_m, ground), _Viewpoint.locate(ground_lat_deg, agl_m, ground)
     half_rise, half_turn = np.radians(point.lat_deg - place.lat_deg) / 2.0, np.radians(dlon_deg) / 2.0
     sin_half, sin_half_dlon = np.sin(half_rise), np.sin(half_turn)
-    # The addition theorems give the differences of the normals' directions and, by a²/N² = 1 - e² sin² φ, lengths.
+    # Addition theorems give the difference of the normals' directions and, by a²/N² = 1 - e² sin² φ, of their lengths.
     sin_rise, bulge = 2.0 * sin_half * np.cos(half_rise), 2.0 * point.cos * sin_half_dlon * sin_half_dlon
     n, camera_n = point.normal_m, place.normal_m
     rising = sin_rise * (point.sin * place.cos + point.cos * place.sin)
@@ -396,7 +396,7 @@ def above_tangent_plane_m(lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: 
 def positions(
     lat_deg: Floats, height_m: Floats, offsets_enu: Floats, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats, Floats]:
-    """Latitude, difference of longitude from the camera, and height of points in the camera's east, north and up.
+    """Latitude, difference of longitude from the camera, and height of points given in its east, north and up.
 
     The height follows from the surface equation at the point, the latitude from the point's foot on the surface, found
     by fixed-point iteration along the normal: each step multiplies the error by h·e²/R, which is a thousandth at 1,000
@@ -419,7 +419,7 @@ def positions(
     polar = place.polar(north, up)
     excess = east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
     lat, dlon = place.geodetic(east, north, up)
-    for _ in range(5):  # leaves only rounding
+    for _ in range(5):  # enough to leave only rounding
         (sine, cosine), (sin_dlon, cos_dlon) = sin_cos(lat), sin_cos(dlon)
         normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sine * sine)
         stretch = 1.0 + place.e2_prime * sine * sine

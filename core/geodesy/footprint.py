@@ -74,7 +74,7 @@ def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, foot
 def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
     """Ground points on the optical axes of exact cameras, (n,) each.
 
-    If the axis misses the Earth, the point at the middle of the part of the image that shows ground.
+    Where the axis misses the Earth: the ground point at the middle of the part of the image that shows ground.
 
     Returns
     -------
@@ -166,7 +166,7 @@ def outline(
     view = _View(camera, lat_deg, agl_m, attitude, ground)
     edge = view.frame_points()
     lat, dlon, hit = view.seen(edge)
-    # If the whole edge shows ground there is no horizon in the image, as the part that shows the Earth is convex.
+    # If the whole edge shows ground, the image shows no horizon, as the part that shows the Earth is convex.
     arc = _NO_ARC if hit.all() else view.limb_points()
     points = np.concatenate([edge[hit], arc.image_xy])
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
@@ -222,6 +222,7 @@ class _View:
 
     @property
     def _where(self) -> tuple[Floats, Floats]:
+        """Latitude and height of the camera."""
         return np.asarray(self.lat_deg), np.asarray(self.agl_m)
 
     def seen(self, points: Floats) -> tuple[Floats, Floats, Flags]:

@@ -40,8 +40,8 @@ class Windows(NamedTuple):
     """Rectangles in a source's global pixel grid at one zoom; arrays of one shape (n,).
 
     Left and top count from 180° W and 85.0511° N, or from the upper left corner of the plane of the source's CRS; left
-    is continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or
-    float64 if the source places pictures by their centre.
+    is continuous (below 0 or beyond the world's width across the antimeridian). Left and top are whole numbers (int64),
+    or float64 if the source places pictures by their centre.
     """
 
     left_px: Numbers | Floats
@@ -57,14 +57,14 @@ class Windows(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """Widths and heights of camera frames, px, (n,) each; equal sizes take no memory."""
+    """Widths and heights of camera frames, px, (n,) each; a size shared by all frames is stored once."""
 
     width_px: Numbers
     height_px: Numbers
 
     @classmethod
     def from_widths(cls, width: Floats, aspect_ratio: float) -> Sizes:
-        """Whole sizes of images by their widths, (n,); 0 where a side is under half a pixel."""
+        """Sizes in whole pixels of images of given widths, (n,); 0 where a side is under half a pixel."""
         widths = width[:1] if len(width) and width.min() == width.max() else width
         sides = (np.rint(side).astype(np.int64) for side in (widths, widths / aspect_ratio))
         return cls(*(np.broadcast_to(side, width.shape) for side in sides))
@@ -75,12 +75,12 @@ class Sizes(NamedTuple):
         return int(self.width_px.max()), int(self.height_px.max())
 
     def take(self, which: NDArray[Any] | slice) -> Sizes:
-        """Some of them, by index, mask or slice."""
+        """Some of the sizes, by index, mask or slice."""
         count = self.width_px[which].shape
         return Sizes(*(side[which] if any(side.strides) else np.broadcast_to(side[:1], count) for side in self))
 
     def runs(self, first: NDArray[np.intp], run: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Split runs, as of `Poses.runs`, where the size of images changes."""
+        """Split the runs of `Poses.runs` where the size of images changes."""
         if not any(self.width_px.strides + self.height_px.strides):
             return first, run
         change = np.zeros(len(run), bool)
@@ -91,10 +91,10 @@ class Sizes(NamedTuple):
 
 
 def quarter_turns(poses: Poses, plane: Plane = MERCATOR) -> Numbers:
-    """Number of clockwise quarter turns, 0 to 3, from a plane's north to about the tops of images, (n,)."""
+    """Clockwise quarter turns, 0 to 3, nearest to the angle from a plane's north to the tops of images, (n,)."""
     yaw = plane.grid_azimuth_deg(poses.yaw_deg, poses.lat_deg, poses.lon_deg)
     if not any(yaw.strides):
-        # One yaw for all poses takes no memory.
+        # A yaw shared by all poses is stored once.
         return np.broadcast_to(_turns(yaw[:1]), yaw.shape)
     return _turns(yaw)
 
@@ -105,7 +105,7 @@ def _turns(yaw_deg: Floats) -> Numbers:
 
 
 def swapped(turns: Numbers, width: Floats | float, height: Floats | float) -> tuple[Floats, Floats]:
-    """Sizes along x and y of the map of images turned by quarter turns, (n,); inverts itself."""
+    """Sizes along the map's x and y of images turned by quarter turns, (n,); applied twice, the original sizes."""
     across = turns % 2 == 1
     return np.where(across, height, width), np.where(across, width, height)
 
@@ -171,7 +171,7 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pla
 
 
 def plane_frame_px(scene: ImageGeometry, plane: Plane, bend: Floats | float) -> Floats:
-    """Bound of map frames on a plane, with a small attitude ignored, (n,); on Web Mercator see `map_frame_px`.
+    """Bound of the error of map frames on a plane that ignore a small attitude, (n,); on Web Mercator `map_frame_px`.
 
     The error of convergence, scale and curvature is measured at the corners of the image, the middles of its edges and
     its centre. Between these nine points a quadratic surface is at most (5/4)² times as large; ρ(max(w, h)/R)²(1 + B²)
@@ -268,14 +268,15 @@ def _centred(windows: Windows, grid: PixelGrid, zoom: int, decimals: int) -> Win
     turns = np.round((left + right) / 2.0 / world - lon_to_u(lon))
     left = (lon_to_u(lon) + turns) * world - 0.5 * width
     top = lat_to_v(lat) * world - 0.5 * height
-    # Far below a micrometre of ground and far above the noise of float64, so that every processor gets the same edges.
+    # A step far below a micrometre of ground and far above the noise of float64, so that every processor gets the same
+    # edges.
     step_px = 2.0**-20
     left, top = (np.rint(edge / step_px) * step_px for edge in (left, top))
     return Windows(left, top, width, height)
 
 
 def _whole_units(size_px: Floats, grid: PixelGrid) -> Numbers:
-    """Sizes in px rounded up to whole pixels in 256 px terms, the unit of requests to such a source."""
+    """Sizes in px, rounded up to whole pixels in 256 px terms, the unit of requests to a source of centred pictures."""
     whole: Numbers = (np.ceil(size_px / grid.scale) * grid.scale).astype(np.int64)
     return whole
 

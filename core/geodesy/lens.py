@@ -13,8 +13,10 @@ _Lens = TypeVar("_Lens", bound="Lens")
 #: Largest relative difference between the aspect ratios of sensor and image that rounding in data sheets explains;
 #: beyond it the numbers do not match, or pixels are not square.
 SQUARE_PIXELS = 0.03
-#: Field of view in degrees and aspect ratio of the paper's camera.
-PAPER_FOV_DEG, PAPER_ASPECT_RATIO = 78.8, 4.0 / 3.0
+#: Diagonal field of view of the paper's camera.
+PAPER_FOV_DEG = 78.8
+#: Aspect ratio of the paper's camera.
+PAPER_ASPECT_RATIO = 4.0 / 3.0
 
 
 @dataclass(frozen=True)

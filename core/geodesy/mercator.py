@@ -128,7 +128,7 @@ class WebMercator:
         return np.broadcast_to(np.float64(0.0), np.shape(lat_deg))
 
     def ground_m(self, lat_deg: Floats, _lon_deg: Floats, /) -> tuple[Floats, Floats]:
-        """Metres of ground on the ellipsoid that u and v of 1 span at positions (any shape)."""
+        """Metres of ground on the ellipsoid per unit of u and of v, at positions (any shape)."""
         cosine = np.cos(np.radians(lat_deg))
         across, down = WGS84.normal_radius_m(lat_deg), WGS84.meridional_radius_m(lat_deg)
         return self.width * (across / WGS84.a_m * cosine), self.height * (down / WGS84.a_m * cosine)
@@ -200,7 +200,7 @@ class PixelGrid:
         across the antimeridian. None if no limits are known.
     plane : WebMercator or ProjectedPlane
         The world that the pixels divide: the whole map, or the rectangle about a raster in another CRS. At the native
-        zoom a pixel is one of the raster's, and twice as large at each zoom below.
+        zoom a pixel is one pixel of the raster; each zoom below has pixels twice as large.
     """
 
     tile_px: int = 256
@@ -283,7 +283,7 @@ def extent_of_box(
 def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ...] | None:
     """Corners of a quadrilateral as world fractions, for `PixelGrid.extent`.
 
-    None if they do not describe the outline: a point lies beyond the map, or a side is not straight. Sides of a few
+    None if corners do not describe the outline: a point lies beyond the map, or a side is not straight. Sides of a few
     kilometres in UTM leave their chords by decimetres, sides of a raster about a pole by their length.
 
     Parameters
@@ -304,7 +304,7 @@ def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ..
 def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
     """Highest zoom at which a span of the world fits a number of pixels (the paper's equation 8).
 
-    Uses the binary exponent: a rounded logarithm may be one off near powers of two.
+    Uses the binary exponent: a rounded logarithm may be off by one near powers of two.
 
     Parameters
     ----------
@@ -313,7 +313,7 @@ def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
     size_px : float
         Pixels in 256 px terms, > 0.
     slack : float
-        Relative excess that still fits: noise of a span computed in float64, far below a pixel.
+        Relative excess that still fits; it allows for the noise of a span computed in float64, far below a pixel.
     """
     if not (math.isfinite(span) and span > 0.0 and size_px > 0.0):
         raise InvalidInput("span {0} of the world, size {1} px: both must be above 0", span, size_px)

@@ -22,9 +22,13 @@ if TYPE_CHECKING:
 #: Whole numbers or positions, one or many.
 At = TypeVar("At", int, NDArray[Any])
 
-#: Derivatives of a projection are differences between ground points seen from this height at these tangents: first ones
-#: over 20 m of ground, whose noise (2e-9 m) turns north by 1e-10 rad, second ones over 2 km.
-_ABOVE_M, _NEAR, _FAR = 1e3, 1e-2, 1.0
+#: Height in metres above the ground points whose differences give the derivatives of a projection.
+_ABOVE_M = 1e3
+#: Tangent at which first derivatives look to either side: over 20 m of ground, whose noise (2e-9 m) turns north by
+#: 1e-10 rad.
+_NEAR = 1e-2
+#: Tangent at which second derivatives look to either side: over 2 km of ground.
+_FAR = 1.0
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class ProjectedPlane:
 
     #: Whether u wraps around the Earth.
     wraps: ClassVar[bool] = False
-    #: Spread of u in a cell beyond which its ground lies on two sides of a pole.
+    #: Largest spread of u in a cell; a cell of larger spread has ground on both sides of a pole.
     widest_cell: ClassVar[float] = math.inf
 
     crs: str
@@ -80,7 +84,7 @@ class ProjectedPlane:
         return np.asarray(np.isfinite(v))
 
     def shorter(self, du: Floats) -> Floats:
-        """Distances along u, >= 0, by the shorter of two ways on a plane that wraps."""
+        """Distances along u, >= 0, unchanged: the plane does not wrap."""
         return du
 
     def wrapped(self, at: At, _count: int, /) -> At:
@@ -96,14 +100,14 @@ class ProjectedPlane:
         return azimuth_deg + self.north_deg(lat_deg, lon_deg)
 
     def bends(self, v: Floats, places: Callable[[], tuple[Floats, Floats]]) -> Floats:
-        """`bend` at positions (any shape), by v or by ``places``, their latitudes and longitudes; huge if unknown."""
+        """`bend` at positions (any shape), huge where unknown; ``places`` returns their latitudes and longitudes."""
         shown = self.shows(v)
         bend = self.bend(*(np.where(shown, angle, 0.0) for angle in places()))
         # With such a bend no cell is within any tolerance.
         return np.where(shown & np.isfinite(bend), bend, 1e12)
 
     def frame_bend(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Bend that bounds map frames at positions (n,): the greatest, one number."""
+        """Greatest `bend` over positions (n,), one number, for the error bound of map frames."""
         return np.asarray(self.greatest_bend(lat_deg, lon_deg))
 
     def focal_px(
@@ -124,11 +128,11 @@ class ProjectedPlane:
         return agl / across_m, agl / down_m
 
     def nearest_px(self, offset_px: Floats, _world_px: float, /) -> Floats:
-        """Offsets along x, px, by the shorter of two ways on a plane that wraps."""
+        """Offsets along x, px, unchanged: the plane does not wrap."""
         return offset_px
 
     def lacks_frames(self, u: Floats, _dlon_deg: Floats, /) -> Flags:
-        """Whether no rectangle holds a frame (n,), by u and degrees east of the midpoints of its edges (n, 4)."""
+        """Whether no rectangle holds a frame (n,), by u of the midpoints of its edges (n, 4)."""
         return np.asarray(~np.isfinite(u).all(axis=1))
 
     def refuse_frame(self, lat_deg: float, lon_deg: float, _agl_m: float, /) -> NoReturn:
@@ -148,18 +152,18 @@ class ProjectedPlane:
         with np.errstate(invalid="ignore"):
             x, y = transformation(self.crs).forward(lat_deg, lon_deg)
         if self._is_geographic:
-            # Continuous about the rectangle, which may cross the antimeridian.
+            # Longitudes continuous with the middle of the rectangle, which may cross the antimeridian.
             x = x - 360.0 * np.rint((x - (self.west + self.width / 2.0)) / 360.0)
-        there = np.isfinite(x) & np.isfinite(y)
-        return np.where(there, x, np.nan), np.where(there, y, np.nan)
+        finite = np.isfinite(x) & np.isfinite(y)
+        return np.where(finite, x, np.nan), np.where(finite, y, np.nan)
 
     def from_crs(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Latitude and longitude in degrees of eastings and northings (any shape); the inverse of `to_crs`."""
         from .projections import transformation
 
         lat, lon = transformation(self.crs).inverse(x, y)
-        there = np.isfinite(lon) & np.isfinite(lat)
-        return np.where(there, lat, np.nan), np.where(there, lon, np.nan)
+        finite = np.isfinite(lon) & np.isfinite(lat)
+        return np.where(finite, lat, np.nan), np.where(finite, lon, np.nan)
 
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Direction of true north at positions (any shape), degrees clockwise from grid north."""
@@ -168,7 +172,7 @@ class ProjectedPlane:
         return bearing
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-        """Metres of ground that u and v of 1 span at positions (any shape), each along its axis."""
+        """Metres of ground per unit of u and of v, at positions (any shape)."""
         inverse = np.linalg.inv(self._slopes(lat_deg, lon_deg))
         per_unit = np.sqrt(np.sum(inverse * inverse, axis=-2))
         return per_unit[..., 0] * self.width, per_unit[..., 1] * self.height
@@ -203,9 +207,9 @@ class ProjectedPlane:
         return bend
 
     def greatest_bend(self, lat_deg: Floats, lon_deg: Floats) -> float:
-        """Greatest `bend` over positions (n,) of one mission, of which up to a thousand are computed."""
+        """Greatest `bend` over positions (n,) of one mission, computed at up to a thousand of them."""
         some = slice(None, None, -(-len(lat_deg) // 1000))
-        # 10 % more for positions between.
+        # 10 % more for the positions between these.
         return 1.1 * float(np.max(self.bend(lat_deg[some], lon_deg[some])))
 
     def turned(self, lat_deg: float, lon_deg: float, angle_deg: float) -> TurnedPlane:
@@ -215,7 +219,7 @@ class ProjectedPlane:
 
     @cached_property
     def name(self) -> str:
-        """Code of the CRS, or its name in WKT."""
+        """Code of the CRS, or the name in its WKT."""
         # Codes such as EPSG:32616 are shorter than 32 characters, WKT longer.
         return self.crs if len(self.crs) < 32 else str(_system(self.crs).name)
 
@@ -241,7 +245,7 @@ class ProjectedPlane:
         return slopes
 
     def _around(self, lat_deg: Floats, lon_deg: Floats, tangents: Floats) -> Floats:
-        """Coordinates (..., k, 2) of ground around positions, seen from straight above at tangents (k, 2)."""
+        """Coordinates (..., k, 2) of the ground points seen at tangents (k, 2) from straight above positions."""
         lat, lon = (np.asarray(angle, np.float64)[..., np.newaxis] for angle in (lat_deg, lon_deg))
         rays = np.concatenate([tangents, np.full((len(tangents), 1), -1.0)], axis=1)
         seen = trace(lat, np.array(_ABOVE_M), rays)
@@ -258,7 +262,7 @@ class TurnedPlane:
     x, y : float
         Origin, in the CRS's unit.
     lon_deg : float
-        Longitude with which longitudes are continuous.
+        Longitude with which the longitudes of positions are continuous.
     angle_deg : float
         Angle of the axes, clockwise from grid east and grid north.
     """

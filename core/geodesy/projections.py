@@ -75,7 +75,7 @@ def utm_zone(lat_deg: float, lon_deg: float) -> UTMZone:
 class LocalPlane:
     """Oblique stereographic plane (EPSG method 9809) with true scale at its origin.
 
-    The scale at the distance r is 1 + (r / 2R)²: 0.02 px of 640 at 100 km.
+    The scale at the distance r is 1 + (r / 2R)²: 100 km away it moves the edges of an image of 640 px by 0.02 px.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class LocalPlane:
 
 
 def _stereographic(lat_deg: float) -> tuple[Proj, float]:
-    """Projection about a latitude, with longitudes from the origin, and the northing of the origin in metres.
+    """Projection about a latitude, with longitudes counted from the origin, and the origin's northing in metres.
 
     The northing is 0 except within 5e-9 degrees of the equator, where PROJ puts the origin on the equator.
     """
@@ -151,7 +151,7 @@ def projection(**definition: Any) -> Proj:
 def through_proj(function: Callable[..., tuple[Any, ...]], *values: Any, **options: Any) -> tuple[Floats, ...]:
     """Call a pyproj function with arrays that broadcast; results have their common shape.
 
-    pyproj converts an array of one value to a number, which numpy 2 deprecates, so it is passed the value twice.
+    pyproj converts an array of one value to a number, which numpy 2 deprecates, so such a value is passed twice.
     """
     arrays = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in values))
     shape, size = arrays[0].shape, arrays[0].size
@@ -160,10 +160,10 @@ def through_proj(function: Callable[..., tuple[Any, ...]], *values: Any, **optio
 
 
 class Transformation:
-    """PROJ's transformation from WGS 84 to a CRS, and its exact inverse; for the thread that made it.
+    """PROJ's transformation from WGS 84 to a CRS, and its exact inverse; used only by the thread that made it.
 
     PROJ's inverses are approximate: a Helmert transformation is up to 6 mm off, as small angles replace their sines,
-    and for a CRS with one transformation per region PROJ may choose another one than forwards. So the forward
+    and for a CRS with one transformation per region PROJ may choose different ones forward and back. So the forward
     transformation alone defines positions.
 
     Parameters
@@ -181,7 +181,7 @@ class Transformation:
         self._noise = NOISE_M / (unit * (WGS84.b_m if crs.is_geographic else 1.0))
         formal = ("pipeline", "unitconvert", "axisswap", "noop")
         steps = [step for step in re.findall(r"\bproj=(\w+)", self._proj.definition) if step not in formal]
-        #: Whether PROJ's inverse is within `NOISE_M`, as for a single one of these projections.
+        #: Whether PROJ's inverse is within `NOISE_M`, as for each of these projections without further steps.
         self._is_exact = len(steps) == 1 and steps[0] in ("utm", "tmerc", "lcc", "merc", "sterea")
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
@@ -206,8 +206,8 @@ class Transformation:
             if not len(index):
                 break
             with np.errstate(invalid="ignore"):
-                there_x, there_y = self.forward(*tried[:, index])
-                off_x, off_y = there_x - x[index], there_y - y[index]
+                reached_x, reached_y = self.forward(*tried[:, index])
+                off_x, off_y = reached_x - x[index], reached_y - y[index]
                 if np.isfinite(self._turn):
                     off_x -= self._turn * np.rint(off_x / self._turn)
                 off = np.hypot(off_x, off_y)

@@ -1,4 +1,4 @@
-"""Unit quaternions, w first, from and to rotation matrices and angles."""
+"""Unit quaternions, w first: from rotation matrices and angles, and to matrices."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def quaternions_from_matrices(rotations: Floats) -> Floats:
 
 
 def quaternions_from_angles(yaw_deg: Floats, pitch_deg: Floats, roll_deg: Floats) -> Floats:
-    """Quaternions (n, 4) from body to north, east, down of an aircraft's yaw, then pitch, then roll."""
+    """Unit quaternions (n, 4) from an aircraft's body axes to north, east, down, for its yaw, then pitch, then roll."""
     (sy, cy), (sp, cp), (sr, cr) = (
         (np.sin(np.radians(angle) / 2.0), np.cos(np.radians(angle) / 2.0)) for angle in (yaw_deg, pitch_deg, roll_deg)
     )

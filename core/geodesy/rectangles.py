@@ -28,7 +28,7 @@ _WIDEST = 0.5
 _BATCH = 1024
 #: Points along each edge of the image.
 _EDGE_POINTS = 12
-#: Largest factor between a tried ratio of height to width and that of the ground seen.
+#: Largest factor by which the ratios of height to width that are tried differ from that of the ground seen.
 _RATIO_REACH = 16.0
 
 
@@ -37,8 +37,8 @@ def inscribed_edges(
 ) -> FrameEdges:
     """Largest rectangles inside the ground seen by cameras, about the centres of the images.
 
-    The centre is the ground point at the image's centre or, if that looks past the Earth, the middle of the part of the
-    image that shows ground.
+    The centre is the ground point at the image's centre or, if the image's centre shows no ground, at the middle of the
+    part that does.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def inscribed_edges(
     level = whole & (np.abs(seen.lon_deg) < 90.0).all(axis=1)
     for angle in poses.attitude:
         level &= angle == 0.0
-    # Rings cut by the horizon, or around a pole, whose ends are half a world apart, are not polygons.
+    # A ring that the horizon cuts is not a polygon, nor is a ring around a pole, whose ends are half a world apart.
     polygon = whole & (np.abs(ring[:, -1, 0] - ring[:, 0, 0]) < 0.5)
     edges, centre = _centred_edges(camera, at_zero, ring, polygon & ~level, ~polygon & ~level, ground)
     for side, straight in zip(edges, _level_edges(ring)):
@@ -311,14 +311,16 @@ def image_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoi
     return Sides(x - across, y - up, x + across, y + up)
 
 
-def _edges_in_plane(own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float) -> FrameEdges:
+def _edges_in_plane(
+    source_plane: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid, pixel: float
+) -> FrameEdges:
     """`inscribed_edges` on the plane of a source's CRS; empty if part of an image shows no ground."""
-    plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
+    plane = TurnedPlane(source_plane, source_plane.west, source_plane.north, float(poses.lon_deg[0]), 0.0)
     sides = image_sides(camera, poses, plane, ground)
     place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg))
     left, right = (np.where(np.isfinite(side), side, place[0]) for side in (sides.left_m, sides.right_m))
     bottom, top = (np.where(np.isfinite(side), side, place[1]) for side in (sides.bottom_m, sides.top_m))
-    across, down = own.width * own.unit_m, own.height * own.unit_m
+    across, down = (side * source_plane.unit_m for side in (source_plane.width, source_plane.height))
     edges = FrameEdges(left / across, right / across, -top / down, -bottom / down)
     return _narrowed(edges, _MARGIN_PX * pixel)
 
@@ -367,7 +369,7 @@ def _unit_border(points: int) -> tuple[Floats, Floats]:
 
 
 def _sag(ring: Floats) -> Floats:
-    """Sagitta of the rings (n, k, 2) between their points, (n,)."""
+    """Largest sagitta of each ring (n, k, 2), its distance from the chord between two of its points, (n,)."""
     sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
     second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
     length = np.hypot(chord[..., 0], chord[..., 1])

@@ -1,8 +1,8 @@
 """Coordinate reference systems from foreign files, servers and datasets. PROJ is imported only where used.
 
-A definition may name files of grids and parameters, which PROJ would open anywhere: on this machine, on another one, or
-an endless pipe. Such definitions are refused before PROJ or GDAL sees them. Grids that PROJ's database lists for a code
-are left to PROJ.
+A definition may name files of grids and parameters, which PROJ would open wherever they are: on this machine, on
+another one, even if the file is an endless pipe. Such definitions are refused before PROJ or GDAL sees them. Grids that
+PROJ's database lists for a code are left to PROJ.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ _CODE = re.compile(
 _WKT = re.compile(r"[a-z]\w*\s*[\[(]", re.IGNORECASE)
 #: Parameter of a PROJ string: numbers, names and lists of them, but no paths.
 _PARAMETER = re.compile(r"\+?[a-z]\w*(=[\w.,+:'°@-]*(/\d+(\.\d+)?)?)?", re.IGNORECASE)
-#: Grids that GDAL named beside the codes of vertical CRSs before it used PROJ's database, without a folder.
+#: File name of a grid, without a folder, such as older GDAL versions wrote beside the codes of vertical CRSs.
 _GRID_OF_GDAL = r"(?:egm96_15|egm08_25|g\d{4}[a-z]?\d*(?:_\w+)?)\.gtx"
 #: One or more of these grids, or the null grid.
 _HARMLESS = rf"(?:@?null|{_GRID_OF_GDAL}(?:\s*,\s*{_GRID_OF_GDAL})*)"
-#: End of such a value: end of the text, of a quoted word, or of a member.
+#: End of the name of a grid: end of the text, of a quoted word, or of a member.
 _END = r'(?:\s*$|"?\s*[\])}|<]|"\s*,\s*(?:"|[a-z]+\s*[\[(]))'
 #: Parameters and operations of PROJ strings and WKT for which PROJ opens a file, except null grids and EPSG codes. PROJ
 #: accepts typographic quotes.
@@ -112,7 +112,7 @@ def check_reference(text: str) -> None:
 
 
 def read_reference(text: str) -> CRS:
-    """CRS of a code, WKT, PROJJSON or PROJ string; no file is opened and no server asked.
+    """CRS of a code, WKT, PROJJSON or PROJ string; opens no file and asks no server.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def _files_of_json(node: Any) -> Iterator[str]:
             yield from (
                 one for one in values if isinstance(one, str) and not re.fullmatch(_HARMLESS, one, re.IGNORECASE)
             )
-        # The name of a geoid model may be the word PROJ and a grid.
+        # The name of a geoid model may be the word PROJ followed by a grid.
         if name in ("geoid_model", "geoid_models"):
             models = part if isinstance(part, list) else [part]
             names = (str(one.get("name")) for one in models if isinstance(one, dict))

@@ -35,7 +35,7 @@ def check_vertical(text: str) -> None:
     code = vertical_code(text)
     if not code:
         return
-    # PROJ would search its names for other texts.
+    # For any other text PROJ would search its names.
     if not is_code(code):
         raise _unknown(text)
     vertical_crs(code)

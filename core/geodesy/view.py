@@ -18,10 +18,10 @@ from .accuracy import ImageGeometry, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import MERCATOR, PixelGrid, Plane
 
-#: Largest size in the image of the pixels of a zoom, and half the smallest: the zoom is rounded to the nearest.
+#: Largest size of source pixels in the image, px; the smallest is half of it, as zooms are rounded to the nearest.
 _NEAREST = 2.0**0.5
-#: Binary logarithm of the most samples along an axis whose mean makes a pixel of slanted ground. Beyond, zooms are
-#: lower.
+#: Binary logarithm of the most samples along an axis that are averaged to a pixel of slanted ground; ground that needs
+#: more has a lower zoom.
 _MOST_POWER = 3
 #: Pixels that any kernel reaches to either side of a sample (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
@@ -142,9 +142,11 @@ class View:
 
         Parameters
         ----------
-        lon_deg, moved_u, moved_v : array (n,)
-            Longitudes of cameras, and their offsets from the place of the view as world fractions, eastward (on the
-            map, beyond the difference of longitude: 0) and southward.
+        lon_deg : array (n,)
+            Longitudes of the cameras.
+        moved_u, moved_v : array (n,)
+            Offsets of the cameras from the view's place, as world fractions eastward and southward. On the map
+            ``moved_u`` is 0, as longitudes give the offset.
         """
         found = [np.empty(0, np.int64)]
         u = self.grid.meridian_u(lon_deg) + moved_u
@@ -328,7 +330,7 @@ def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[
 def _loose(
     rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
 ) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Samples of the pixels traced one by one; masks of the sky and of ground without a map."""
+    """Samples of the pixels traced one by one, and masks of the sky and of ground beyond the map."""
     width, height = rays.scene.one_size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
@@ -349,7 +351,7 @@ def _box_pixels(boxes: Numbers) -> tuple[Numbers, Numbers]:
     """Rows and columns of the pixels in boxes (m, 4), row by row, each once."""
     if not len(boxes):
         return np.empty(0, np.int64), np.empty(0, np.int64)
-    # Large images usually have few such pixels, at one edge: search only around them.
+    # Boxes usually cover a small part of a large image, at one edge: search only around them.
     (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
     inside = np.zeros((y1 - y0, x1 - x0), bool)
     for left, top, right, bottom in boxes.tolist():
@@ -526,7 +528,7 @@ def _fitting(
 
 
 def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
-    """Whether a mesh has cells in an image, judged by the smallest cells, spread over it."""
+    """Whether the mesh of an image would have any cells, judged by cells of the smallest size spread over the image."""
     x, y = (
         np.unique(np.linspace(0, max(side - _SMALLEST_PX, 0), 24).astype(np.int64)) for side in rays.scene.one_size_px
     )
@@ -573,8 +575,8 @@ def _errors_px(
 
     Infinite near the horizon.
 
-    A perspective is exact for a plane. What remains is the offset of a sphere's ground from that plane's: the angle β
-    below the horizontal becomes β' = atan(h/S), where S is the arc to the ground point. A smooth function leaves its
+    A perspective is exact for a plane. The error is the offset between the ground of a sphere and that plane: the angle
+    β below the horizontal becomes β' = atan(h/S), where S is the arc to the ground point. A smooth function leaves its
     chord by an eighth of the chord's length times the difference of the slopes at its ends. Mercator bends straight
     lines on the ground 2T times as much. Across the direction to the horizon a curve leaves its chord by an eighth of
     its squared length times (1 + 2T)/R of the ground it spans; 2(β' - β) and twice its slope account for the tangent
@@ -605,7 +607,7 @@ def _errors_px(
 
 
 def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Floats]:
-    """β' - β and its slope: the angle between a ground point of the sphere and of the plane; see `_errors_px`."""
+    """β' - β, the angle between ground points of the sphere and of the plane, and its slope; see `_errors_px`."""
     squared = share * (2.0 + share) / (lifted + grazed)
     sine = lifted / (1.0 + share)
     cosine = np.sqrt(np.maximum(1.0 - sine**2, 0.0))
@@ -615,7 +617,7 @@ def _receding(lifted: Floats, grazed: Floats, share: float) -> tuple[Floats, Flo
 
 
 def _holds_earth(rays: ImageRays, box: Numbers) -> NDArray[np.bool_]:
-    """Whether boxes (k,) whose corners see no ground hold any; may be True for others.
+    """Whether boxes (k,) show ground although their corners do not; may be True for boxes without any.
 
     The part of the image that shows ground is convex: it enters a box across an edge, along which the discriminant is
     quadratic, or lies inside, with the point below the camera.

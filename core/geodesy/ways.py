@@ -22,8 +22,8 @@ def way_around(
     """Shortest way from one point of a plane to another that keeps a clearance from polygons.
 
     Around a corner the way follows a polygon circumscribed about the arc, which adds less than 2 % of the clearance to
-    the shortest way. If start or end lies nearer to a polygon than the clearance, the first or last leg keeps its
-    distance.
+    the shortest way. If start or end lies nearer to a polygon than the clearance, the first or last leg keeps
+    that smaller distance.
 
     Parameters
     ----------

@@ -81,7 +81,7 @@ def interpolate_rays(
     ends : tuple of array (n,)
         Latitudes, differences of longitude from the camera, and heights of the points at ``farthest``.
     coordinates : callable
-        Function for coordinates (n, c) of such positions.
+        Function that returns coordinates (n, c) of positions.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def fit_paths(
     farthest : array (n,)
         t up to which each ray is followed.
     coordinates : callable
-        Function for the coordinates to fit.
+        Function that returns the coordinates to fit.
     tolerances : array (c,)
         Largest error of each coordinate at t, per unit of t.
 

@@ -14,7 +14,7 @@ from ..ellipsoid import WGS84, sight_lines, trace
 from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays
 
-#: Sides of bundles of pixels that are followed together, px; each leads smaller ones to near the ground.
+#: Sides, px, of square bundles of pixels followed together; each bundle leads the smaller ones in it near the ground.
 _BUNDLES_PX = (64, 16, 4)
 #: Iterations of Newton's method.
 _TURNS = 3
@@ -22,8 +22,10 @@ _TURNS = 3
 _MOST_STEPS = 1 << 14
 #: Depth below a surface that rounding explains; deeper rays come from beneath, beyond the edge of the surface.
 _TOUCHING_M = 1e-6
-#: Factor on the speed of rays for its growth within a step, and the least divisor, pixels.
-_SPEEDING, _SLOWEST = 1.01, 1e-12
+#: Factor on the speed of rays for its growth within a step.
+_SPEEDING = 1.01
+#: Least speed by which to divide.
+_SLOWEST = 1e-12
 
 
 class Hits(NamedTuple):
@@ -92,11 +94,11 @@ class Surface:
     left_px, top_px : int
         First pixel.
     heights_m : array (rows, columns)
-        NaN without ground, which leaves the four cells around it without ground.
+        NaN where there is no ground; the four cells around such a pixel have no ground either.
     holes : array (rows, columns) of bool, or None
-        Pixels whose heights the first source lacks: filled from other sources, or NaN. None if it has all of them.
+        Pixels whose heights the first source lacks: filled from other sources, or NaN. None if it lacks none.
     interpolated : array (rows, columns) of bool, or None
-        Pixels whose heights no source has, and which are interpolated, or None.
+        Pixels whose heights are interpolated because no source has them. None if there are none.
     """
 
     grid: PixelGrid
@@ -144,6 +146,7 @@ class Surface:
 
     @cached_property
     def _tops(self) -> _Pyramid:
+        """Greatest heights."""
         h = np.where(np.isnan(self.heights_m), -np.inf, self.heights_m)
         return _Pyramid.build(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
 
@@ -250,7 +253,7 @@ class Surface:
         farthest : float
             t beyond which no ray hits the surface.
         off_px : float
-            Bound of their error.
+            Bound of the paths' error, in pixels of the image.
         """
         x, y = (at.ravel() for at in np.meshgrid(*(np.linspace(0.0, side, 6) for side in (rays.width, rays.height))))
         directions = rays.directions(x, y)
@@ -278,7 +281,7 @@ class Surface:
         return found, reach, tolerance_px * float((off / tolerances).sum()) / 3.0
 
     def away_m(self, lat_deg: float, lon_deg: float, height_m: float) -> float:
-        """Level distance of the farthest corner from a camera."""
+        """Level distance from a camera to the surface's farthest corner."""
         rows, columns = self.cells
         lat, lon = self.places(np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows]))
         corners = sight_lines(np.array(lat_deg), np.array(height_m), lat, lon - lon_deg)
@@ -292,9 +295,10 @@ class Surface:
     def image_hits(self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float) -> Hits:
         """First hits of the rays through the pixel centres of an image, (height, width) each.
 
-        Pixels are followed in bundles, each from where the next larger bundle has certainly hit nothing. If rays fall
-        more steeply than the ground around them, there is exactly one hit: the tangent plane at the hit of a bundle's
-        middle ray gives a guess for the others, which Newton's method refines. Other rays continue from cell to cell.
+        Pixels are followed in bundles; each starts at the point before which the larger one certainly hits nothing. If
+        rays fall more steeply than the ground around them, there is exactly one hit: the tangent plane at the hit of a
+        bundle's middle ray gives a guess for the others, which Newton's method refines. Other rays continue from cell
+        to cell.
 
         Parameters
         ----------
@@ -331,8 +335,10 @@ class Surface:
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
             begin = t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
             ends = np.full(begin.size, farthest)
-            clear, there = self.clear(paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0)
-            t, larger = np.where(there, clear, np.inf).reshape(middle.shape[2:]), side
+            clear, may_hit = self.clear(
+                paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0
+            )
+            t, larger = np.where(may_hit, clear, np.inf).reshape(middle.shape[2:]), side
             if np.isinf(t).all():
                 return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
         falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
@@ -344,7 +350,7 @@ class Surface:
     ) -> tuple[Floats, Floats]:
         """Least speed at which bundles approach the ground, metres per t, or 0 if unknown; and t by which they hit it.
 
-        A bundle that is steeper than all slopes around it, for as far as it takes to reach the ground, hits it once.
+        A bundle that falls more steeply than all slopes around it until it reaches the ground hits it once.
         """
         rate, reach = np.zeros(len(after)), np.zeros(len(after))
         t = np.where(np.isfinite(after), after, 1.0)
@@ -377,7 +383,7 @@ class Surface:
         farthest: float,
         tolerance_px: float,
     ) -> Hits:
-        """First hits of pixels, of bundles that are clear up to t (infinite if they hit nothing)."""
+        """First hits of the pixels of bundles that hit nothing before t; t is infinite if they hit nothing at all."""
         after, t, falls, reach = bundles
         side = _BUNDLES_PX[-1]
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
@@ -427,7 +433,7 @@ class Surface:
         px: tuple[Floats, Floats],
         bundles: tuple[Floats, Floats],
     ) -> Floats:
-        """Values of t where rays at x and y hit the tangent plane at the hit of their bundle's middle ray."""
+        """Values of t where rays at x and y hit the ground's tangent plane at the hit of their bundle's middle ray."""
         t, within = bundles
         side, shape = _BUNDLES_PX[-1], (len(px[1]), len(px[0]))
         middles = [np.minimum(at[::side] + (side - 1) / 2.0, at[-1]) for at in px]
@@ -503,11 +509,11 @@ class Surface:
         Returns
         -------
         t : array (n,)
-        there : array (n,) of bool
-            Whether the ray may hit something from there on.
+        may_hit : array (n,) of bool
+            Whether the ray may hit something from t on.
         """
         tops = self._tops
-        t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
+        t_found, may_hit = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
         t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
         start = _take_starts(start, index)
@@ -549,12 +555,12 @@ class Surface:
             done = stuck | gone
             if done.any():
                 at, keep = np.flatnonzero(done), np.flatnonzero(~done)
-                t_found[index.take(at)], there[index.take(at)] = t.take(at), stuck.take(at)
+                t_found[index.take(at)], may_hit[index.take(at)] = t.take(at), stuck.take(at)
                 index, t, end, level = _only(keep, index, t, end, level)
                 start, c = _take_starts(start, keep), c.take(keep, axis=2)
                 s = None if s is None else s.take(keep, axis=2)
-        t_found[index], there[index] = t, True
-        return t_found, there
+        t_found[index], may_hit[index] = t, True
+        return t_found, may_hit
 
     def _leaves(
         self,
@@ -565,7 +571,7 @@ class Surface:
         wide: Floats | float = 0.0,
         widens: Floats | float = 0.0,
     ) -> Flags:
-        """Whether rays, or bundles of a width and a rate of widening, are beside the surface and move away from it."""
+        """Whether rays, or bundles that widen at a rate, lie beside the surface and move away from it."""
         rows, columns = self.cells
         beside: Flags = (
             ((x + wide < 0.0) & (per_x + widens <= 0.0))
@@ -576,18 +582,18 @@ class Surface:
         return beside
 
     def _exact(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
-        """First hits, cell by cell, from where `clear` has stopped."""
+        """First hits, searched cell by cell from where `clear` stopped."""
         n = len(after)
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
         index, t, end, c = np.arange(n), np.asarray(after, np.float64), farthest, coefficients
-        # Rays that have crossed the cell before above its ground.
+        # Whether rays were above ground in the cell before.
         over = np.zeros(n, bool)
         for count in range(_MOST_STEPS):
-            # After eight cells, blocks are tried again.
+            # Every eight cells, try again to skip whole blocks.
             if count % 8 == 7:
-                t, there = self.clear(start, c, t, end, None, 0)
-                left = np.flatnonzero(there)
+                t, may_hit = self.clear(start, c, t, end, None, 0)
+                left = np.flatnonzero(may_hit)
                 index, t, end, over = _only(left, index, t, end, over)
                 start, c = _take_starts(start, left), c.take(left, axis=2)
                 fresh = True
@@ -623,7 +629,7 @@ class Surface:
                 begin = one.take(hit)
                 whole[ray] = begin + part * (one_next.take(hit) - begin)
             over = inside & np.isfinite(corners[:, 3])
-            # Neither hit the ground nor entered from beneath.
+            # Rays that neither hit the ground nor came from beneath it go on.
             keep = np.flatnonzero(((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y))
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)
@@ -647,8 +653,9 @@ def _first_share(
 ) -> Floats:
     """Share of chords through cells at which they reach the surface from above, (n,).
 
-    Infinite if a chord stays above. A chord that starts below the surface hits it there if it comes from over ground:
-    rounding moves the end of a step beyond a cell's edge, which beside a cliff is deep. Others enter from beneath: NaN.
+    Infinite if a chord stays above. A chord that starts below the surface hits it at the start if the ray was above
+    ground in the cell before: rounding moves the end of a step past the cell's edge, where a cliff may rise. Other
+    chords that start below come from beneath the ground: NaN.
     """
     a, b, c, d = corners.T
     dx, dy = x_next - x, y_next - y
@@ -661,7 +668,7 @@ def _first_share(
         root = np.sqrt(square)
         share = np.where((rising >= 0.0) | (bend <= 0.0), 2.0 * above / (rising + root), (root - rising) / (2.0 * bend))
         share = np.where(share >= 0.0, share, np.inf)
-        # In a cell without ground nothing is below it.
+        # Cells without ground are NaN, which no comparison counts as below.
         return np.where((above < -_TOUCHING_M) & ~over, np.nan, np.where(above <= 0.0, 0.0, share))
 
 

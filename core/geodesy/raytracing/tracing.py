@@ -20,14 +20,16 @@ from ..view import ImageRays, Samples, View, detail_groups, pixel_detail, sample
 from .paths import Paths
 from .surface import Hits, PixelRays, Surface
 
-#: Most cells of a surface; farther away, a surface has cells twice as large.
+#: Most cells of a surface; ground farther away is another surface, whose cells are twice as large.
 MOST_CELLS = 1 << 21
 #: Least distance, in cells, at which larger cells begin: from there a cell is less than a pixel of most cameras.
 _LEAST_CELLS = 700.0
-#: Factor on the reach of sampled rays for ground at the same distance between them.
+#: Factor on the reach of sampled rays: ground at the same distance between two of them lies beyond their chord.
 _BULGE = 1.03
-#: Factor on the length to which rays are followed, and the least divisor.
-_MARGIN, _LEAST = 1.01, 1e-12
+#: Factor on the length to which rays are followed.
+_MARGIN = 1.01
+#: Least number by which to divide.
+_LEAST = 1e-12
 #: Slope, metres per metre, above which faces cannot be seen from above: no map shows their colours.
 STEEP = 2.0
 
@@ -169,7 +171,7 @@ class Tracing:
 
     @cached_property
     def level_m(self) -> float | None:
-        """Height of level ground that equals the relief within half the tolerance at every pixel; None without one."""
+        """Height of level ground that equals the relief within half the tolerance at every pixel; None if none does."""
         rays = self.rays
         x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
@@ -185,7 +187,7 @@ class Tracing:
 
     @cached_property
     def _seen(self) -> list[_Seen]:
-        """Hits on surfaces from near to far; each has the pixels without a hit on nearer ones."""
+        """Hits on surfaces from near to far; on each, of the pixels that hit no nearer surface."""
         rays, (lat, lon) = self.rays, self.place
         found: list[_Seen] = []
         unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
@@ -193,7 +195,7 @@ class Tracing:
             if not np.isfinite(surface.heights_m).any():
                 continue
             if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
-                # The surface ends before it counts.
+                # The surface ends before the distance from which it counts.
                 continue
             if begin_m > 0.0:
                 after = np.where(unmet, begin_m / self._ways[0], np.inf)
@@ -218,7 +220,7 @@ class Tracing:
         return np.maximum(np.hypot(east, north), _LEAST), up
 
     def _begin_below(self, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
-        """Record hits of rays that start below a surface, which may be higher than the finer one before it."""
+        """Record hits of rays that start below a surface, which may be higher than the finer, nearer one."""
         level, up = self._ways
         with np.errstate(invalid="ignore"):
             # The Earth falls away by the squared distance over twice its radius, or at least 98 % of that; 1 m is for
@@ -412,12 +414,12 @@ class _Seen(NamedTuple):
         # At the coarsest zoom, samples lie up to two pixels to either side.
         wide, high = (2.0 * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
         rows, columns = self.surface.cells
-        there = np.ones(len(column), bool)
+        has_ground = np.ones(len(column), bool)
         for across, down in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)):
-            # Beyond the edge of the surface the edge counts, which has no ground where the model ends.
+            # Points beyond the surface count as its edge, which has no ground where the model ends.
             x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
-            there &= np.isfinite(self.surface.heights(x, y))
-        return there
+            has_ground &= np.isfinite(self.surface.heights(x, y))
+        return has_ground
 
     def face_edges(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Upper or lower ends of the steep faces at points (n,), whichever is nearer in height."""
