@@ -16,7 +16,7 @@ _BIOMES = (
     ((208, 181, 132), (152, 144, 88), (88, 112, 56)),
     ((216, 188, 138), (140, 142, 78), (58, 94, 46)),
 )
-#: Fields reach farther than towns.
+#: Share of land with fields per share of settled land: fields reach farther than towns.
 RURAL_PER_SETTLED = 1.6
 _SNOW = (240, 244, 250)
 

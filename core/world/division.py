@@ -19,8 +19,9 @@ from .lattice import WORLD_M, Array, LatticeWindow, bits, cell_hash, mix, salt
 from .region import COARSE, coarse_fields
 from .samples import ScatteredPositions, shared
 
-#: Lines between pieces, with their half widths.
+#: Lines between pieces.
 BORDER, HEDGE, TRACK, LANE, ROAD, MAIN = range(6)
+#: Half widths of the lines, from `BORDER` to `MAIN`.
 HALF_WIDTH_M = (0.0, 2.5, 1.6, 3.2, 5.0, 8.0)
 #: Kinds of pieces.
 FARM, WILD, TOWN = range(3)
@@ -49,6 +50,7 @@ _CROPS = (
     Crop((198, 188, 82), 0.02, 0.01, 0.06, 0.05),  # rape in flower
     Crop((142, 146, 90), 0.02, 0.03, 0.05, 0.10),  # meadow
 )
+#: Colours of the roofs of houses.
 _ROOFS = (
     (146, 138, 130),
     (112, 106, 102),
@@ -189,7 +191,7 @@ def wall_colours(hashes: Array, roof: Array) -> Array:
     """Colours (3, n), in full light, of the walls below roofs (3, n) on pieces with hashes (n,)."""
     kind = mix(_building_hashes(hashes))
     paint = np.array(_WALLS, dtype=np.float32).T[:, (kind >> np.uint32(3) & np.uint32(7)).astype(np.intp)]
-    # Walls go with their roof: they take a quarter of its colour.
+    # Walls match their roof: they take a quarter of its colour.
     return np.asarray(paint + (roof - paint) * np.float32(0.25))
 
 
@@ -332,11 +334,12 @@ def divide(seed: int, roots: LatticeWindow, pixel_m: float) -> Division:
     idle = 0
     # Half of 22 cuts divide each axis: down to 2.4 m.
     for depth in range(22):
-        split = _decide(nodes, depth, towns, least_m)
-        idle = 0 if split.any() else idle + 1
+        divided = _choose_divided(nodes, depth, towns, least_m)
+        idle = 0 if divided.any() else idle + 1
+        # Neither axis has pieces left to divide.
         if idle == 2:
             break
-        nodes, cut, slot = _split(nodes, split, depth & 1)
+        nodes, cut, slot = _split(nodes, divided, depth & 1)
         cuts.append(cut)
         first.append(slot)
     del nodes["limit"]
@@ -350,7 +353,7 @@ def whole_division(seed: int, roots: LatticeWindow) -> Division:
     return divide(seed, roots, 0.0)
 
 
-def _decide(n: dict[str, Array], depth: int, towns: Towns, least_m: float) -> Array:
+def _choose_divided(n: dict[str, Array], depth: int, towns: Towns, least_m: float) -> Array:
     """Choose which pieces to divide at this depth, and update their kinds."""
     width, length = n["x1"] - n["x0"], n["y1"] - n["y0"]
     side, other = (width, length) if depth & 1 == 0 else (length, width)
@@ -375,26 +378,26 @@ def _decide(n: dict[str, Array], depth: int, towns: Towns, least_m: float) -> Ar
     return np.asarray(wanted & (side > 2 * least_m))
 
 
-def _split(n: dict[str, Array], split: Array, axis: int) -> tuple[dict[str, Array], Array, Array]:
+def _split(n: dict[str, Array], divided: Array, axis: int) -> tuple[dict[str, Array], Array, Array]:
     """Cut pieces in two; return the pieces of the next depth, the cuts, and the index of each piece's first part."""
     low, high = ("x0", "x1") if axis == 0 else ("y0", "y1")
     h, side = n["hash"], n[high] - n[low]
     at = n[low] + side * (0.38 + 0.24 * bits(h, 0, 10))
     line = _line(n, side, h)
-    parts = 1 + split
+    parts = 1 + divided
     slot = np.cumsum(parts) - parts
     parent = np.repeat(np.arange(h.size), parts)
     child: dict[str, Array] = {k: (v[:, parent] if v.ndim == 2 else v[parent]) for k, v in n.items()}
-    a = slot[split]
+    a = slot[divided]
     b = a + 1
-    child[high][a] = at[split]
-    child[low][b] = at[split]
+    child[high][a] = at[divided]
+    child[low][b] = at[divided]
     # The cut is the right or bottom side of the first part, and the left or top side of the second.
-    child["sides"][2 * axis + 1, a] = line[split]
-    child["sides"][2 * axis, b] = line[split]
-    child["hash"][a] = mix(h[split] + np.uint32(0x9E3779B9))
-    child["hash"][b] = mix(h[split] + np.uint32(0x51ED270B))
-    return child, np.where(split, at, np.inf), slot
+    child["sides"][2 * axis + 1, a] = line[divided]
+    child["sides"][2 * axis, b] = line[divided]
+    child["hash"][a] = mix(h[divided] + np.uint32(0x9E3779B9))
+    child["hash"][b] = mix(h[divided] + np.uint32(0x51ED270B))
+    return child, np.where(divided, at, np.inf), slot
 
 
 def _line(n: dict[str, Array], side: Array, h: Array) -> Array:

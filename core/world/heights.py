@@ -13,7 +13,7 @@ from .scene import PARCEL_ZOOM, Scene
 
 
 def ground_m(scene: Scene) -> Array:
-    """Heights of the bare ground over the ellipsoid, metres: 0 at sea, without hills in lakes; (…) as the samples."""
+    """Heights of the bare ground above the ellipsoid, metres, in the samples' shape; 0 at sea, no hills in lakes."""
     region, samples = scene.region, scene.samples
     land = region.value("land", samples)
     # The relief rises to its full height between the shore and 0.02 of `land`, and likewise around lakes.
@@ -53,7 +53,7 @@ def surface_m(scene: Scene) -> Array:
 
 
 def _scale(scene: Scene) -> Array | float:
-    """Metres on the ground per metre of the chart: objects are as high as they are wide."""
+    """Metres on the ground per metre of the chart, the scale of objects: their heights change like their widths."""
     if chart_pole(scene.seed):
         return 1.0
     _, south = scene.samples.local_m()

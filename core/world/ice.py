@@ -14,8 +14,10 @@ from .samples import shared
 from .scene import Scene
 from .styles import speckle
 
-#: Entries of periodic tables, and the distance between them.
-_TABLE, _TABLE_STEP_M = 1 << 16, 0.025
+#: Number of entries of periodic tables.
+_TABLE = 1 << 16
+#: Distance between two entries.
+_TABLE_STEP_M = 0.025
 _PERIOD_M = _TABLE * _TABLE_STEP_M
 #: Spacing in metres and strength of bands of snow drifts: sastrugi, and ridges of the ice below them.
 _DRIFTS = (
@@ -32,7 +34,7 @@ _DRIFTS = (
 
 
 def icy(f: dict[str, Array]) -> Array:
-    """Above 0 where it is cold enough for permanent ice."""
+    """Coldness, above 0 where permanent ice forms."""
     cold: Array = np.float32(0.17) - _warmth(f) + np.float32(0.35) * np.clip(height(f), 0.0, 2.0)
     return cold
 
@@ -56,13 +58,13 @@ def blue(f: dict[str, Array]) -> Array:
 
 
 def rugged(f: dict[str, Array]) -> Array:
-    """Above 0 where mountains rise out of the ice, more for higher ones, at most 1."""
+    """Height of mountains above the ice, 0..1; 0 where none rise out of it."""
     out: Array = smoothstep(0.12, 0.7, f["rough"])
     return out
 
 
 def broken(f: dict[str, Array]) -> Array:
-    """Above 0 in fields of crevasses, more for wider ones, at most 1."""
+    """Width of crevasses, at most 1; not above 0 outside fields of crevasses."""
     gape: Array = np.minimum((f["brook"] - np.float32(0.34)) * np.float32(2.2), np.float32(1))
     return gape
 
@@ -139,7 +141,7 @@ class Ice:
         return out
 
     def _across(self, angle: float) -> Array:
-        """Metres along a direction, up to a whole number of periods."""
+        """Metres along a direction, less a whole number of periods."""
         cosine, sine = float(np.cos(angle)), float(np.sin(angle))
         east, south = self.samples.local_m()
         x, y = self.samples.origin_m

@@ -23,7 +23,7 @@ WORLD_M = 40075016.685578488
 TILE_PX = 256
 
 _MASK = 0xFFFFFFFF
-#: Bits of a seed; those above it hold the pole of a chart.
+#: Bits of a user's seed; the bits above hold the pole of a chart.
 _SEED_BITS = 64
 
 

@@ -18,12 +18,12 @@ from .scene import Scene
 #: Level of the lattice of trees: cells of 9.6 m hold a crown each.
 LEVEL = 22
 CELL_M = WORLD_M / (1 << LEVEL)
-#: Zoom from which crowns are drawn one by one; before, woods are an even canopy.
+#: Zoom from which crowns are drawn one by one; at lower zooms woods are an even canopy.
 FIRST_ZOOM = 15
 #: Length of shadows southward and eastward.
 SHADOW_M = 2.6
-#: Height of walls, and of the middle of crowns, in Mercator metres: casts shadows of `SHADOW_M` each way when the sun
-#: is at 50 degrees.
+#: Height of walls, and of the middle of crowns, in Mercator metres. With the sun at 50 degrees, this height casts
+#: shadows of `SHADOW_M` southward and eastward.
 EAVES_M = 4.4
 #: Probability of a tree above which a cell counts as wood, whose crowns are wide and touch.
 _WOODED = 0.9
@@ -51,7 +51,7 @@ class BuildingOutlines:
     def nearby(self, moved_m: float) -> tuple[Array, BuildingOutlines]:
         """Return the flat indices of samples at or near buildings, and the buildings at these only.
 
-        No other sample is covered by the buildings, in place or moved `moved_m` south and east.
+        The buildings cover no other samples, neither in place nor moved `moved_m` south and east.
         """
         margin = -0.6 * self.parcels.pixel_m
         on = np.minimum(self.west, self.north) > np.float32(margin)
@@ -64,7 +64,7 @@ class BuildingOutlines:
         """Coverage by the buildings, moved south and east, and grown on each side, by some metres."""
         more, less = np.float32(grow_m - moved_m), np.float32(grow_m + moved_m)
         half, p = np.float32(0.5), np.float32(1.0 / self.parcels.pixel_m)
-        # Buildings are many pixels of up to 2.5 m wide: the nearest edge alone decides coverage.
+        # If pixels are smaller than 2.5 m, buildings are many pixels wide: the nearest edge alone decides coverage.
         if p > 1 / 2.5:
             out = np.minimum(self.west, self.north)
             out += more - less
@@ -131,17 +131,17 @@ class BuildingOutlines:
 
 
 def footprints(parcels: Parcels) -> BuildingOutlines | None:
-    """Return the buildings at samples; None if none is in reach."""
+    """Return the buildings at samples; None if no building is in reach."""
     buildings = parcels.division.looks.buildings
     x0, x1, y0, y1 = (parcels.leaf(edge) for edge in (buildings.x0, buildings.x1, buildings.y0, buildings.y1))
     # Shadows of buildings, and their distance to trees, reach less than 8 m.
-    there = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, 8.0 + parcels.pixel_m)
-    if not there.any():
+    in_reach = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, 8.0 + parcels.pixel_m)
+    if not in_reach.any():
         return None
     return BuildingOutlines(
         parcels,
         parcels.index,
-        parcels.x - parcels.local(np.where(there, x0, np.inf), 0),
+        parcels.x - parcels.local(np.where(in_reach, x0, np.inf), 0),
         parcels.local(x1, 0) - parcels.x,
         parcels.y - parcels.local(y0, 1),
         parcels.local(y1, 1) - parcels.y,
@@ -214,7 +214,7 @@ def plant(scene: Scene) -> list[tuple[LatticeCells, Crowns]]:
 
 @shared(32)
 def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, Crowns]:
-    """Plant all tiles of `zoom`, by rows, in a tile of zoom `around`: in cells, and between each four cells."""
+    """Plant all tiles of `zoom`, row by row, in a tile of zoom `around`: in cells, and in the middle of four cells."""
     up = zoom - around
     step = np.arange(1 << up, dtype=np.int64)
     rows, columns = (a.ravel() for a in np.meshgrid((y << up) + step, (x << up) + step, indexing="ij"))
@@ -233,7 +233,7 @@ def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, TilePosit
     """Probability of a tree in each cell of tiles and of a margin of one cell; and the cells."""
     tiles = TilePositions(zoom, x, y, LEVEL)
     chance = np.empty(tiles.shape, dtype=np.float32)
-    # Land is divided for the root squares that a tile touches: group tiles that touch the same.
+    # Land is divided for the root squares that a tile touches: group tiles that touch the same squares.
     squares = root_squares(Region.around(seed, tiles), tiles)
     for alike in np.unique(squares, axis=0):
         at = np.flatnonzero((squares == alike).all(axis=1))
@@ -244,7 +244,7 @@ def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, TilePosit
 def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
     h = cell_hash(salt(seed, 7, number), LEVEL, i, j)
     k = cell_hash(salt(seed, 8, number), LEVEL, i, j)
-    there = bits(h, 0, 8) < chance
+    has_tree = bits(h, 0, 8) < chance
     crowded = chance > _WOODED
     radius = np.where(crowded, 0.37 + 0.13 * bits(h, 8, 6), 0.2 + 0.24 * bits(h, 8, 6)).astype(np.float32)
     slack = (np.float32(0.5) - radius) * np.where(crowded, np.float32(1), np.float32(0.4))
@@ -252,11 +252,11 @@ def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
     y = np.float32(0.5) + slack * (bits(h, 23, 9) * np.float32(2) - np.float32(1))
     tone = np.float32(0.80) + np.float32(0.4) * bits(k, 0, 8)
     hue = bits(k, 8, 8) - np.float32(0.5)
-    return Crowns(i[:, 0, 0], j[:, 0, 0], there, x, y, radius, tone, hue)
+    return Crowns(i[:, 0, 0], j[:, 0, 0], has_tree, x, y, radius, tone, hue)
 
 
 class _Drawn:
-    """Attributes of crowns at all samples or, where crowns are few, at the samples in cells with one."""
+    """Attributes of crowns at all samples or, where crowns are few, at the samples in cells with a crown."""
 
     def __init__(self, canvas: Canvas, cells: LatticeCells, crowns: Crowns) -> None:
         self.canvas, self.cells = canvas, cells
@@ -327,7 +327,7 @@ def draw(
     light += one
     if leaf is not None:
         light += drawn.sample(leaf) * np.float32(0.55)
-    # A crown's mean lightness is 0.86: without it, woods are as dark as the even canopy of lower zooms.
+    # Divided by the mean lightness of a crown, 0.86, woods are as light as the even canopy of lower zooms.
     light *= np.float32(contrast / 0.86)
     light += np.float32(1 - contrast)
     light *= drawn.take(one + (crowns.tone - one) * np.float32(contrast))

@@ -14,9 +14,9 @@ from .lattice import WORLD_M, Array, LatticeWindow
 from .region import Region
 from .samples import Positions
 
-#: Distances to lines beyond this plus a pixel are not needed, by class of line.
+#: Distance from lines, by their class, beyond which distances are not needed; a pixel is added.
 _REACHES_M = np.array(HALF_WIDTH_M) + 6.0
-#: Up to this many pieces are found by the lines between them, where that is faster.
+#: Most pieces that are found by the lines between them; for more, descending the division is faster.
 _FEW = 1024
 
 
@@ -85,9 +85,9 @@ class Parcels:
         return self._descend()
 
     def _find_few(self, at: Array) -> bool:
-        """Find the samples' pieces among few; return False, with nothing done, where descending is faster.
+        """Find the samples' pieces among few; return False, and do nothing, where descending is faster.
 
-        The lines between pieces cut the plane into a table of rectangles; those of a piece are adjacent.
+        The lines between pieces cut the plane into a table of rectangles; the rectangles of a piece are adjacent.
         """
         leaves = self.division.leaves
         x, across = _lines(self.x, *(self._edges(edge[at], 0) for edge in (leaves.x0, leaves.x1)))
@@ -213,12 +213,12 @@ class Parcels:
         best: Array | None = None
         beyond_m = 1e6
         for side, edges in enumerate((leaves.x0, leaves.x1, leaves.y0, leaves.y1)):
-            there = sides[side] == line
-            if not there.any():
+            is_line = sides[side] == line
+            if not is_line.any():
                 continue
             axis, far = side // 2, side & 1
             c = self.y if axis else self.x
-            local = self.local(np.where(there, self.leaf(edges), beyond_m if far else -beyond_m), axis)
+            local = self.local(np.where(is_line, self.leaf(edges), beyond_m if far else -beyond_m), axis)
             d = np.subtract(local, c, out=local) if far else np.subtract(c, local, out=local)
             best = d if best is None else np.minimum(best, d, out=best)
         return best
@@ -260,7 +260,7 @@ def _count_passed(c: Array, lines: Array) -> Array:
     beyond_lines = before.take(at, mode="clip")
     for nth in range(int(inside.max())):
         line = np.full(bins + 1, np.inf, dtype=np.float32)
-        there = inside > nth
-        line[there] = lines[before[there] + nth]
+        has_nth = inside > nth
+        line[has_nth] = lines[before[has_nth] + nth]
         beyond_lines += c > line.take(at, mode="clip")
     return beyond_lines

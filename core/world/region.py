@@ -1,8 +1,8 @@
 """Land, sea, climate, relief and the courses of rivers and motorways: the world at the scale of kilometres.
 
 Every quantity is a cubic spline on a hashed lattice (`lattice`), summed over octaves down to a few hundred metres or to
-four pixels of the zoom, whichever is coarser. Octaves that a zoom cannot show count as a standard deviation: a shore
-drawn without them is as soft as the shore that it averages.
+four pixels of the zoom, whichever is coarser. Octaves that a zoom cannot show blur edges by their standard
+deviation: a shore drawn without them is as soft as the average of the shore drawn with them.
 """
 
 from __future__ import annotations
@@ -173,14 +173,14 @@ def _polar_land(pole: int, colatitude: Array) -> Array:
 def finest_level(zoom: int) -> int:
     """Return the level of a region's coefficients at a zoom.
 
-    Its cells are 4 px wide, as a cubic spline passes wavelengths down to half of that, and a quarter of a tile at high
-    zooms.
+    Its cells are 4 px wide, as a cubic spline passes wavelengths down to half of that; at high zooms they are a quarter
+    of a tile wide.
     """
     return min(zoom + 8 - 2, max(FINEST_OCTAVE, min(zoom + 2, FINEST_OCTAVE + 2)))
 
 
 def neighbourhood(samples: Positions) -> tuple[int, int, int]:
-    """Return the tile (zoom, x, y), up to two zooms farther out, whose tiles share what is finer than a region."""
+    """Return the tile (zoom, x, y) around the samples, up to two zooms lower, in which trees and speckle are shared."""
     up = min(max(samples.zoom - BLOCK_ZOOM, 0), 2)
     return samples.zoom - up, samples.x >> up, samples.y >> up
 

@@ -147,7 +147,7 @@ class LatticeCells(ABC):
 class _Axis:
     """Positions along one axis: `count` pixels, starting at pixel `inside` of a cell of ``2**shift`` pixels.
 
-    Nearly all tiles of a zoom have the same, so results are remembered.
+    Nearly all tiles of a zoom have equal axes, so results are remembered.
     """
 
     inside: int
@@ -180,7 +180,7 @@ def _axis_taps(axis: _Axis, derivative: bool) -> tuple[Array, Array, Array, Arra
 
 
 class GridCells(LatticeCells):
-    """Cells under a block of pixels, with the rows of a cell kept together to gather little."""
+    """Cells under a block of pixels; the rows of a cell are kept together, so that few coefficients are gathered."""
 
     def __init__(
         self, level: int, corner: tuple[int, int], columns: _Axis, rows: _Axis, shape: tuple[int, ...]
@@ -190,16 +190,17 @@ class GridCells(LatticeCells):
         `rows` may have only the pixels of one cell if the block consists of whole cells.
         """
         i = corner[0] + columns.cells
-        like = shape[0] // rows.count
-        self._apart = like == 1 and int(rows.cells[-1]) > 0
+        cell_rows = shape[0] // rows.count
+        # Whether the block has rows of several cells, but not of whole cells.
+        self._apart = cell_rows == 1 and int(rows.cells[-1]) > 0
         if self._apart:
             j, fy = corner[1] + rows.cells, rows.fractions[:, None, None]
         else:
-            j, fy = corner[1] + np.arange(like, dtype=np.int64), rows.fractions[None, :, None]
+            j, fy = corner[1] + np.arange(cell_rows, dtype=np.int64), rows.fractions[None, :, None]
         super().__init__(level, i, j, columns.fractions, fy, shape)
         self._columns, self._rows = columns, rows
         self._window = LatticeWindow(
-            level, *corner, int(columns.cells[-1]) + 1, int(rows.cells[-1]) + 1 if self._apart else like
+            level, *corner, int(columns.cells[-1]) + 1, int(rows.cells[-1]) + 1 if self._apart else cell_rows
         )
 
     def inner(self) -> tuple[int, ...]:
@@ -431,25 +432,25 @@ def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result
     """
 
     def remember(function: Callable[..., Result]) -> Callable[..., Result]:
-        places: OrderedDict[tuple[Hashable, ...], _SharedResult[Result]] = OrderedDict()
+        entries: OrderedDict[tuple[Hashable, ...], _SharedResult[Result]] = OrderedDict()
         guard = threading.Lock()
 
         @wraps(function)
-        def ask(*arguments: Any) -> Result:
+        def cached(*arguments: Any) -> Result:
             with guard:
-                place = places.get(arguments)
-                if place is None:
-                    place = places[arguments] = _SharedResult()
-                    if len(places) > count:
-                        places.popitem(last=False)
+                entry = entries.get(arguments)
+                if entry is None:
+                    entry = entries[arguments] = _SharedResult()
+                    if len(entries) > count:
+                        entries.popitem(last=False)
                 else:
-                    places.move_to_end(arguments)
-            if not place.results:
-                with place.lock:
-                    if not place.results:
-                        place.results.append(function(*arguments))
-            return place.results[0]
+                    entries.move_to_end(arguments)
+            if not entry.results:
+                with entry.lock:
+                    if not entry.results:
+                        entry.results.append(function(*arguments))
+            return entry.results[0]
 
-        return ask
+        return cached
 
     return remember

@@ -14,7 +14,7 @@ from .parcels import Parcels
 from .region import Region
 from .samples import Positions
 
-#: Zoom from which parcels and roads are drawn; a pixel of the zoom before is wider than a village.
+#: Zoom from which parcels and roads are drawn; at lower zooms a pixel is wider than a village.
 PARCEL_ZOOM = 8
 #: Greatest slope of fields, per metre.
 _MOST_STEEPNESS = {
@@ -100,6 +100,7 @@ class Scene:
     @cached_property
     def lakes(self) -> Array | None:
         """Coverage by lakes."""
+        # The field at shores where `wateriness` is 1; higher where it is less.
         least = 1.08
         reach = self._reach("lake", 0.0)
         if any(high < least - reach for _, high in self._bounds("lake")):
@@ -151,8 +152,8 @@ class Scene:
     def shade(self) -> Array:
         """Slope towards a light in the north-west, compressed into -1..1.
 
-        It is reduced by 0.86 for each zoom below 13, as cartographers do: relief that is as rough at coarse pixels as a
-        hillside is looks like much higher mountains.
+        Slopes are reduced by a factor of 0.86 for each zoom below 13, as cartographers do: relief as rough at coarse
+        pixels as a hillside at fine ones would look like much higher mountains.
         """
         east, south = self.region.slope("relief", self.samples)
         east += south

@@ -38,7 +38,7 @@ _PAINTERS: dict[str, tuple[styles.Painter, styles.Painter]] = {
 
 
 def _chart(crs: str) -> str:
-    """Return the code of a chart's CRS in upper case; the map's for an empty one."""
+    """Return the code of a chart's CRS in upper case; for an empty text, that of the map."""
     code = crs.strip().upper() or WebMercator.crs
     if code != WebMercator.crs and code not in _POLES:
         raise InvalidInput(
@@ -64,8 +64,8 @@ class World:
         Chooses the landscape; 0 or greater, below ``2**64``.
     crs : str
         CRS of the chart: empty or ``EPSG:3857`` for Web Mercator; ``EPSG:3413`` or ``EPSG:3031`` for the polar
-        stereographic square about the North or South Pole, which is as wide as the Mercator map, in metres of its CRS,
-        so that pixels of a zoom are as large. Each of the three is a different landscape.
+        stereographic square about the North or South Pole. The square is as wide as the Mercator map, in metres of its
+        CRS, so that pixels of a zoom have the same size. Each of the three is a different landscape.
     """
 
     seed: int = 2024
@@ -223,7 +223,7 @@ class WorldSource:
         self.world = World(seed, crs)
         self.grid = chart_grid(crs)
         # After each tile glibc returns its memory to the system, and allocating it again takes a quarter of a tile's
-        # time. Freeing one large block raises the threshold (mallopt(3), M_TRIM_THRESHOLD).
+        # time. Freeing one large block raises the threshold for that (mallopt(3), M_TRIM_THRESHOLD).
         np.empty(1 << 24, dtype=np.uint8)
 
     def parts(self, window: Window) -> list[Part]:
@@ -260,7 +260,7 @@ class WorldHeights(WorldSource):
         # Pixels of 0.3 m show the shapes of buildings and trees.
         self.grid = replace(self.grid, max_zoom=19, native_zoom=19)
 
-    def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (its heights are one kind)
+    def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (all map types have the same heights)
         """Heights of a tile, (256, 256, 1); raises InvalidInput for a tile that does not exist."""
         column, row = int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX
         return self.world.heights(part.zoom, column, row)[..., np.newaxis]

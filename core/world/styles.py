@@ -21,8 +21,10 @@ Painter = Callable[[Scene], Canvas]
 
 #: Level of the coarsest octave of speckle, 2.4 km.
 _SPECKLE_FIRST = 14
-#: Samples of a period of field stripes, and of a pixel.
-_STRIPE_COUNT, _STRIPES_PER_PX = 8192, 4
+#: Samples of a period of field stripes.
+_STRIPE_COUNT = 8192
+#: Samples of field stripes per pixel.
+_STRIPES_PER_PX = 4
 #: Colour of woods in satellite imagery.
 _CANOPY = (50, 68, 40)
 #: Colour of water on street maps and relief.
