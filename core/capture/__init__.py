@@ -2,19 +2,19 @@
 
 In reading order:
 
-- `runner`: `capture`, and the run that has a maker make what its journal lacks
+- `runner`: `capture`, and the run that makes the images that the journal lacks
 - `progress`: progress, results and callbacks
 - `several`: several captures in one folder
 - `folder`: the folder of a capture, which a mission claims and a run holds
 - `holding`: locks and leases against other runs
 - `begun`: the settings that a capture was begun with
 - `images`: the journal of a capture image by image
-- `journal`: the file of that journal
-- `making`: making images by threads
-- `pipeline`: fetching, assembling and writing at the same time
+- `journal`: the file with a line for each image
+- `making`: make images with threads
+- `pipeline`: fetch, assemble and write at the same time
 - `records`: the job of an image, and tables of images
 - `writers`: image files
-- `georeference`: the place of an image
+- `georeference`: georeferences of images
 - `metadata`: metadata of image files
 - `tiff`: directories of TIFF tags
 - `odm`: files for OpenDroneMap

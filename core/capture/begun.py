@@ -26,18 +26,20 @@ _SCHEMA = 1
 
 
 def check_mission(root: Path, mission: Mission) -> None:
-    """Check a mission against that of the first run, or note it; only for the run that holds the place.
+    """Check a mission against the mission that the first run noted, or note it.
+
+    Only for the run that holds the place.
 
     Raises
     ------
     OutputError
-        ``mission.json`` was edited since; the message has the first three fields with old and new values.
+        ``mission.json`` was edited since the first run; the message has the first three changed settings, old and new.
     """
     check_settings(root, MISSION_FILE, _mission_settings(mission))
 
 
 def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
-    """Check settings against those of the first run, or note them; OutputError calls their file ``name``."""
+    """Check settings against those that the first run noted, or note them; OutputError names their file."""
     wanted, found = _flatten(settings), _read_settings(root)
     if found is None:
         write_whole(root / BEGUN_FILE, json_bytes({"schema": _SCHEMA, "settings": wanted}), durable=True)
@@ -48,7 +50,7 @@ def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
 
 
 def edited_since(root: Path, mark: bytes, mission: Mission) -> OutputError | None:
-    """Error for a ``mission.json`` that no longer holds the mission of the first run; None if the mission differs."""
+    """Error for a ``mission.json`` edited since the first run; None if the first run had another mission."""
     found = _read_settings(root)
     if found is None or _changes(found, _flatten(_mission_settings(mission))):
         return None
@@ -80,7 +82,7 @@ def _mission_settings(mission: Mission) -> dict[str, Any]:
 
 
 def _flatten(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings by path, such as ``flight.agl_m``, as read back from JSON."""
+    """Settings by path, such as ``flight.agl_m``, converted through JSON."""
     found: dict[str, Any] = json.loads(json_bytes(dict(_flat_items(settings))))
     return found
 
@@ -90,7 +92,7 @@ def _flat_items(settings: Mapping[str, Any], before: str = "") -> Iterator[tuple
         if isinstance(value, Mapping):
             yield from _flat_items(value, f"{before}{name}.")
         elif isinstance(value, (list, tuple)) and len(text := json.dumps(value)) > 200:
-            # There may be millions of values.
+            # A list may have millions of values: its digest is enough.
             digest = hashlib.sha256(text.encode("ascii")).hexdigest()
             yield f"{before}{name}", {"values": len(value), "sha256": digest}
         else:
@@ -125,7 +127,7 @@ def _unreadable(path: Path, reason: object) -> OutputError:
 
 
 def _changes(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[Message]:
-    """Messages for the settings that differ; a setting that was not noted had its default."""
+    """Messages for the settings that differ; settings that were not noted had their defaults."""
     parts: dict[str, Any] = {**FLAT_PARTS, "camera": Camera}
     default = _flatten(
         {

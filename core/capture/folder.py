@@ -1,4 +1,4 @@
-"""Folder of a capture, of this machine or in an object store, which a mission claims and a run holds."""
+"""Folder of a capture, on this machine or in an object store, which a mission claims and a run holds."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class CaptureFolder(ABC):
         Raises
         ------
         OutputError
-            The folder cannot be written, holds another mission, this one without ``resume``, or foreign files where
-            the capture writes.
+            The folder cannot be written, holds another mission, holds this mission without ``resume``, or holds other
+            files where the capture writes.
         """
         make_folder(self.root)
         imagery = mission.imagery
@@ -48,7 +48,7 @@ class CaptureFolder(ABC):
         found = self._read_mark()
         if found is None:
             foreign = self._find_foreign(folders)
-            # A run that began meanwhile has written its mark first.
+            # The folders of a run that began meanwhile are not foreign: that run wrote its mark first.
             if foreign is not None and self._read_mark() is None:
                 raise OutputError(
                     "{0} {1}: holds {2} but no {3}, so it is not this mission's",
@@ -100,7 +100,7 @@ class CaptureFolder(ABC):
 
     @abstractmethod
     def _find_foreign(self, folders: Collection[str]) -> str | None:
-        """Name of a file or folder in the way of a new capture, or None."""
+        """Name of a file or folder that a new capture would overwrite, or None."""
 
     @abstractmethod
     def _write_mark(self, mark: bytes) -> bool:
@@ -117,7 +117,7 @@ class LocalFolder(CaptureFolder):
     def _find_foreign(self, folders: Collection[str]) -> str | None:
         for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *folders):
             path = self.root / name
-            # A run that was killed as it began leaves an empty journal.
+            # A run that was killed at its start leaves an empty journal.
             if path.exists() and not (name == JOURNAL_FILE and path.is_file() and not path.stat().st_size):
                 return name
         return None
@@ -172,7 +172,8 @@ def captured_mission(plan: Plan) -> Mission:
 def is_mark(mark: bytes, mission: Mission) -> bool:
     """Whether the content of ``mission.json`` is a mission from `captured_mission`.
 
-    A mission that leaves the CRS to the source matches those that state it: images of another CRS have other names.
+    A mission without a CRS also matches a mission that states the CRS of the source, as images of another CRS have
+    other names.
     """
     try:
         if mark == mission.to_json().encode("utf-8"):

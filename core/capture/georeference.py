@@ -40,14 +40,14 @@ class Georeference:
     Parameters
     ----------
     west_m, south_m, east_m, north_m : float
-        Outer edges of the outermost pixels in the CRS's unit; on EPSG:3857 east may exceed the world's half width
-        where an image crosses the antimeridian.
+        Outer edges of the outermost pixels in the CRS's unit; on EPSG:3857, ``east_m`` of an image across the
+        antimeridian exceeds half the world's width.
     width_px, height_px : int
         Size of the image as written; the pixels need not be square.
     crs : str
         ``EPSG:code`` of a projected CRS, or its WKT.
     quarter_turns : int
-        Clockwise, from the CRS's north to the direction of the image's top.
+        Quarter turns clockwise from the CRS's north to the top of the image.
     """
 
     west_m: float
@@ -76,7 +76,7 @@ class Georeference:
 
     @property
     def geotransform(self) -> tuple[float, float, float, float, float, float]:
-        """GDAL's six numbers: easting of the upper left corner, its steps along a row and a column, and the northing's.
+        """GDAL's six numbers: easting of the upper left corner, and its change per column and per row; then northing.
 
         For a north-up image: west, pixel width, 0, north, 0, minus pixel height.
         """
@@ -90,7 +90,7 @@ class Georeference:
         return (self.west_m, width_m, 0.0, self.north_m, 0.0, -height_m)
 
     def world_file(self) -> str:
-        """Text of an ESRI world file: the last two of its six lines are the centre of the upper-left pixel."""
+        """Text of an Esri world file of six lines; the last two are the centre of the upper left pixel."""
         x, across_x, down_x, y, across_y, down_y = self.geotransform
         middle = x + (across_x + down_x) / 2.0, y + (across_y + down_y) / 2.0
         return "".join(f"{value!r}\n" for value in (across_x, across_y, down_x, down_y, *middle))
@@ -107,11 +107,11 @@ class Georeference:
     def tags(self) -> list[Tag]:
         """GeoTIFF's tags (OGC 19-008): pixel size, position of the upper left corner, and the CRS.
 
-        A turned image has the matrix from columns and rows to positions instead.
+        A turned image has the matrix from columns and rows to positions, in place of pixel size and position.
         """
         width_m, height_m = self.pixel_size_m
         citation = "" if self.crs.startswith("EPSG:") else _citation(self.crs)
-        # Kind of CRS, areas, and the code; a CRS without code is user-defined (32767) by its citation.
+        # Kind of CRS, pixels as areas, and the code; a CRS without a code is user-defined (32767), with a citation.
         keys = [(1024, 32767), (1025, 1)] if citation else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
         place = [
             Tag(33550, TagType.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
@@ -130,13 +130,13 @@ class Georeference:
 
 @dataclass(frozen=True, eq=False)
 class ControlPoints:
-    """Points of an image and the ground that the exact camera sees there.
+    """Points of an image, each with the ground position that the exact camera sees there.
 
     Parameters
     ----------
     points : array (k, 5)
-        Column and row in px from the upper left corner, longitude and latitude in degrees, height over the
-        ellipsoid in metres. Longitudes are continuous with the camera's.
+        Column and row in px from the upper left corner, longitude and latitude in degrees, height above
+        the ellipsoid in metres. Longitudes are continuous with the camera's longitude.
     """
 
     points: Floats
@@ -152,7 +152,7 @@ class ControlPoints:
         """
         across, down = (9, 7) if width_px >= height_px else (7, 9)
         found = np.empty((0, 5))
-        # The grid is refined where the horizon leaves fewer points than a plane's perspective needs.
+        # Refine the grid if fewer points see the ground than a perspective view of a plane needs.
         fewest, doublings = 4, 4
         for doubling in range(doublings + 1):
             x, y = (
@@ -188,7 +188,7 @@ class ControlPoints:
         return _pam_text(place, metadata, bands)
 
     def tags(self) -> list[Tag]:
-        """GeoTIFF's tags: tie points, and a geographic CRS by its code."""
+        """GeoTIFF's tags: tie points, and the code of their geographic CRS."""
         ties = np.insert(self.points, 2, 0.0, axis=1).ravel().tolist()
         return [
             Tag(33922, TagType.DOUBLE, ties),  # ModelTiepoint
@@ -208,14 +208,14 @@ def wkt_1(crs: str) -> str:
 
 
 def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:
-    """GeoKey directory of keys with one number each, and of the CRS's citation in a separate tag."""
+    """GeoKey directory: keys with one number each, and a key for the CRS's citation, which is in another tag."""
     cited = [3073, 34737, len(citation), 0] if citation else []
     count = len(keys) + bool(cited)
     return [1, 1, 0, count, *(number for key, value in keys for number in (key, 0, 1, value)), *cited]
 
 
 def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> str:
-    """GDAL's auxiliary file, with given elements for the place of the image."""
+    """Text of GDAL's auxiliary file; ``place`` has the elements that georeference the image."""
     items = "".join(f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items())
     of_bands = "" if bands is None else _pam_bands(bands)
     return f"<PAMDataset>\n{place}  <Metadata>\n{items}  </Metadata>\n{of_bands}</PAMDataset>\n"
@@ -224,7 +224,7 @@ def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> s
 def _pam_bands(bands: Bands) -> str:
     """Elements for bands with names, units or scales."""
     lines = []
-    # These names only repeat the order of the bands.
+    # These names say no more than the order of the bands.
     plain = (RGB.names, ("grey",), ("grey",) * len(RGB))
     names = [""] * len(bands) if bands.names in plain else bands.names
     for number, (name, about) in enumerate(zip(names, bands.each_metadata), 1):

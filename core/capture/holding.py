@@ -1,4 +1,4 @@
-"""Hold a local folder, or one in an object store, against other runs."""
+"""Keep other runs out of a local folder or a folder of an object store."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..storage.files import lock_tried, open_locked, read_existing, remove_file,
 from ..storage.stores import is_address, place_kind
 from ..waiting import check_cancelled
 
-#: Lease in local folders whose file system has no locks.
+#: File of the lease in local folders whose file system has no locks.
 LEASE_FILE = "run.lease"
 #: Seconds between a run's signs of life, and seconds without one after which it counts as dead.
 BEAT_S, DEAD_S = 5.0, 30.0
@@ -32,7 +32,7 @@ def locked(path: Path) -> Iterator[Callable[[], None]]:
     Raises
     ------
     OutputError
-        Another run works there, or took the place before this one ended.
+        Another run works in the folder, or took it over before this run ended.
     """
     with open_locked(path) as file, kept(path, file) as check:
         yield check
@@ -40,9 +40,9 @@ def locked(path: Path) -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def kept(path: Path, file: IO[bytes]) -> Iterator[Callable[[], None]]:
-    """Watch a file that `open_locked` has opened; yields a function that raises OutputError once its lock is void.
+    """Watch a file that `open_locked` has opened; yields a function that raises OutputError if the lock is void.
 
-    The lock is void once the file was replaced or removed. File systems without locks have a lease instead.
+    The lock is void once the file was replaced or removed. On file systems without locks, a lease replaces it.
     """
     # The current folder may change meanwhile.
     place = path.absolute()
@@ -68,26 +68,26 @@ def kept(path: Path, file: IO[bytes]) -> Iterator[Callable[[], None]]:
 
 
 def _is_exclusive(path: Path) -> bool:
-    """Whether a locked file cannot be locked again: some file systems have no locks."""
+    """Whether a locked file cannot be locked again; on file systems without locks it can."""
     with lock_tried(path) as is_free:
         return not is_free
 
 
 def _steady_s() -> float:
-    """Seconds of a clock that is never set and, where the system has one, runs while the machine sleeps."""
+    """Seconds of a clock that is never set; if the system has such a clock, it also runs while the machine sleeps."""
     clock = getattr(time, "CLOCK_BOOTTIME", None)
     return time.monotonic() if clock is None else time.clock_gettime(clock)
 
 
 class Lease:
-    """An object or file that one run owns, and changes as a sign of life.
+    """An object or file that one run owns, and rewrites at intervals as a sign of life.
 
     Object stores have no locks, but can put an object only if it does not exist yet. A run that dies leaves its lease
     behind: the next run watches it, and takes it over once it has not changed for longer than a living run allows.
     Clocks of different machines are not compared.
 
-    After its machine slept or its process was suspended, a run finds that its last sign is long past, and checks that
-    it still owns the place before it does anything else.
+    A run whose machine slept or whose process was suspended notices that its last sign is old. Before it does anything
+    else, it checks that it still owns the place.
     """
 
     def __init__(self, path: Path) -> None:
@@ -114,7 +114,7 @@ class Lease:
         self._ended.set()
         self._thread.join()
         try:
-            # Another run may have taken over since the last sign, or been overwritten by this run's last sign.
+            # Since the last sign, another run may have taken over; or that sign may have overwritten its lease.
             if self._is_own(self._read()):
                 remove_file(self._path)
             elif self._lost is None:
@@ -126,7 +126,7 @@ class Lease:
             self.check()
 
     def check(self) -> None:
-        """Raise OutputError if another run has taken the place, or it can no longer be written."""
+        """Raise OutputError if another run has taken the place, or the lease can no longer be written."""
         if self._since_s(self._signed_s) > 2.0 * BEAT_S and self._since_s(self._tried_s) > BEAT_S:
             self._sign()
         if self._lost is not None:
@@ -137,11 +137,11 @@ class Lease:
         return _steady_s(), time.time()
 
     def _since_s(self, then_s: tuple[float, float]) -> float:
-        """Seconds since a time, by the clock that shows more: one may have stood still or been set back."""
+        """Seconds since a time, by the clock that shows more: the other one may have stood still or been set back."""
         return max(now - then for now, then in zip(self._clocks_s(), then_s))
 
     def _read(self) -> bytes | None:
-        """Read the lease, or None without one; raises OutputError, also if it is too long to be one."""
+        """Content of the lease, None without one; raises OutputError if it cannot be read or is too long."""
         try:
             return read_existing(self._path, MAX_SETTINGS_BYTES)
         except InvalidInput as wrong:
@@ -166,7 +166,7 @@ class Lease:
                 if write_new(self._path, self._content()):
                     return
                 raise self._busy()
-        # If two runs take over at once, the last to write owns the place; the other notices before it begins.
+        # If two runs take over at once, the last to write owns the place; the other run notices before it begins.
         self._put()
         time.sleep(BEAT_S / 5.0)
         if self._read() != self._content():
@@ -202,7 +202,7 @@ class Lease:
             try:
                 is_own = self._is_signed()
             except OutputError as wrong:
-                # A store may be out of reach for a moment, but others soon consider this run dead.
+                # A store may be out of reach for a moment; give up before other runs consider this run dead.
                 if _steady_s() - self._signed_s[0] > DEAD_S - BEAT_S:
                     self._lost = wrong
             else:
@@ -216,13 +216,13 @@ class Lease:
         while True:
             looked_s = _steady_s()
             found = self._read()
-            # A run that took over and has ended leaves no lease.
+            # The lease is also missing if another run took over and has ended.
             if not self._is_own(found):
                 return False
+            # If the process stood still meanwhile, the lease may have changed: read it again.
             if _steady_s() - looked_s < BEAT_S:
-                # Otherwise the process stood still, and the lease may have changed since.
                 break
         self._beats += 1
         self._put()
-        # A process that stood still here may have overwritten another run's sign.
+        # If the process stood still here, it may have overwritten another run's sign.
         return _steady_s() - looked_s < DEAD_S

@@ -1,4 +1,4 @@
-"""Journals of a capture, which state what images exist and what to make; here one that notes each image."""
+"""Journals of a capture, which state what images exist and which to make; `ImageJournal` has a line for each image."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from .writers import file_endings
 
 
 class CaptureJournal(ABC):
-    """Journal of a capture, open for the run that holds its place.
+    """Journal of a capture, opened by the run that holds the place.
 
     Attributes
     ----------
     root : Path
     images : int
-        Images of each map type that were requested.
+        Number of requested images of each map type.
     in_shards : bool
-        Whether images share files.
+        Whether images are stored in shards.
     """
 
     root: Path
@@ -54,7 +54,7 @@ class CaptureJournal(ABC):
         Parameters
         ----------
         placeholder : Placeholder
-            Images that show it count as failed.
+            Images that show a placeholder count as failed.
         only_failed : bool
             Whether to make only images that have failed.
 
@@ -77,7 +77,7 @@ class CaptureJournal(ABC):
 
     @abstractmethod
     def write_index(self, map_type: str) -> None:
-        """Write the index of the files that images share."""
+        """Write the index of a map type's shards."""
 
 
 class ImageJournal(CaptureJournal):
@@ -136,10 +136,10 @@ class ImageJournal(CaptureJournal):
                 remedy="choose another folder",
             )
         folder = self.root / map_type
-        # A table that cannot be kept is refused before the work, not after it.
+        # Refuse a table whose other columns cannot be kept before the work rather than after it.
         other_columns(folder / TABLE_FILE)
-        there = find_complete(folder, self._endings, noted)
-        known = {name: one for name, one in noted.items() if one.status == FAILED or name in there}
+        complete = find_complete(folder, self._endings, noted)
+        known = {name: one for name, one in noted.items() if one.status == FAILED or name in complete}
         for name, outcome in known.items():
             if any(map(placeholder.knows, outcome.repeated)):
                 remove_image(folder, self._endings, name)
@@ -158,7 +158,7 @@ class ImageJournal(CaptureJournal):
         self._journal.add(outcome)
 
     def write_index(self, map_type: str) -> None:
-        """No index, as images share no files."""
+        """Do nothing: there are no shards."""
 
 
 def choose(plan: Plan, only: Iterable[int] | None) -> Numbers:
@@ -173,14 +173,15 @@ def choose(plan: Plan, only: Iterable[int] | None) -> Numbers:
 
 
 def image_endings(plan: Plan) -> tuple[str, ...]:
-    """Endings of the files of each image of a plan; the last is the image's own."""
+    """Endings of the files of each image of a plan; the last is that of the image itself."""
     return file_endings(plan.mission.output.image_format, on_map=plan.frames.on_map)
 
 
 def find_complete(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:
-    """Find the images whose files all exist with the sizes they were written with.
+    """Find the images whose files all exist, with the sizes with which they were written.
 
-    Files that cleaning has moved count. Files that a killed run was writing are removed, so the journal must be open.
+    Files that cleaning has moved count as existing. Partial files of a killed run are removed, so the journal must be
+    open.
 
     Parameters
     ----------
@@ -205,13 +206,13 @@ def file_sizes(folder: Path) -> dict[str, int]:
 
 
 def is_complete(outcome: Outcome, endings: Sequence[str], sizes: Mapping[str, int]) -> bool:
-    """Whether all files of an image exist with the sizes they were written with."""
+    """Whether all files of an image exist with the sizes with which they were written."""
     lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
     return all(lengths) and outcome.size_bytes in (0, sum(lengths))
 
 
 def remove_image(folder: Path, endings: tuple[str, ...], name: str) -> None:
-    """Remove all files of an image, also those that cleaning has moved; raises OutputError."""
+    """Remove all files of an image, including files that cleaning has moved; raises OutputError."""
     for place in (folder, folder / REJECTED_FOLDER):
         for ending in reversed(endings):
             path = place / (name + ending)

@@ -1,9 +1,9 @@
 """The journal file of a capture: a line of JSON for each image that is finished or has failed.
 
-A killed process loses nothing that it has noted: an image is renamed into place before its line is handed to the
-operating system. Neither is forced to the disk one by one, which would take 0.3 to 3 ms an image on a solid-state disk
-and more on others. So a power failure may lose images; they are found when the capture is resumed, as each line has the
-size of its image.
+A killed process loses no image that it has noted: each image is renamed into place before its line is handed to the
+operating system. To save time, images and lines are not forced to the disk one by one: that would take 0.3 to 3 ms an
+image on a solid-state disk, and more on others. So a power failure may lose images; a resumed capture finds them, as
+each line has the size of its image.
 """
 
 from __future__ import annotations
@@ -40,16 +40,15 @@ class Outcome:
     reason : str
         Why it failed; empty for an image that is done.
     sky_share, unmapped_share, facade_share : float
-        Shares of its pixels that see sky, ground beyond the Web-Mercator map, and faces of relief that maps do not
-        show.
+        Shares of pixels that see sky, ground beyond the Web-Mercator map, and faces of relief that maps do not show.
     size_bytes : int
-        Bytes of all its files; 0 where unknown.
+        Bytes of all files of the image; 0 where unknown.
     repeated : tuple of str
-        Digests of files shown that the provider also sent for places far away; see `Repeats`.
+        Digests of files in the image that the provider also sent for places far away; see `Repeats`.
     shard : str
-        File that it shares with other images; empty if it has a separate file.
+        File that the image shares with others; empty if it has a separate file.
     offset_bytes, length_bytes : int
-        Position in the shard, and length.
+        Position and length of the image in the shard.
     """
 
     map_type: str
@@ -123,8 +122,8 @@ class Outcome:
 class Journal:
     """The journal file of a folder, read once and then appended to by one run at a time.
 
-    Lines are handed to the operating system one by one, so that they outlive the process. A torn line is ignored: its
-    image is made again. The last of several lines about an image counts.
+    Lines are handed to the operating system one by one, so that they outlive the process. A torn line is ignored, and
+    its image is made again. Of several lines about an image, the last counts.
 
     The file is locked while open, which keeps other runs out of the folder.
 
@@ -155,7 +154,7 @@ class Journal:
             raise OutputError("journal {0}: cannot be read ({1})", self._path, wrong.strerror) from wrong
 
     def _take(self, line: bytes) -> None:
-        """Take a line; each piece of a line that is too long counts as torn."""
+        """Parse a line; pieces of a line that is too long count as torn lines."""
         self._bytes += len(line)
         if line.endswith(b"\n"):
             self._whole_bytes = self._bytes
@@ -167,7 +166,7 @@ class Journal:
         self._file = open_locked(self._path)
         try:
             if os.fstat(self._file.fileno()).st_size != self._bytes:
-                # Another run has appended since it was read.
+                # Another run has appended lines since the file was read.
                 self._read()
             self._file.truncate(self._whole_bytes)
         except OSError as wrong:
@@ -196,7 +195,7 @@ class Journal:
         return self._file
 
     def check(self) -> None:
-        """Raise OutputError if another run has written to the file after the lock was lost; for any thread."""
+        """Raise OutputError if another run has written to the file after the lock was lost; any thread may call it."""
         with self._adding:
             self._check()
 
@@ -218,7 +217,7 @@ class Journal:
             try:
                 written = self.file.write(line)
                 if written != len(line):
-                    # A full disk may take only part of the line, which the next line must not join.
+                    # A full disk may take only a part of the line; remove it, so that the next line does not join it.
                     self.file.truncate(self._whole_bytes)
                     raise OSError(None, "the disk took only a part of a line")
             except OSError as wrong:

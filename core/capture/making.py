@@ -1,4 +1,4 @@
-"""Make the images of a plan from a source, with threads of this process."""
+"""Make the images of a plan from a source with threads of this process."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .pipeline import Pipeline, sweep
 from .records import PictureJob, image_job, make_picture
 from .writers import Write
 
-#: Browsers open 6 connections to a server; tile servers bear a few more.
+#: Browsers open 6 connections to a server, and tile servers accept a few more.
 DEFAULT_CONNECTIONS = 8
 
 
@@ -64,7 +64,7 @@ def check_source(plan: Plan, source: Source | NamedSource) -> None:
 
 
 def _largest_px(plan: Plan) -> int:
-    """Pixels of the largest image, as planned or resized."""
+    """Number of pixels of the largest image, planned or resized."""
     width, height, _ = plan.mission.output.img_size or (1, 1, 1)
     return max(int((plan.frames.width_px * plan.frames.height_px).max()), width * height)
 
@@ -78,7 +78,7 @@ class Piece(NamedTuple):
 
 
 class Orders(Protocol):
-    """Run that images are made for."""
+    """Interface of a run to its maker: stop, pause and outcomes."""
 
     def wants_more(self) -> bool:
         """Whether to make more images."""
@@ -99,7 +99,7 @@ class Maker(Protocol):
     Attributes
     ----------
     requests, unique_parts : int
-        Parts requested from the source so far; distinct parts needed.
+        Numbers of parts requested from the source so far, and of distinct parts needed.
     parts : ImageParts
     """
 
@@ -109,7 +109,7 @@ class Maker(Protocol):
 
     @property
     def under_way(self) -> int:
-        """Images made that the run has not noted yet."""
+        """Number of images made that the run has not noted yet."""
 
     @property
     def map_type(self) -> str:
@@ -119,14 +119,14 @@ class Maker(Protocol):
         """Map types that are made together, round by round."""
 
     def prepare(self) -> None:
-        """Write what makers need, once, before the first image."""
+        """Write files that makers need, once, before the first image."""
 
     def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
         """Make images; returns False if the run stopped it."""
 
 
 class ImageParts:
-    """Parts of a source that the images of a plan show. Over relief, each image is traced once.
+    """Parts of a source that the images of a plan show; over relief, each image is traced only once.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class ImageParts:
 
     def __init__(self, plan: Plan, source: Source) -> None:
         self.plan, self.source = plan, source
-        # Zooms, columns and rows of the tiles that images over relief show.
+        # Zoom, column and row (n, 3) of the tiles that each traced image shows.
         self._tiles: dict[int, NDArray[np.int32]] = {}
 
     def find(self, index: int) -> list[Part]:
@@ -155,14 +155,14 @@ class ImageParts:
         Parameters
         ----------
         repeated : mapping of str to frozenset of Window
-            Of `Repeats.found`.
+            Places by digest, from `Repeats.found`.
         outcomes : mapping of str to Outcome
-            By the image's name.
+            Outcomes by image name.
 
         Returns
         -------
         dict of str to tuple of str
-            Digests of the files, by the image's name.
+            Digests of the repeated files, by image name.
         """
         digests = {place: digest for digest, places in repeated.items() for place in places}
         by_name: dict[str, tuple[str, ...]] = {}
@@ -210,7 +210,7 @@ class ImageMaker:
         return [(map_type,) for map_type in map_types]
 
     def prepare(self) -> None:
-        """Nothing is needed beforehand."""
+        """Do nothing: threads need no files."""
 
     def make(self, pieces: Sequence[Piece], orders: Orders) -> bool:
         """Make images; returns False if the run stopped it."""
@@ -224,7 +224,7 @@ class ImageMaker:
         if users is None:
             return False
         self.unique_parts += len(users)
-        # Memory is planned for images of three bytes a pixel.
+        # The limit of pixels under way is for images of three bytes a pixel.
         largest_bytes = _largest_px(self.parts.plan) * max(source_bands(source).bytes_per_px, RGB.bytes_per_px)
 
         def finished(job: PictureJob, result: Outcome | PartError) -> None:
@@ -270,11 +270,11 @@ class ImageMaker:
             yield job, self.parts.find(index)
 
     def _count_users(self, order: list[int], orders: Orders) -> Counter[Window] | None:
-        """Count the images that need each part; None if the run stopped meanwhile."""
+        """Count the images that need each part; None if the run was stopped."""
         users: Counter[Window] = Counter()
         at_once = 64
         with ThreadPoolExecutor(self.workers, "terrainav-trace") as threads:
-            # Over relief, each image is traced, on all processors.
+            # Over relief, trace images on all processors.
             ahead = map if self.parts.plan.relief.is_level else threads.map
             for start in range(0, len(order), at_once):
                 for parts in ahead(self.parts.find, order[start : start + at_once]):
@@ -286,7 +286,7 @@ class ImageMaker:
 
 @contextmanager
 def _noting(repeats: Repeats, source: Source) -> Iterator[None]:
-    """Note the files that a provider sends, if the source has one."""
+    """Note the files that a provider sends, if the source has a provider."""
     if not isinstance(source, Provided):
         yield
         return

@@ -2,11 +2,11 @@
 
 EXIF holds maker, title, time, and the camera's position, heading and optics (EXIF 3.0, CIPA DC-008-2023); XMP holds the
 attitude and the optics in the namespace that mapping software reads. Yaw, pitch and roll turn an aircraft whose camera
-looks down, in turn about body axes (z-y'-x'' with x ahead, y to the right, z down): with all 0 north is at the top of
-the image, and pitch 90 looks ahead. They equal the yaw, tilt and roll of `Camera.rays_enu`, and are read so by OpenSfM
-and OpenDroneMap (Bäumker and Heimes 2001).
+looks down, in this order about body axes (z-y'-x'' with x ahead, y to the right, z down): with all angles 0, north is
+at the top of the image; with pitch 90, the camera looks ahead. The angles equal yaw, tilt and roll of
+`Camera.rays_enu`; OpenSfM and OpenDroneMap read them like this (Bäumker and Heimes 2001).
 
-Numbers are rounded to significant digits: processors differ in the last places of sines, which would change every file.
+Numbers are rounded, as processors differ in the last digits of sines, which would change every file.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..picture.optics import Exposure
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
 
-#: Program, and maker of the simulated camera. Readers turn the angles of some makers' cameras.
+#: Program, and maker of the simulated camera; readers turn the angles of cameras from some other makers.
 SOFTWARE = MAKE = "TerrAInav"
 NAMESPACE = "http://pix4d.com/camera/1.0/"
 #: Decimals of degrees: 0.1 mm of ground.
@@ -45,7 +45,7 @@ class Description:
     imagery_date : str
         Empty where unknown.
     effective_gsd_m_per_px : float or None
-        Ground resolution, which enlarging pixels does not improve.
+        Ground resolution, which enlarged pixels do not improve.
     more : tuple of (str, str)
         Names and values added to the metadata.
     exposure : Exposure or None
@@ -74,16 +74,16 @@ class Description:
 
     @property
     def title(self) -> str:
-        """Readable title of one line."""
+        """Title in one line."""
         return f"{self.name} {self.map_type}, {self.source}"
 
     @property
     def wrapped_lon_deg(self) -> float:
-        """Longitude in [-180, 180), as files state it."""
+        """Longitude in degrees, in [-180, 180)."""
         return degrees(float(wrap_lon_deg(np.asarray(degrees(self.lon_deg)))))
 
     def metadata(self) -> dict[str, str]:
-        """Names and values as GDAL shows them, the same in all formats."""
+        """Names and values that GDAL shows, the same in all formats."""
         numbers = {
             "LAT_DEG": degrees(self.lat_deg),
             "LON_DEG": self.wrapped_lon_deg,
@@ -115,7 +115,7 @@ class FocalTags(NamedTuple):
 
     @classmethod
     def from_lengths(cls, focal_length_mm: float, focal_x_px: float, focal_y_px: float) -> FocalTags:
-        """Tags whose product is the focal length in px, to the digits of a figure, despite the rounding in mm."""
+        """Tags whose product is the focal length in px to six digits (see `figure`), despite the rounding in mm."""
         length = rational(figure(focal_length_mm))
         per_px = length[0] / length[1] / 10.0  # cm
         return cls(length, rational(figure(focal_x_px) / per_px), rational(figure(focal_y_px) / per_px))
@@ -123,7 +123,7 @@ class FocalTags(NamedTuple):
     def ratio(self, width_px: int) -> float:
         """Focal length in image widths, computed in the steps of OpenSfM and OpenDroneMap.
 
-        They name cameras by its first digits.
+        Both name cameras by the first digits of this ratio.
         """
         units_per_pixel = 1.0 / (self.x_px_per_cm[0] / self.x_px_per_cm[1])
         sensor_width = width_px * units_per_pixel * 10
@@ -133,7 +133,7 @@ class FocalTags(NamedTuple):
 def exif(description: Description) -> bytes:
     """TIFF structure with directories of the image, its exposure and its position."""
     exposure = description.exposure
-    own = [
+    image_tags = [
         Tag(270, TagType.ASCII, description.title),
         Tag(274, TagType.SHORT, [1]),  # orientation: as it is
         Tag(305, TagType.ASCII, SOFTWARE),
@@ -141,12 +141,12 @@ def exif(description: Description) -> bytes:
     ]
     below = [(34853, _position(description))]
     if exposure is not None:
-        own += [Tag(271, TagType.ASCII, MAKE), Tag(272, TagType.ASCII, exposure.body.model)]
+        image_tags += [Tag(271, TagType.ASCII, MAKE), Tag(272, TagType.ASCII, exposure.body.model)]
         below.insert(0, (34665, _exposure(exposure)))
 
     def root(offsets: list[int]) -> bytes:
         pointers = [Tag(number, TagType.LONG, [at]) for (number, _), at in zip(below, offsets)]
-        return directory([*own, *pointers], HEADER_BYTES)
+        return directory([*image_tags, *pointers], HEADER_BYTES)
 
     at, parts, offsets = HEADER_BYTES + len(root([0] * len(below))), [], []
     for _, tags in below:
@@ -159,8 +159,7 @@ def exif(description: Description) -> bytes:
 def xmp(description: Description, exposure: Exposure) -> bytes:
     """XMP packet (ISO 16684-1) with names of the ``Camera`` namespace as attributes, in one line.
 
-    OpenSfM searches for the element ``x:xmpmeta`` in Python's text form of the file's bytes, in which line ends are not
-    white space.
+    OpenSfM searches for the element ``x:xmpmeta`` in ``str`` of the file's bytes, where line ends are not white space.
     """
     length = exposure.body.focal_length_mm
     x_mm, y_mm = (at * length / focal for at, focal in zip(exposure.centre_px, exposure.focal_px))
@@ -196,12 +195,12 @@ def metres(length_m: float) -> float:
 
 
 def accuracy(metres: float) -> float:
-    """Round the accuracy of a position for files, to a hundredth of the finest accuracy, 0.01 m."""
+    """Round the accuracy of a position for files to 0.1 mm, a hundredth of the finest accuracy, 0.01 m."""
     return round(float(metres), 4)
 
 
 def figure(value: float) -> float:
-    """Round any other number for files to six digits; never -0."""
+    """Round other numbers for files to six significant digits; never -0."""
     return float(f"{value:.6g}") + 0.0
 
 
@@ -238,7 +237,7 @@ def _exposure(exposure: Exposure) -> list[Tag]:
 
 
 def _position(description: Description) -> list[Tag]:
-    """Tags of the camera's position; the altitude is above the ellipsoid, as since version 2.4 of these tags."""
+    """Tags of the camera's position; the altitude is above the ellipsoid, as GPS tags allow since version 2.4."""
     lat, lon, exposure = degrees(description.lat_deg), description.wrapped_lon_deg, description.exposure
     altitude_m = figure(description.agl_m if exposure is None else exposure.altitude_m)
     million = 1_000_000
@@ -269,7 +268,7 @@ def _date(day: datetime) -> str:
 
 def _degrees_minutes_seconds(angle_deg: float) -> list[int]:
     """Numerators and denominators of degrees, minutes and seconds."""
-    # 3 micrometres of ground; the numerator of the seconds fits 32 bits.
+    # A unit is 3 micrometres of ground, and the numerator of the seconds fits in 32 bits.
     denominator = 10_000_000
     minutes, seconds = divmod(round(abs(angle_deg) * 3600 * denominator), 60 * denominator)
     degrees, minutes = divmod(minutes, 60)

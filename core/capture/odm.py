@@ -1,9 +1,9 @@
-"""Files that OpenDroneMap reads beside a map type's JPEG images: their poses and cameras.
+"""Files with poses and cameras that OpenDroneMap reads beside a map type's JPEG images.
 
-``geo.txt`` is for its option ``--geo``: the CRS, then a line for each image with its longitude, latitude, height over
-the ellipsoid in metres, yaw, pitch and roll in degrees (see `xmp`), and horizontal and vertical accuracies in metres.
-OpenDroneMap looks its images up by name, so lines of images that cleaning has moved do no harm. ``cameras.json`` is for
-``--cameras``.
+``geo.txt`` is for OpenDroneMap's option ``--geo``: the CRS, then a line for each image with longitude, latitude, height
+above the ellipsoid in metres, yaw, pitch and roll in degrees (see `xmp`), and horizontal and vertical accuracies in
+metres. Lines of images that cleaning has moved do no harm, as OpenDroneMap looks up lines by image name.
+``cameras.json`` is for ``--cameras``.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ def odm_cameras(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
     """Return cameras by the names that OpenSfM and OpenDroneMap derive from an image's tags.
 
     A name has the image's size and the focal length in image widths, cut to six characters, so images of one camera may
-    have different names at other latitudes or a pixel wider. The model is Brown's without distortion, which has focal
-    lengths along rows and columns. Both are relative to the longer side, and midway between the extremes of the images
-    that share a name.
+    have different names at other latitudes or if one is a pixel wider. The model is Brown's without distortion, which
+    has focal lengths along rows and columns. Each focal length is relative to the longer side, and midway between the
+    extremes of the images that share a name.
     """
     body = camera_body(plan.mission.camera)
     found: dict[str, list[tuple[float, ...]]] = {}

@@ -26,14 +26,14 @@ from ..imagery.source import Part, Window
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
-#: Longest wait between questions to the caller whether to go on, seconds.
+#: Longest time between two calls of ``go_on``, seconds.
 _POLL_S = 0.05
 #: Requests handed out for each connection: one under way and one ready to follow.
 _FETCHES_PER_CONNECTION = 2
-#: Images with all parts for each worker: one being made and seven ready to follow, so that workers do not wait while
+#: Images with all parts for each worker: one being made and seven ready to follow, so that workers have work while
 #: fetching pauses.
 _READY_PER_WORKER = 8
-#: Most images under way at once: some wait for a slow part while others continue.
+#: Most images under way at once: while some wait for a slow part, others continue.
 _MOST_UNDER_WAY = 256
 #: Bytes of pixels kept in memory: a hundred tiles of 256 px, which missions fifty images wide share from one strip to
 #: the next.
@@ -41,17 +41,17 @@ MEMORY_BYTES = 20 << 20
 
 
 def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Order captures so that parts wait for their last image as briefly as possible.
+    """Order captures so that each part waits as briefly as possible for the last image that needs it.
 
-    Strips across the shorter extent of the chosen captures follow each other along the longer, so that only the parts
-    that one strip shares with the next have to be kept, however long the mission.
+    Strips across the shorter extent of the chosen captures follow each other along the longer extent. However long the
+    mission, only parts that one strip shares with the next have to be kept.
 
     Parameters
     ----------
     windows : Windows
         Windows of all captures.
     chosen : array (k,) of int64
-        Indices of the captures to be made.
+        Indices of the captures to make.
 
     Returns
     -------
@@ -84,11 +84,11 @@ class _RequestedPart(Generic[Job]):
     Attributes
     ----------
     waiting : list of _Picture
-        Images that wait for it.
+        Images that wait for the part.
     content : array, _Slot, PartError or None
         Pixels, their slot in the spool, or the error; None until it arrives.
     needed : int
-        Images under way that need it.
+        Number of images under way that need the part.
     """
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
@@ -97,26 +97,26 @@ class _RequestedPart(Generic[Job]):
 
 
 class _Gate:
-    """Gate for work handed to threads: it begins while the gate is open, and never once it has ended."""
+    """Gate for work handed to threads: work begins only while the gate is open, and never after `end`."""
 
     def __init__(self) -> None:
         self._open = threading.Event()
         self._over = False
 
     def hold(self, held: bool) -> None:
-        """Keep work from beginning, or let it begin."""
+        """Close the gate if ``held``, else open it."""
         if held:
             self._open.clear()
         else:
             self._open.set()
 
     def end(self) -> None:
-        """Cancel work that waits, and all that follows."""
+        """Cancel waiting and later work."""
         self._over = True
         self._open.set()
 
     def pass_through(self, work: Callable[..., Outcome], *arguments: object) -> Outcome:
-        """Do the work once it may begin; raises Cancelled after the end."""
+        """Do the work once the gate is open; raises Cancelled after `end`."""
         self._open.wait()
         if self._over:
             raise Cancelled("not begun: the run was stopped")
@@ -127,7 +127,7 @@ class Pipeline(Generic[Job, Result]):
     """Makes images from parts, each of which is fetched once and dropped after its last image.
 
     The calling thread coordinates; parts are fetched on ``connections`` threads, images made on ``workers`` threads.
-    The number of parts in memory depends on those alone: parts for later images (see `sweep`) are kept in a `Spool`.
+    The number of parts in memory depends only on these two numbers: parts for later images are kept in a `Spool`.
 
     Parameters
     ----------
@@ -144,9 +144,9 @@ class Pipeline(Generic[Job, Result]):
     connections, workers : int
         At least 1 each.
     at_once : int
-        Most images under way, at least 1; few if images are large.
+        Most images under way, at least 1; choose few for large images.
     spool : Spool or None
-        Closed with the run; None for one of the default size.
+        Spool, closed at the end of the run; None for a spool of the default size.
 
     Attributes
     ----------
@@ -188,11 +188,11 @@ class Pipeline(Generic[Job, Result]):
         go_on: Callable[[], bool],
         paused: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Make the images of ``jobs``; once.
+        """Make the images of ``jobs``; to be called only once.
 
         ``go_on`` is called many times a second. Once it returns False, or an error stops the run, waiting images are
-        dropped, images being made are finished and reported, and requests under way are left to end. While ``paused``,
-        which is called as often, returns True, no part is requested and no image begun.
+        dropped, images being made are finished and reported, and requests under way are left to end. ``paused``
+        is called as often; while it returns True, no part is requested and no image begun.
 
         Returns
         -------
@@ -226,11 +226,11 @@ class Pipeline(Generic[Job, Result]):
         except TerrAInavError:
             raise
         except BaseException as wrong:
-            # This includes sys.exit() in a thread.
+            # BaseException includes sys.exit() in a thread.
             raise self._unexpected.failure(wrong) from wrong
 
     def _report_made(self) -> None:
-        """Report images finished while the run stopped."""
+        """Report images finished while the run was stopping."""
         for making, job in self._making.items():
             if not making.cancelled() and making.exception() is None:
                 self._finished(job, making.result())
@@ -293,11 +293,11 @@ class Pipeline(Generic[Job, Result]):
     def _put_aside(self, part: _RequestedPart[Job]) -> None:
         """Keep a part for images that are not under way yet.
 
-        In the order of a sweep, parts put aside first are needed first, so these stay in memory, and the spool's file
-        takes later ones.
+        In the order of `sweep`, parts put aside first are needed first, so they stay in memory, and later parts go into
+        the spool's file.
         """
         if isinstance(part.content, np.ndarray):
-            # On a full disk the part stays in memory.
+            # If the disk is full, the part stays in memory.
             with suppress(OSError):
                 part.content = self._spool.put(part.content)
 
@@ -357,8 +357,7 @@ class Spool:
     """Arrays kept for later: in memory while there is room, then in an anonymous file.
 
     The file is made when needed, in the folder for temporary files (TMPDIR, TEMP), and disappears with the process. The
-    space of a taken array is reused for one of the same size, so the file never exceeds the most that it held. For one
-    thread at a time.
+    space of a taken array is reused for arrays of the same size. A spool is for one thread at a time.
     """
 
     def __init__(self, memory_bytes: int = MEMORY_BYTES) -> None:
@@ -368,12 +367,12 @@ class Spool:
         self._free: dict[int, list[int]] = {}
 
     def put(self, pixels: Bytes) -> _Slot:
-        """Keep an array, which must not be changed any more.
+        """Keep an array, which must not be changed afterwards.
 
         Raises
         ------
         OSError
-            The disk does not take it; nothing is kept then.
+            The disk does not take the array; it is then not kept.
         """
         size = pixels.nbytes
         if size <= self._room_bytes:
@@ -394,7 +393,7 @@ class Spool:
         Raises
         ------
         OSError
-            The disk does not give it back.
+            The array cannot be read from the disk.
         """
         if slot.held is not None:
             self._room_bytes += slot.held.nbytes

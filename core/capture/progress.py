@@ -1,4 +1,4 @@
-"""Progress and results of a capture, and callbacks by which its caller follows, pauses or stops it."""
+"""Progress and results of a capture, and callbacks with which the caller follows, pauses or stops it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Progress:
     total : int
         Number of images requested.
     done, failed, skipped : int
-        Images written by this run, failed in this run, and made before.
+        Images written by this run, failed in this run, and made by earlier runs.
     requests : int
         Parts requested from the source so far.
     map_type : str
@@ -59,11 +59,11 @@ class Repeat:
     Parameters
     ----------
     sha256 : str
-        First digits of its SHA-256, as `open_source` takes them for a placeholder.
+        First digits of the file's SHA-256, in the form in which `open_source` takes placeholders.
     places : int
-        Number of tiles (with Static Maps, of images) it was sent for.
+        Number of tiles (of images, with Static Maps) for which the file was sent.
     images : tuple of str
-        Names of the images that show it, in the plan's order.
+        Names of the images that show the file, in the plan's order.
     """
 
     map_type: str
@@ -79,7 +79,7 @@ class CaptureResult:
     Parameters
     ----------
     total, written, skipped : int
-        Images requested, written by this run, and made before.
+        Images requested, written by this run, and made by earlier runs.
     failed : tuple of Failure
         By map type, in the plan's order.
     requests, unique_parts : int
@@ -89,7 +89,7 @@ class CaptureResult:
     cancelled : bool
         Whether the run was stopped and can be resumed.
     repeated : tuple of Repeat
-        Files sent for several places far apart in this run, by map type, those of the most places first.
+        Files sent in this run for several places far apart, by map type; files with most places first.
     """
 
     folder: Path
@@ -114,20 +114,20 @@ def _never() -> bool:
 
 @dataclass(frozen=True)
 class Listener:
-    """Callbacks by which the caller of a capture follows its progress and may pause or stop it.
+    """Callbacks with which the caller of a capture follows its progress, and pauses or stops it.
 
     Parameters
     ----------
     progress : callable
         Called in the capturing thread with a `Progress`, at most about ten times a second, and at the end.
     cancelled : callable
-        Called many times a second. Once it returns True, the run ends within the time that one image takes. Requests
-        under way are not waited for; they end when the source is closed.
+        Called many times a second. Once it returns True, the run ends within the time that one image takes. It does
+        not wait for requests under way, which end when the source is closed.
     paused : callable
-        Called as often. While it returns True, no part is requested and no image begun; progress is still reported.
-        Other processes finish the blocks that they are making.
+        Called as often as ``cancelled``. While it returns True, no part is requested and no image begun; progress is
+        still reported. Other processes finish the blocks that they are making.
     notice : callable
-        Called with a message of one line for each block that is made again because its worker died.
+        Called with one-line messages, for example if a block is made again because its worker died.
     """
 
     progress: Callable[[Progress], object] = _ignore
@@ -136,7 +136,7 @@ class Listener:
     notice: Callable[[Message], object] = _ignore
 
     def named(self, name: str) -> Listener:
-        """Listener for one of several captures, whose progress has a name instead of the map type."""
+        """Listener for one of several captures, whose progress has ``name`` in place of the map type."""
         return replace(self, progress=lambda report: self.progress(replace(report, map_type=name)))
 
     def guarded(self, check: Callable[[], None]) -> Listener:
@@ -159,7 +159,7 @@ class Reporter:
     Attributes
     ----------
     is_paused : bool
-        The listener's last answer.
+        The last answer of the listener's ``paused``.
     """
 
     def __init__(self, listener: Listener) -> None:

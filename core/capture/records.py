@@ -52,11 +52,11 @@ class PictureJob:
     bands : Bands
         Bands of the source.
     ranges : tuple of (low, high)
-        Values of each band displayed darkest and brightest.
+        Values displayed darkest and brightest, for each band.
     products : (Plan, Path) or None
-        Plan from which products are computed, and the folder of their folders.
+        Plan from which products are computed, and the folder that holds one subfolder for each product.
     walls : callable or None
-        Colours of walls, as `draw` takes them.
+        Colours of walls, in the form that `draw` takes.
     write : callable
         Writes a file.
     """
@@ -104,7 +104,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, write=job.write)
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
     else:
-        bands, ranges = _written(job)
+        bands, ranges = _bands_as_written(job)
         picture = picture.reshape(*picture.shape[:2], -1)
         size_bytes = write_picture(
             job.folder, job.image_format, picture, job.place, description, bands, ranges, job.write
@@ -122,24 +122,24 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
 
 
 def _value_range(values: NDArray[Any]) -> Range:
-    """Minimum and maximum of finite values; 0 to 1 without any."""
+    """Minimum and maximum of the finite values; 0 and 1 if there are none."""
     known = values[np.isfinite(values)]
     return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
 
 
-def _written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
-    """Bands and ranges of an image file."""
+def _bands_as_written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
+    """Bands of an image file, and their displayed ranges."""
     if job.img_size is None:
         return job.bands, job.ranges
     bands = job.bands.picture_bands(job.img_size[2])
     shown = [job.ranges[at] for at in job.bands.shown]
-    # Grey is the mean of the colours, and so is its range.
+    # Grey is the mean of the colours, and its range the mean of their ranges.
     low, high = (float(np.mean(ends)) for ends in zip(*shown))
     return bands, tuple(shown) if len(bands) == len(shown) else ((low, high),)
 
 
 def plan_exposures(plan: Plan) -> Exposures | None:
-    """Exposures for the images' tags; None for formats without them."""
+    """Exposures for the images' tags; None for formats without such tags."""
     return Exposures(plan) if plan.mission.output.image_format == "jpg" else None
 
 
@@ -153,7 +153,7 @@ def image_job(
     products_in: Path | None = None,
     write: Write = write_whole,
 ) -> PictureJob:
-    """Return the job of a capture; ``exposures`` give its image the tags of a drone's image."""
+    """Return the job of a capture; ``exposures`` add EXIF and XMP as drones write them."""
     mission = plan.mission
     width, height = int(plan.frames.width_px[index]), int(plan.frames.height_px[index])
     if mission.output.img_size:
@@ -173,7 +173,7 @@ def image_job(
         mission.output.image_format,
         mission.output.img_size,
         shot,
-        # An image of requested channels has no other channel, and a JPEG has no mask.
+        # A resized image has only the channels asked for; JPEG has no mask.
         plan.masked and mission.output.img_size is None and mission.output.image_format != "jpg",
         place,
         Description(
@@ -196,7 +196,7 @@ def image_job(
 
 
 def _effective_gsd_m(plan: Plan, index: int) -> float:
-    """Ground resolution in metres in the middle of an image: the larger of its pixel and the source's pixel."""
+    """Metres of ground in the middle of an image: the larger of a pixel of the image and a pixel of the source."""
     mission, grid = plan.mission, plan.grid
     if plan.frames.on_map:
         lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
@@ -227,12 +227,12 @@ def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
 
 
 def _interpolates(plan: Plan) -> bool:
-    """Whether heights may be interpolated; where they are is known for the area, not for each image."""
+    """Whether heights may be interpolated; which images that concerns is not known."""
     return not plan.relief.is_level and plan.mission.terrain.holes == INTERPOLATE
 
 
 def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:
-    """Return the table of the images made or failed, in the plan's order.
+    """Return the table of the images with an outcome, in the plan's order.
 
     Parameters
     ----------
@@ -248,8 +248,8 @@ def image_table(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> 
         np.asarray(size[at], np.float64) for size in (plan.frames.width_px, plan.frames.height_px)
     )
     poses = plan.poses.take(at)
-    places = {"lat_deg": "pose_lat_deg", "lon_deg": "pose_lon_deg"}
-    camera: dict[str, Any] = {places.get(name, name): values for name, values in _wrapped(poses).items()}
+    headers = {"lat_deg": "pose_lat_deg", "lon_deg": "pose_lon_deg"}
+    camera: dict[str, Any] = {headers.get(name, name): values for name, values in _wrapped(poses).items()}
     if plan.nominal is not None:
         nominal = _wrapped(plan.nominal.take(at))
         camera.update({f"nominal_{name}": values for name, values in nominal.items()})
@@ -310,9 +310,9 @@ def write_tables(
     folder : Path
         Folder of the map type.
     others : mapping
-        Additional columns of the table, as `other_columns` reads them.
+        Additional columns of the table, as `dataset.table.other_columns` reads them.
     in_shards : bool
-        Whether images share files.
+        Whether images are stored in shards.
     """
     image_table(plan, source, outcomes).join_other(others).save(folder / TABLE_FILE)
     if plan.mission.output.image_format == "jpg" and not in_shards:
@@ -322,7 +322,7 @@ def write_tables(
 
 
 def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
-    """Columns of focal lengths and principal points, rounded to decimals in which all processors agree."""
+    """Columns of focal lengths and principal points, rounded to decimals on which all processors agree."""
     columns = (np.round(values, 6) for values in plan_optics(plan, at)[2:])
     return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
@@ -339,5 +339,5 @@ def _shard_columns(rows: Sequence[Outcome]) -> dict[str, Any]:
 
 
 def _wrapped(poses: Poses) -> dict[str, Floats]:
-    """Columns of poses by name, their longitudes wrapped."""
+    """Columns of poses by name, with wrapped longitudes."""
     return poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))._asdict()

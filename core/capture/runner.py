@@ -1,4 +1,4 @@
-"""Capture a plan into a dataset, with threads of this process or in blocks."""
+"""Capture a plan into a dataset with threads of this process, or in blocks."""
 
 from __future__ import annotations
 
@@ -46,21 +46,21 @@ def capture(
 ) -> CaptureResult:
     """Capture the images of a plan into a dataset folder.
 
-    Threads of this process make the images one by one. With an executor, in an object store, or with ``blocks``, images
-    are made in blocks instead, by any workers that have TerrAInav; a block is committed atomically.
+    By default, threads of this process make the images one by one. With ``executor`` or ``blocks``, and in an object
+    store, images are made in blocks by any workers that have TerrAInav; each block is committed atomically.
 
-    Images are written atomically and noted in the journal. If an image cannot be made, journal and table have the
-    reason, and the run continues. Tables are written at the end, also when a run is stopped; additional columns are
-    kept. The same mission gives the same images and tables, in one run or in several.
+    Images are written atomically and noted in the journal. If an image cannot be made, the reason is noted in journal
+    and table, and the run continues. Tables are written at the end, also if the run is stopped, and keep additional
+    columns. The same mission gives the same images and tables, in one run or in several.
 
     Parameters
     ----------
     source : Source or NamedSource
-        Source with the pixel grid of the plan; for blocks a named one, which each maker opens.
+        Source with the pixel grid of the plan; for blocks a NamedSource, which each worker opens.
     folder : path or str
-        Folder, made if it does not exist, or its address in an object store (see `store_path`).
+        Folder, created if it does not exist, or an address in an object store (see `store_path`).
     executor : Executor, Engine or None
-        Executor of the blocks, like those of `concurrent.futures`; None for this process.
+        Executor of the blocks, such as one of `concurrent.futures`; None for this process.
     blocks : Blocks or None
         Size of blocks and layout of files; None for the defaults.
     connections : int
@@ -73,7 +73,8 @@ def capture(
     only : iterable of int or None
         Indices of the captures to make; None for all.
     only_failed : bool
-        Make only images that failed in an earlier run or show such a placeholder; the folder must hold this mission.
+        Make only images that failed in an earlier run or show a placeholder, as with ``resume``; the folder must hold
+        this mission.
     listener : Listener
         Callbacks for progress, pause and stop.
 
@@ -82,7 +83,7 @@ def capture(
     InvalidInput
         The source does not have the map type or the plan's pixel grid; nothing is written then.
     OutputError
-        The folder cannot be written, holds another mission, or this one without ``resume``, or does not hold this one
+        The folder cannot be written, holds another mission, holds this mission without ``resume``, or does not hold it
         with ``only_failed``.
     SourceError
         The source cannot serve; finished images are kept.
@@ -93,7 +94,7 @@ def capture(
     root = store_path(folder)
     reporter = Reporter(listener)
     with ExitStack() as opened:
-        # Until images are made, waiting for a store can be cancelled at once.
+        # Before images are made, waiting for an object store can be cancelled at once.
         with cancellable(listener.cancelled):
             journal: CaptureJournal
             maker: Maker
@@ -102,7 +103,7 @@ def capture(
                     raise InvalidInput(
                         "capture in blocks: needs a source by its name, and is of all captures of a plan"
                     )
-                # Slow to import, and not needed by others.
+                # Imported here, as it is slow and only blocks need it.
                 from .blocks.engines import Engine, local_engine
                 from .blocks.running import Blocks, opened_blocks
 
@@ -146,7 +147,7 @@ def capture(
 
 
 class CaptureRun:
-    """Run of a capture: outcomes from its journal, pieces for its maker to make, and counts.
+    """Run of a capture: reads outcomes from the journal, has the maker make missing images, and counts.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ class CaptureRun:
     Raises
     ------
     OutputError
-        The journal is of another plan, or a folder cannot be read.
+        The journal belongs to another plan, or a folder cannot be read.
     """
 
     def __init__(self, journal: CaptureJournal, maker: Maker, reporter: Reporter, *, only_failed: bool) -> None:
@@ -182,7 +183,7 @@ class CaptureRun:
         self._skipped = self._total - pending
 
     def prepare(self) -> None:
-        """Write the plan and what makers need."""
+        """Write the plan, and files that makers need."""
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             self._journal.check()
             write_plan(self._plan, self._journal.root / name)

@@ -42,12 +42,12 @@ def capture_imageries(
     Parameters
     ----------
     mission : Mission
-        With ``imageries``.
+        Mission with ``imageries``.
     plans, sources : mapping of str to Plan, and to Source
-        By the names in `Mission.missions_by_imagery`, each plan with the pixel grid of its source.
+        Keyed by the names in `Mission.missions_by_imagery`; each plan has the pixel grid of its source.
     resume, only_failed, listener, **how
         As for `capture`; progress, failures and repeats have the imagery's name in place of the map type, and the
-        total counts all imageries.
+        total is over all imageries.
 
     Raises
     ------
@@ -83,25 +83,25 @@ def capture_each(
     listener: Listener = SILENT,
     **how: Any,
 ) -> dict[str, CaptureResult]:
-    """Capture plans one after the other, each into a folder inside one that the run holds; resumes them.
+    """Capture plans one after the other, each into a subfolder of a folder that the run holds; resumes them.
 
     Parameters
     ----------
     captures : mapping of str to (Plan, Source or NamedSource)
-        By folder name, with ``/`` for deeper ones.
+        By name of the subfolder; names with ``/`` are nested.
     only_failed, listener, **how
-        As for `capture`; progress has the folder instead of the map type.
+        As for `capture`; progress has the subfolder's name in place of the map type.
 
     Returns
     -------
     dict of str to CaptureResult
-        By folder name; a capture that was stopped is the last.
+        Results by name of the subfolder; if a capture was stopped, it is the last.
     """
     results: dict[str, CaptureResult] = {}
     for name, (plan, source) in captures.items():
         begun = any(is_file(folder / name / file) for file in (JOURNAL_FILE, MISSION_FILE))
         if only_failed and not begun:
-            # An earlier run was stopped before it, so nothing of it has failed.
+            # An earlier run was stopped before this capture, so none of its images has failed.
             continue
         results[name] = capture(
             plan,
@@ -118,17 +118,17 @@ def capture_each(
 
 
 def combined(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResult:
-    """Combine results; failures and repeats have the folder instead of the map type."""
-    done = results.values()
+    """Combine results; failures and repeats have the subfolder's name in place of the map type."""
+    each = results.values()
     return CaptureResult(
         folder=folder,
-        total=sum(one.total for one in done),
-        written=sum(one.written for one in done),
+        total=sum(one.total for one in each),
+        written=sum(one.written for one in each),
         failed=tuple(replace(failure, map_type=name) for name, one in results.items() for failure in one.failed),
-        skipped=sum(one.skipped for one in done),
-        requests=sum(one.requests for one in done),
-        unique_parts=sum(one.unique_parts for one in done),
-        seconds=sum(one.seconds for one in done),
-        cancelled=any(one.cancelled for one in done),
+        skipped=sum(one.skipped for one in each),
+        requests=sum(one.requests for one in each),
+        unique_parts=sum(one.unique_parts for one in each),
+        seconds=sum(one.seconds for one in each),
+        cancelled=any(one.cancelled for one in each),
         repeated=tuple(replace(repeat, map_type=name) for name, one in results.items() for repeat in one.repeated),
     )

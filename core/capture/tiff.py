@@ -27,8 +27,8 @@ class TagType(IntEnum):
 class Tag(NamedTuple):
     """One tag: its number, the type of its values, and the values.
 
-    ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has numerators and denominators in turn;
-    UNDEFINED has bytes.
+    ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has alternating numerators and
+    denominators; UNDEFINED has bytes.
     """
 
     number: int
@@ -48,10 +48,10 @@ class Tag(NamedTuple):
 
 
 def rational(value: float) -> list[int]:
-    """Approximate a number of 0 or more by a numerator and a denominator of 32 bits, which is a power of ten.
+    """Approximate a number of 0 or more by a numerator and a denominator of 32 bits; the denominator is a power of ten.
 
-    Numbers from 1 to 2^32 keep nine digits, smaller ones nine decimals, and positive ones stay positive; larger numbers
-    become the largest.
+    Numbers from 1 to 2^32 keep nine digits, and smaller numbers nine decimals. Positive numbers stay positive. Larger
+    numbers become the largest.
     """
     largest = (1 << 32) - 1
     if value >= largest:
@@ -61,12 +61,12 @@ def rational(value: float) -> list[int]:
 
 
 def header(directory_at: int = HEADER_BYTES) -> bytes:
-    """Header of a file whose directory is at an offset, by default right behind it."""
+    """Header of a file; the directory is at an offset, by default directly after the header."""
     return struct.pack("<2sHI", b"II", 42, directory_at)
 
 
 def big_header(directory_at: int) -> bytes:
-    """Header of a BigTIFF, 16 bytes, whose offsets have 64 bits."""
+    """Header (16 bytes) of a BigTIFF, which has offsets of 64 bits."""
     return struct.pack("<2sHHHQ", b"II", 43, 8, 0, directory_at)
 
 
@@ -76,16 +76,16 @@ def directory(tags: Sequence[Tag], at: int, *, big: bool = False) -> bytes:
     Parameters
     ----------
     tags : sequence of Tag
-        In any order; each number once.
+        Tags in any order; each number at most once.
     at : int
-        Even offset in the file.
+        Offset of the directory in the file; even.
     big : bool
-        Whether for a BigTIFF.
+        Whether the file is a BigTIFF.
 
     Returns
     -------
     bytes
-        Even number of bytes, which does not depend on the values of numeric tags.
+        The number of bytes is even and does not depend on the values of numeric tags.
     """
     counted, offset = ("Q", "Q") if big else ("H", "I")
     inside = struct.calcsize(f"<{offset}")

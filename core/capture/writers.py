@@ -22,12 +22,12 @@ from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Tag, TagType, directory, header
 
-#: Search for runs only: on photographs four times as fast as zlib's default, with smaller files, as the predictor
-#: leaves little else to find. Drawn maps are small either way.
+#: Searching for runs only is four times as fast on photographs as zlib's default, with smaller files, as the predictor
+#: leaves little else to find. Drawn maps are small with either strategy.
 _ZLIB_STRATEGY, _ZLIB_LEVEL = zlib.Z_RLE, 6
-#: Types masked by a rare value, as GDAL supports alpha for unsigned integers only.
+#: Data types whose mask is a rare value, as GDAL supports alpha for unsigned integers only.
 _NO_DATA: dict[str, float] = {"int16": -32768, **dict.fromkeys(("float32", "float64"), float("nan"))}
-#: Item of a GeoTIFF's metadata with the values of a band displayed darkest and brightest.
+#: Item of a GeoTIFF's metadata: the values of a band that are displayed darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Georeference of a map frame, or control points of a camera frame.
 Place = Union[Georeference, ControlPoints]
@@ -56,7 +56,7 @@ def write_picture(
     ranges: Sequence[Range] = (),
     write: Write = write_whole,
 ) -> int:
-    """Write an image and its sidecar files, the image last, so that an existing image is complete.
+    """Write an image after its sidecar files, so that an existing image is complete.
 
     Parameters
     ----------
@@ -65,13 +65,13 @@ def write_picture(
     image_format : str
         tif, jpg or png.
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
-        A fourth channel is 0 for pixels without data and 255 for others; a JPEG omits it. With ``bands``, array
-        (h, w, n) or (h, w, n + 1) of their type, the last channel being the mask. The bytes written depend on the
-        arguments alone.
+        A fourth channel is 0 for pixels without data and 255 for others; a JPEG omits it. With ``bands``, an array
+        (h, w, n) of their data type, or (h, w, n + 1) with a mask as last channel. The bytes written depend only on the
+        arguments.
     bands : Bands or None
         None for grey or RGB.
     ranges : sequence of (low, high)
-        Values of each band displayed darkest and brightest.
+        Values displayed darkest and brightest, for each band.
     write : callable
         Writes a file.
 
@@ -120,7 +120,8 @@ def geotiff(
 ) -> bytes:
     """Return a lossless GeoTIFF (OGC 19-008) with deflate and horizontal differences.
 
-    Pillow's TIFF encoder holds Python's lock; zlib releases it, so that images are compressed on all cores.
+    Images are compressed with zlib, which releases Python's lock so that all cores are used; Pillow's TIFF encoder does
+    not.
     """
     if bands is not None:
         return _geotiff_of_bands(pixels, place, description, bands, ranges)
@@ -156,8 +157,8 @@ def _geotiff_of_bands(
     if nodata is not None:
         tags.append(Tag(42113, TagType.ASCII, repr(nodata)))
     if is_masked and nodata is not None:
-        there = pixels[..., count:] != 0
-        values = np.where(there, pixels[..., :count], bands.dtype.type(nodata))
+        has_data = pixels[..., count:] != 0
+        values = np.where(has_data, pixels[..., :count], bands.dtype.type(nodata))
         pixels = np.concatenate([values, pixels[..., count:]], axis=2)
     if is_masked and bands.data_type in _NO_DATA:
         pixels = pixels[..., :count]
@@ -172,9 +173,9 @@ def _geotiff_of_bands(
 
 
 def _avoid_nodata(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
-    """Change pixels that have the no-data value in all bands, which resampling may yield.
+    """Change pixels that have the no-data value in all bands, as resampling may yield.
 
-    The first band gets the adjacent value, as gdalwarp does.
+    The first band gets the adjacent value, as in gdalwarp.
     """
     alike = (pixels[..., :count] == nodata).all(axis=-1)
     if not alike.any():
@@ -190,10 +191,10 @@ def _avoid_nodata(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
 
 
 def _pixel_file(pixels: PixelValues, place: Place, description: Description, more: list[Tag]) -> bytes:
-    """Return the file of pixels, with common and additional tags."""
+    """Return a TIFF file of pixels, with common and additional tags."""
     height, width = pixels.shape[:2]
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-    # Strips of 256 kB, so that readers need not decompress all of a large image.
+    # Strips of 256 kB, so that readers need not decompress a large image as a whole.
     rows = max((1 << 18) // (width * channels * pixels.itemsize), 1)
     is_float = pixels.dtype.kind == "f"
     strips = _packed_strips(_as_bytes(pixels) if is_float else pixels, rows)
@@ -217,7 +218,7 @@ def _pixel_file(pixels: PixelValues, place: Place, description: Description, mor
 
 
 def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
-    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), the most significant of each row first (Predictor 3)."""
+    """Rearrange floats (h, w, n) as bytes (h, itemsize w, n), each row from the most significant (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
         np.ascontiguousarray(pixels, f">f{pixels.itemsize}").view(np.uint8).reshape(height, width * channels, -1)
@@ -251,7 +252,7 @@ def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = 
 
 
 def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
-    """Colour interpretations that TIFF tags cannot express, by channel."""
+    """Colour interpretations by channel, where TIFF tags cannot express them."""
     found = {
         band: about.colour for band, about in enumerate(bands.each_metadata) if about.colour and band not in bands.shown
     }
@@ -287,7 +288,8 @@ def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
     if description.exposure is not None:
         segments.append(_segment(b"http://ns.adobe.com/xap/1.0/\0", xmp(description, description.exposure)))
     data = _encoded(image)
-    # Pillow writes XMP since version 11. It puts EXIF after JFIF, a marker of 2 bytes and a length that counts itself.
+    # Pillow writes XMP only since version 11. Insert EXIF and XMP after JFIF: a marker of 2 bytes, then a length that
+    # counts itself.
     start = 2
     if data.startswith(b"\xff\xd8\xff\xe0"):
         start = 4 + int.from_bytes(data[4:6], "big")
@@ -296,9 +298,9 @@ def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
 
 
 def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
-    """Compress strips one after the other, in a buffer that fits the processor's cache."""
+    """Compress strips one after the other, in a buffer that fits in the processor's cache."""
     strips = []
-    # Little-endian unsigned integers, whose differences wrap around.
+    # As little-endian unsigned integers, whose differences wrap around.
     pixels = pixels.astype(f"<{pixels.dtype.kind}{pixels.itemsize}", copy=False).view(f"<u{pixels.itemsize}")
     differences = np.empty((min(rows, len(pixels)), *pixels.shape[1:]), pixels.dtype)
     for top in range(0, len(pixels), rows):
@@ -312,7 +314,7 @@ def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
 
 
 def _strip_file(tags: list[Tag], strips: list[bytes]) -> bytes:
-    """Return the file of a directory and its strips; their offsets depend on the directory's length."""
+    """Return a TIFF file of a directory and strips; the strips' offsets depend on the directory's length."""
 
     def strip_offsets(start: int) -> Tag:
         offsets = [start]
@@ -332,7 +334,7 @@ def _description_items(description: Description) -> str:
 
 
 def gdal_metadata(items: str) -> str:
-    """XML of GDAL's metadata tag, whose values are escaped twice, as GDAL writes and reads them."""
+    """XML of GDAL's metadata tag; its values are escaped twice, as GDAL writes and reads them."""
     return f"<GDALMetadata>\n{items}</GDALMetadata>\n"
 
 
@@ -351,7 +353,7 @@ def _segment(mark: bytes, data: bytes) -> bytes:
 def _encoded(image: Image.Image) -> bytes:
     with suppress(OSError):
         data = _saved(image, _encoders_file())
-        # Pillow does not check that all bytes are written. A whole JPEG has an end marker (ITU-T T.81, B.1.1.3).
+        # Pillow does not check that all bytes are written; a whole JPEG ends with a marker (ITU-T T.81, B.1.1.3).
         if data.endswith(b"\xff\xd9"):
             return data
     return _saved(image, io.BytesIO())
@@ -365,7 +367,7 @@ def _saved(image: Image.Image, file: BinaryIO) -> bytes:
 
 
 def _encoders_file() -> BinaryIO:
-    """File in memory, of the operating system if possible, as Pillow then releases Python's lock."""
+    """File in memory; the operating system's if possible, with which Pillow releases Python's lock."""
     if hasattr(os, "memfd_create"):
         return os.fdopen(os.memfd_create("terrainav"), "w+b")
     return io.BytesIO()

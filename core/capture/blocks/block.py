@@ -1,4 +1,4 @@
-"""A block: captures of a plan as a plain value, and how any process makes their images."""
+"""A block: captures of a plan as a plain value, whose images any process can make."""
 
 from __future__ import annotations
 
@@ -39,24 +39,24 @@ from ..making import ImageMaker, ImageParts, Piece
 from ..records import image_table
 from .shards import Gathered
 
-#: Heights of the relief, for workers in other processes.
+#: File of the relief's heights, for workers in other processes.
 RELIEF_FILE = "relief.npy"
 
 
 @dataclass(frozen=True)
 class Block:
-    """Captures of one map type, with everything needed to make their images.
+    """Captures of one map type, with everything that is needed to make their images.
 
     Parameters
     ----------
     number : int
     map_type : str
     plan : Plan
-        Part of the plan with these captures (`Plan.part`).
+        Plan of these captures only (see `Plan.part`).
     indices : array (n,) of int64
         Indices of the captures in the whole plan.
     source : NamedSource
-        Imagery, opened by the block's maker.
+        Source of the imagery, which the block's maker opens.
     destination : str
         Absolute path or address of a folder.
     terrain : Terrain
@@ -66,9 +66,9 @@ class Block:
     exposures : Exposures or None
         Exposures for the images' tags.
     connections, workers : int
-        As for `capture`, for this block alone.
+        As for `capture`, but for this block only.
     run : str
-        Name of the run, by which its `Control` is found in the same process.
+        Name of the run, which is the key of its `Control` in the same process.
     """
 
     number: int
@@ -86,7 +86,7 @@ class Block:
 
     @property
     def name(self) -> str:
-        """Name of its files, without ending."""
+        """Name of the block's files, without ending."""
         return block_name(self.map_type, self.number)
 
 
@@ -108,9 +108,9 @@ class Record(NamedTuple):
     outcomes : dict of str to Outcome
         Outcomes by image name.
     shard_bytes : int
-        Size of its shard in bytes; 0 for images in separate files.
+        Size of the block's shard in bytes; 0 for images in separate files.
     noted : bytes
-        Files of a provider and their places, as packed by `Repeats`.
+        Files that a provider sent, and their places, as packed by `Repeats`.
     """
 
     outcomes: dict[str, Outcome]
@@ -123,11 +123,11 @@ class Record(NamedTuple):
         return any(one.status == FAILED for one in self.outcomes.values())
 
     def matches(self, map_type: str, names: Sequence[str]) -> bool:
-        """Whether it has exactly the images of these names and map type."""
+        """Whether the record has exactly the images of these names and this map type."""
         return self.outcomes.keys() == {*names} and all(one.map_type == map_type for one in self.outcomes.values())
 
     def fits(self, shard: str) -> bool:
-        """Whether its images are in a shard, without overlap, or in separate files if ``shard`` is empty."""
+        """Whether the images are in a shard without overlap or, if ``shard`` is empty, in separate files."""
         made = [one for one in self.outcomes.values() if one.status != FAILED]
         if any(one.shard != shard for one in made):
             return False
@@ -136,7 +136,7 @@ class Record(NamedTuple):
         return not ends or borders == sorted(borders)
 
     def to_bytes(self) -> bytes:
-        """Content of its file: a line of JSON for the block, then one for each image."""
+        """Content of the record's file: a line of JSON for the block, then a line for each image."""
         head: dict[str, Any] = {"images": len(self.outcomes), "shard_bytes": self.shard_bytes}
         if self.noted:
             head["noted"] = self.noted.hex()
@@ -144,7 +144,7 @@ class Record(NamedTuple):
         return b"".join(lines + [one.to_line() for one in self.outcomes.values()])
 
     def commit(self, destination: Path, name: str) -> None:
-        """Write the record of the named block, which then counts as done; raises OutputError."""
+        """Write the record of the named block, which makes the block count as done; raises OutputError."""
         write_whole(destination / BLOCKS_FOLDER / f"{name}.jsonl", self.to_bytes())
 
     @classmethod
@@ -165,7 +165,7 @@ class Record(NamedTuple):
 
 
 class BlockResult(NamedTuple):
-    """Result of making a block; its record was committed beside the images."""
+    """Result of making a block, whose record was committed beside the images."""
 
     record: Record
     requests: int
@@ -180,7 +180,7 @@ class Control:
     ----------
     stopped, paused : Event
     made : dict of str to int
-        Images made so far of each block under way.
+        Number of images made so far in each block under way.
     check : callable
         Raises OutputError if another run has taken the place.
     """
@@ -191,16 +191,16 @@ class Control:
     check: Callable[[], None] = lambda: None
 
 
-#: Controls of the runs of this process by name. Blocks in other processes find none and run to their end.
+#: Controls of the runs in this process, by name. Blocks in other processes have none and run to their end.
 controls: dict[str, Control] = {}
 
 
 class Stopped(Exception):
-    """A block was stopped with its run; nothing of it is committed."""
+    """A block was stopped together with its run, and not committed."""
 
 
 class _BlockOrders:
-    """Orders for the images of a block: those of its run, if that is in this process."""
+    """Orders for the images of a block, which come from its run if the run is in this process."""
 
     def __init__(self, block: Block, plan: Plan, control: Control) -> None:
         self._control, self._name = control, block.name
@@ -224,7 +224,7 @@ class _BlockOrders:
 
 
 class _Call:
-    """Call that makes a block when its pickle is loaded."""
+    """Object whose unpickling makes a block."""
 
     def __init__(self, data: bytes) -> None:
         self._arguments = data, version(), platform.python_version()
@@ -234,9 +234,10 @@ class _Call:
 
 
 def packed_call(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
-    """Return a function of Python's library, and the argument that has it make a block in another process.
+    """Return a function of Python's library and the argument with which it makes a block in another process.
 
-    A worker without TerrAInav can then report what is missing; Dask's workers die if they cannot unpickle a function.
+    As every worker has the function, a worker without TerrAInav can report what is missing; Dask's workers die if they
+    cannot unpickle a function.
     """
     return ForkingPickler.loads, bytes(ForkingPickler.dumps(_Call(bytes(ForkingPickler.dumps(block)))))
 
@@ -276,12 +277,12 @@ def _minor(python: str) -> str:
 def make_block(block: Block) -> BlockResult:
     """Make the images of a block and commit it by writing its record last.
 
-    A block gives the same bytes wherever and however often it is made.
+    A block gives the same bytes on every machine and every time.
 
     Raises
     ------
     SourceError
-        The source cannot serve.
+        The source fails.
     OutputError
         The destination cannot be written.
     Stopped
@@ -310,19 +311,19 @@ def make_block(block: Block) -> BlockResult:
         if not (complete and orders.wants_more()):
             raise Stopped
         control.check()
-        # In the plan's order, whatever the order of making.
-        done = {name: orders.outcomes[name] for name in plan.names}
+        # In the plan's order rather than the order of making.
+        outcomes = {name: orders.outcomes[name] for name in plan.names}
         shard_bytes = 0
         if gathered is not None:
-            shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
-    record = Record(done, shard_bytes, orders.repeats(block.map_type).noted())
+            shard_bytes = _write_shard(block, source, plan, gathered, destination, outcomes)
+    record = Record(outcomes, shard_bytes, orders.repeats(block.map_type).noted())
     control.check()
     record.commit(destination, block.name)
     return BlockResult(record, maker.requests, maker.unique_parts)
 
 
 def _engine_check() -> Callable[[], bool]:
-    """Return a function that reports whether the engine still waits for this block, as Dask's workers know."""
+    """Return a function that reports whether the engine still waits for this block; only Dask's workers know."""
     distributed = sys.modules.get("distributed")
     try:
         worker = distributed and distributed.get_worker()
@@ -341,7 +342,7 @@ def _engine_check() -> Callable[[], bool]:
 
 
 def _restore_heights(block: Block) -> Plan:
-    """Return the plan of a block with the heights of its relief, which are not pickled."""
+    """Return the plan of a block, with the heights of its relief, which are not pickled, read from the destination."""
     plan, options = block.plan, block.source.options
     if plan.relief.is_loaded:
         return plan
@@ -372,7 +373,7 @@ def _surface(destination: str, _run: str) -> NDArray[Any]:
 
 
 def _read_heights(data: bytes) -> NDArray[Any]:
-    """Read heights in numpy's format, and check them against their size; raises ValueError."""
+    """Read heights in numpy's format; raises ValueError if kind or size are wrong."""
     file = io.BytesIO(data)
     numpy_format: Any = np.lib.format
     if numpy_format.read_magic(file) != (1, 0):
@@ -389,7 +390,7 @@ def _read_heights(data: bytes) -> NDArray[Any]:
 
 
 def write_relief(plan: Plan, destination: Path) -> None:
-    """Write the heights of a plan's relief for workers, which need all of them for each block."""
+    """Write all heights of a plan's relief for workers, as each block needs the whole relief."""
     if not plan.relief.is_level:
         data = io.BytesIO()
         np.save(data, plan.relief.heights_m, allow_pickle=False)
@@ -404,7 +405,7 @@ def _write_shard(
     destination: Path,
     outcomes: dict[str, Outcome],
 ) -> int:
-    """Write the images of a block into one file, and note their positions; returns the file's size in bytes."""
+    """Write the images of a block into one file and note their positions in outcomes; returns the size in bytes."""
     made = {name: one for name, one in outcomes.items() if one.status != FAILED}
     keys = {name: f"{index:09d}" for name, index in zip(plan.names, block.indices.tolist())}
     table = image_table(plan, source, made)

@@ -11,7 +11,7 @@ from ...arrays import Numbers
 from ...errors import InvalidInput
 from ...geodesy.frames import Windows
 
-#: Most images of a block, as the images of a shard are in memory together.
+#: Most images of a block: the images of a shard are all in memory at once.
 MOST_IMAGES = 100_000
 
 
@@ -21,7 +21,7 @@ def parse_block_size(size: str, image_bytes: Callable[[], float]) -> int:
     Parameters
     ----------
     image_bytes : callable
-        Estimates the bytes of an image's files; called for megabytes only.
+        Estimates the bytes of an image's files; called only for sizes in megabytes.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def parse_block_size(size: str, image_bytes: Callable[[], float]) -> int:
 def divide(windows: Windows, images: int) -> list[Numbers]:
     """Divide captures into compact blocks of nearly equal size.
 
-    Captures are halved repeatedly across their longer extent, so blocks share only tiles along short cuts.
+    Captures are repeatedly halved by a cut across their longer extent; cuts are short, so blocks share few tiles.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def divide(windows: Windows, images: int) -> list[Numbers]:
     Returns
     -------
     list of array (k,) of int64
-        Indices of each block's captures, ascending; blocks in the order of the halves.
+        Indices of the captures of each block, ascending; blocks are in the order of the halves.
     """
     left, top, width, height = (np.asarray(values, np.float64) for values in windows)
     # Camera frames that look to the horizon may have no rectangle on the map.

@@ -32,7 +32,7 @@ from ...waiting import wait_until_done
 _log = logging.getLogger(__name__)
 
 _MOST_WORKERS = 1024
-#: Module that makes blocks, with all that it needs.
+#: Module that makes blocks; a worker that can import it has all that it needs.
 _MAKING = f"{__package__}.block"
 
 
@@ -43,13 +43,13 @@ class Engine:
     Parameters
     ----------
     executor : Executor
-        Its workers need TerrAInav, and may be processes of other machines.
+        Executor whose workers have TerrAInav; they may be processes of other machines.
     slots : callable
-        Returns the number of blocks that it can run at once at present.
+        Returns the number of blocks that the executor can run at once at present.
     in_process : bool
-        Whether its workers are threads of this process.
+        Whether the workers are threads of this process.
     workers : int
-        Images made at once in each block.
+        Number of images made at once in each block.
     dashboard : str
         Address of the dashboard, or empty.
     """
@@ -62,7 +62,7 @@ class Engine:
 
     @classmethod
     def from_executor(cls, executor: Executor | Engine, workers: int | None = None) -> Engine:
-        """Engine of any executor, which gets one block at a time unless an attribute states its number of workers."""
+        """Engine of any executor; it gets one block at a time unless an attribute states its number of workers."""
         if isinstance(executor, Engine):
             return executor
         count = next(
@@ -96,7 +96,7 @@ def open_engine(text: str) -> Iterator[Engine]:
     Raises
     ------
     InvalidInput
-        The text is another one or has credentials, which the message does not quote.
+        The text names no engine, or has credentials, which the message does not quote.
     OutputError
         Dask is not installed, or no scheduler answers.
     """
@@ -115,7 +115,7 @@ def open_engine(text: str) -> Iterator[Engine]:
             yield replace(_cluster_engine(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
-            # If the port of an address is a word, the message hides it, as it may be a password.
+            # Messages hide a port that is a word, as it may be a password.
             "cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786",
             text,
             _MOST_WORKERS,
@@ -142,7 +142,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
     settings = {
         # Blocks whose worker dies are retried by the run, in turn and within the provider's limits.
         "distributed.scheduler.allowed-failures": 0,
-        # Dask's default makes glibc return memory after each array, and page faults then take half of a worker's time.
+        # With Dask's default, glibc returns memory after each array, and page faults take half of a worker's time.
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     with dask.config.set(settings):
@@ -160,7 +160,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         except (MemoryError, Cancelled):
             raise
         except Exception as wrong:
-            # Dask passes on any error of the system for lack of processes, ports or threads.
+            # Dask passes on any error of the system, such as a lack of processes, ports or threads.
             raise OutputError(
                 "cluster local:{0}: its processes cannot be started ({1})", processes, error_text(wrong)
             ) from wrong
@@ -169,11 +169,11 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
                 engine = _cluster_engine(client, cluster.dashboard_link if find_spec("bokeh") else "")
 
                 def slots() -> int:
-                    there: int = engine.slots()
-                    if there < processes:
-                        # Dask restarts a worker that dies, but not if it dies again while starting.
+                    count: int = engine.slots()
+                    if count < processes:
+                        # Dask does not restart a worker that dies while it starts.
                         cluster.scale(processes)
-                    return there
+                    return count
 
                 yield replace(engine, slots=slots)
         finally:
@@ -182,15 +182,15 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
 
 def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
-    """Start processes that ignore Ctrl-C of the terminal, as this process ends them; returns the result of ``begin``.
+    """Call ``begin``, whose processes then ignore Ctrl-C in the terminal, as this process ends them; return its result.
 
-    Threads and processes inherit blocked signals, which Windows does not have.
+    Ctrl-C is blocked in a thread that calls ``begin``, and processes inherit that. Windows has no blocked signals.
     """
     begun = Future[Any]()
 
     def run() -> None:
         if hasattr(signal, "pthread_sigmask"):
-            # If started later, it would unblock Ctrl-C in this thread.
+            # Start the tracker first: starting it later would unblock Ctrl-C in this thread.
             resource_tracker.ensure_running()
             signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
@@ -208,7 +208,7 @@ def _ignoring_ctrl_c(begin: Callable[[], Any]) -> Any:
 
 
 def _end(close: Callable[[], object]) -> None:
-    """Close an object of Dask, ignoring errors, as the blocks are complete."""
+    """Close an object of Dask; errors are ignored, as the blocks are complete."""
     try:
         close()
     except Exception as wrong:  # noqa: BLE001  (Dask passes on any error of its processes)
@@ -216,9 +216,9 @@ def _end(close: Callable[[], object]) -> None:
 
 
 async def _stop_restarting(cluster: Any) -> None:
-    """Stop Dask from restarting workers, and wait for those that are starting, which it may fail to close.
+    """Stop Dask from restarting workers, and wait for workers that are starting, which Dask may fail to close.
 
-    Dask mistakes a worker that dies just after its start for the next one, which has no process yet.
+    Dask mistakes a worker that dies just after its start for the next worker, which has no process yet.
     """
     for nanny in list(cluster.workers.values()):
         nanny.close_gracefully()
@@ -227,7 +227,7 @@ async def _stop_restarting(cluster: Any) -> None:
 
 
 def _check_scheduler(address: str, what: str) -> None:
-    """Check that a scheduler answers, as Dask's client would wait for minutes and ignore Ctrl-C.
+    """Check that a scheduler answers; without a scheduler, Dask's client would wait for minutes and ignore Ctrl-C.
 
     Raises
     ------
@@ -274,7 +274,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
         client = distributed.Client(address, timeout=MAX_SCHEDULER_SILENCE_S, set_as_default=False)
     except Exception as wrong:
         raise _no_scheduler(what) from wrong
-    # The run reports lost connections in one line.
+    # Silence Dask's log, as the run reports lost connections in one line.
     log = logging.getLogger("distributed.client")
     level = log.level
     log.setLevel(logging.CRITICAL)
@@ -286,9 +286,9 @@ def _client(address: str, what: str) -> Iterator[Any]:
 
 
 class _Calls(Executor):
-    """Executor of calls as tasks of Dask.
+    """Executor that submits calls as tasks of Dask.
 
-    Dask's executor never completes a call whose worker dies after the call and before its result is fetched.
+    Dask's own executor never completes a call whose worker dies after the call and before the result is fetched.
     """
 
     def __init__(self, client: Any) -> None:
@@ -312,7 +312,7 @@ class _Calls(Executor):
 
 
 class _Later:
-    """Call that is made when its pickle is loaded, by names alone, so that workers need not have this module."""
+    """Object whose unpickling makes a call; the pickle has only names, so workers need not have this module."""
 
     def __init__(self, function: Callable[..., Any], *arguments: object) -> None:
         self._call = function, arguments
@@ -322,19 +322,19 @@ class _Later:
 
 
 class _Workers:
-    """Workers of a scheduler, each checked once for being able to make blocks."""
+    """Workers of a scheduler; checks once for each worker that it can make blocks."""
 
     def __init__(self, client: Any) -> None:
         self._client = client
         self._asked: set[str] = set()
 
     def slots(self) -> int:
-        """Number of blocks that they can make at once; raises OutputError for a worker that cannot make any."""
-        there: dict[str, int] = self._client.nthreads()
-        new = sorted(there.keys() - self._asked)
+        """Number of blocks that the workers can make at once; raises OutputError if a new worker cannot make blocks."""
+        threads: dict[str, int] = self._client.nthreads()
+        new = sorted(threads.keys() - self._asked)
         if new:
             self._ask(new)
-        return sum(there.values())
+        return sum(threads.values())
 
     def _ask(self, workers: list[str]) -> None:
         asked = _Later(platform.python_version), _Later(version), _Later(bool, _Later(import_module, _MAKING))
@@ -352,12 +352,12 @@ class _Workers:
                 problem,
                 remedy=Message("install it there: pip install 'terrainav[cluster]=={0}'", version()),
             )
-        # A worker that could not be reached has gone, or is checked again.
+        # A worker that could not be reached is gone, or will be checked again.
         self._asked.update(worker for worker, one in answers.items() if not isinstance(one, OSError))
 
 
 def _problem(answer: Any) -> Message | None:
-    """Problem of a worker by its answer; None if it can make blocks."""
+    """Problem of a worker, from its answer; None if it can make blocks or did not answer."""
     if isinstance(answer, OSError):
         return None
     if isinstance(answer, ImportError):

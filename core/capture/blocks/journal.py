@@ -28,7 +28,7 @@ from .shards import INDEX_FILE, shard_index
 
 
 class BlockJournal(CaptureJournal):
-    """Journal with a record for each block, committed by the block's maker.
+    """Journal with a record for each block, which the block's maker commits.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class BlockJournal(CaptureJournal):
     Raises
     ------
     OutputError
-        The place was captured without blocks, or begun with other blocks.
+        The place was captured without blocks, or with other blocks.
     """
 
     def __init__(self, plan: Plan, root: Path, layout: str, block_images: int, hold: Callable[[], None]) -> None:
@@ -52,7 +52,7 @@ class BlockJournal(CaptureJournal):
         self._plan, self._hold = plan, hold
         self._divided = divide(plan.windows, block_images)
         self._endings = image_endings(plan)
-        # Images and bytes of each shard, by map type and number.
+        # Number of images, and bytes, of each shard, by map type and number of the block.
         self._shards: defaultdict[str, dict[int, tuple[int, int]]] = defaultdict(dict)
         self._check_division(layout, block_images)
 
@@ -79,7 +79,7 @@ class BlockJournal(CaptureJournal):
     def read(
         self, map_type: str, placeholder: Placeholder, *, only_failed: bool
     ) -> tuple[dict[str, Outcome], list[Piece]]:
-        """Read the records of a map type; a block with any image to make is made again as a whole."""
+        """Read the records of a map type; a block that lacks any image is made again as a whole."""
         records = self._read_records(map_type)
         known: dict[str, Outcome] = {}
         pieces = []
@@ -97,9 +97,9 @@ class BlockJournal(CaptureJournal):
 
     def _read_records(self, map_type: str) -> dict[int, Record]:
         """Read the records of complete blocks, by number."""
-        there = list_sizes(self.root / BLOCKS_FOLDER)
+        existing = list_sizes(self.root / BLOCKS_FOLDER)
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(self._divided))}
-        numbers = [number for number, name in wanted.items() if name in there]
+        numbers = [number for number, name in wanted.items() if name in existing]
         sizes = file_sizes(self.root / map_type)
         paths = [self.root / BLOCKS_FOLDER / wanted[number] for number in numbers]
         read = zip(numbers, read_each(paths, MAX_RECORD_BYTES))
@@ -114,7 +114,7 @@ class BlockJournal(CaptureJournal):
         }
 
     def _is_whole(self, map_type: str, number: int, record: Record, sizes: Mapping[str, int]) -> bool:
-        """Whether the files of a block have the sizes with which it was committed, and hold its images."""
+        """Whether the files of a block still have the sizes that its record states, and hold its images."""
         shard = shard_name(map_type, number) if self.in_shards else ""
         if not record.fits(shard):
             return False
@@ -123,11 +123,11 @@ class BlockJournal(CaptureJournal):
         return all(is_complete(one, self._endings, sizes) for one in record.outcomes.values() if one.status != FAILED)
 
     def take(self, piece: Piece, record: Record) -> None:
-        """Take the record of a block."""
+        """Take the record of a block that was made or given up."""
         self._note_shard(piece.map_type, piece.number, record)
 
     def give_up(self, piece: Piece, reason: str) -> Record:
-        """Commit the record of a block whose images all failed for a reason."""
+        """Commit a record in which all images of a block have failed for a reason, and return it."""
         lost = (self._plan.names[index] for index in piece.indices.tolist())
         record = Record({name: Outcome(piece.map_type, name, reason=reason) for name in lost})
         record.commit(self.root, block_name(piece.map_type, piece.number))
@@ -135,7 +135,7 @@ class BlockJournal(CaptureJournal):
         return record
 
     def note(self, outcome: Outcome) -> None:
-        """Do nothing: the record of the image's block has it."""
+        """Do nothing: the outcome is in the record of the image's block."""
 
     def _note_shard(self, map_type: str, number: int, record: Record) -> None:
         if record.shard_bytes:
@@ -149,7 +149,7 @@ class BlockJournal(CaptureJournal):
             write_whole(self.root / map_type / INDEX_FILE, json_bytes(shard_index(shards)))
 
     def _check_division(self, layout: str, images: int) -> None:
-        """Note how the capture is divided, or raise OutputError for another division."""
+        """Note how the capture is divided into blocks; raises OutputError if it was begun with another division."""
         wanted: dict[str, Any] = {
             "layout_of_files": layout,
             "images": images,

@@ -1,4 +1,4 @@
-"""Make a capture in blocks: hand them to an engine, and make those again whose worker died."""
+"""Make a capture in blocks: hand blocks to an engine, and retry blocks whose worker died."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from .journal import BlockJournal
 #: Number of times a block is tried before it is given up.
 TRIES = 4
 _POLL_S = 0.1
-#: Seconds without any worker before the caller gets notice: a worker that dies is soon replaced.
+#: Seconds without any worker before the caller gets a notice: a worker that died is usually replaced sooner.
 _PATIENCE_S = 5.0
 
 
@@ -72,7 +72,7 @@ def opened_blocks(
     resume: bool,
     only_failed: bool,
 ) -> Iterator[tuple[BlockJournal, BlockMaker]]:
-    """Open the journal and the maker of a capture in blocks; parameters as for `capture`.
+    """Open the journal and the maker of a capture in blocks; other parameters as for `capture`.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def opened_blocks(
 
 
 class BlockMaker:
-    """Maker whose blocks an engine runs, as many at once as it has workers and the provider allows.
+    """Maker that has an engine run blocks: as many at once as there are workers, and as the provider allows.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class BlockMaker:
 
     @property
     def under_way(self) -> int:
-        """Images made so far in blocks under way."""
+        """Number of images made so far in blocks under way."""
         return sum(self._control.made.copy().values())
 
     @property
@@ -151,7 +151,7 @@ class BlockMaker:
         return self._pending[0].map_type if self._pending else self._plan.mission.imagery.map_types[-1]
 
     def rounds(self, map_types: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
-        """All map types together, so that no worker waits for the last block of one."""
+        """One round of all map types, so that no worker waits for the last block of a map type."""
         return [map_types]
 
     def prepare(self) -> None:
@@ -181,7 +181,7 @@ class BlockMaker:
             for future in self._under_way:
                 future.cancel()
             if self._engine.in_process:
-                # Wait for its threads, which use what the caller is about to close.
+                # Wait for the engine's threads, which use objects that the caller is about to close.
                 self._take(wait(self._under_way).done, orders, ended=True)
             del controls[self._name]
 
@@ -192,7 +192,7 @@ class BlockMaker:
         sharers = slots if most is None else min(slots, most)
         share = Fraction(1, max(sharers, 1))
         while self._pending and len(self._under_way) < sharers:
-            # Blocks begun with fewer workers have larger shares of the provider's limits.
+            # Blocks begun when there were fewer workers have larger shares of the provider's limits.
             if most is not None and sum(one for _, one in self._under_way.values()) + share > 1:
                 return
             piece = self._pending.popleft()
@@ -208,7 +208,7 @@ class BlockMaker:
             self._under_way[future] = (piece, share)
 
     def _count_slots(self) -> int:
-        """Count the blocks that workers can make at once; gives notice after a while without workers."""
+        """Count the blocks that workers can make at once; notifies the caller after some seconds without workers."""
         try:
             slots = self._engine.slots()
         except (RuntimeError, OSError) as wrong:
@@ -243,7 +243,7 @@ class BlockMaker:
         )
 
     def _take(self, done: Iterable[Future[BlockResult]], orders: Orders, *, ended: bool = False) -> None:
-        """Take the results of blocks, and retry those whose worker died or could not write."""
+        """Take the results of blocks, and retry blocks whose worker died or could not write."""
         for future in done:
             piece, _ = self._under_way.pop(future)
             self._control.made.pop(block_name(piece.map_type, piece.number), None)
@@ -258,15 +258,15 @@ class BlockMaker:
                 self._retry(piece, wrong, orders)
 
     def _note(self, piece: Piece, record: Record, orders: Orders) -> None:
-        """Note the record of a block made or given up."""
+        """Note the record of a block that was made or given up."""
         self._journal.take(piece, record)
         orders.repeats(piece.map_type).add(record.noted)
         for outcome in record.outcomes.values():
             orders.note(outcome)
 
     def _retry(self, piece: Piece, wrong: BaseException, orders: Orders) -> None:
-        """Queue a block again or give it up; raises errors that end the run."""
-        # Ray wraps errors.
+        """Queue a block again or, after `TRIES` tries, give it up; raises errors that end the run."""
+        # Ray wraps errors of workers.
         cause = getattr(wrong, "cause", None)
         wrong = cause if isinstance(cause, BaseException) else wrong
         if isinstance(wrong, (WrongWorker, SourceError, InvalidInput)) or (
@@ -308,7 +308,7 @@ class BlockMaker:
 
 
 def _find_error(future: Future[BlockResult]) -> BaseException | None:
-    """Error of any kind that ended a block, as sys.exit() on a worker must not end the run."""
+    """Error that ended a block: of any kind, as sys.exit() on a worker must not end the run."""
     try:
         return future.exception()
     except CancelledError as wrong:
@@ -318,7 +318,7 @@ def _find_error(future: Future[BlockResult]) -> BaseException | None:
 def _describe(wrong: BaseException) -> Message:
     """Describe the error of a worker briefly."""
     kind = type(wrong).__name__
-    # Errors that Dask and Ray raise if a worker dies.
+    # Dask and Ray raise these errors if a worker dies.
     if kind in (
         "KilledWorker",
         "CancelledError",
@@ -327,10 +327,10 @@ def _describe(wrong: BaseException) -> Message:
         "WorkerCrashedError",
     ):
         return Message("its worker died")
-    said = str(wrong).partition("\n")[0][:120]
-    return Message("{0} on its worker ({1})", kind, said)
+    text = str(wrong).partition("\n")[0][:120]
+    return Message("{0} on its worker ({1})", kind, text)
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    # Dask's text is about its connections only.
+    # Name only the type, as Dask's text is about its connections.
     return OutputError("workers: all are gone ({0})", type(wrong).__name__)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ...dataset.table import TEXT, TIME, Table, json_cell, written_columns
 
-#: Index of a map type's shards, for the library ``wids``.
+#: File of the index of a map type's shards, for the library ``wids``.
 INDEX_FILE = "shards.json"
 
 
@@ -24,14 +24,14 @@ class Member(NamedTuple):
 
 
 class Gathered:
-    """Files of images, gathered from several threads until they are packed."""
+    """Collection of image files from several threads, to be packed into a shard."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._files: dict[tuple[str, str], bytes] = {}
 
     def write(self, path: Path, data: bytes) -> None:
-        """Take a file, with the path that it would have as a separate file."""
+        """Collect a file; ``path`` is where it would lie as a separate file."""
         with self._lock:
             self._files[path.parent.name, path.name] = data
 
@@ -40,15 +40,16 @@ class Gathered:
     ) -> tuple[bytes, dict[str, Member]]:
         """Pack the images of a table into a tar.
 
-        Its bytes depend on the images and the table alone. Members of an image share a key, and have the endings of the
-        image and its sidecar files, ``.json`` for its row of the table, and endings of products such as ``.depth.tif``.
-        The image's name cannot be the key, as WebDataset takes everything after the first dot as the ending.
+        The bytes depend only on the images and the table. All members of an image have the same key. Their endings are
+        those of the image and its sidecar files, ``.json`` for the image's row of the table, and endings such as
+        ``.depth.tif`` for products. The image's name cannot be the key, as WebDataset treats everything after the first
+        dot as the ending.
 
         Parameters
         ----------
         map_type : str
         keys : mapping of str to str
-            Keys by the images' names without ending.
+            Keys by image names without ending.
         table : Table
             A row for each image, in the order of packing.
         products : sequence of str
@@ -56,9 +57,9 @@ class Gathered:
         Returns
         -------
         bytes, dict of str to Member
-            Positions of the image files, by name without ending.
+            The tar, and the positions of the image files by name without ending.
         """
-        # Times stay text, as in tables.
+        # Times are written as text, as in tables.
         columns = [
             one._replace(kind=TEXT, values=table.time_utc) if one.kind == TIME else one
             for one in written_columns(table)
@@ -68,10 +69,10 @@ class Gathered:
         with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as tar:
 
             def add(name: str, data: bytes) -> Member:
-                about = tarfile.TarInfo(name)
-                about.size = len(data)
+                info = tarfile.TarInfo(name)
+                info.size = len(data)
                 begin = tar.offset + tarfile.BLOCKSIZE
-                tar.addfile(about, io.BytesIO(data))
+                tar.addfile(info, io.BytesIO(data))
                 return Member(begin, len(data))
 
             for row, file_name in enumerate(table.img_names):
@@ -88,7 +89,7 @@ class Gathered:
     def _companions(
         self, map_type: str, name: str, file_name: str, products: Sequence[str]
     ) -> list[tuple[tuple[str, str], bytes]]:
-        """Other files of an image."""
+        """Other files of an image: its sidecar files and products."""
         endings = (".jgw", ".pgw", f"{file_name[len(name) :]}.aux.xml")
         wanted = [(map_type, name + ending) for ending in endings]
         wanted += [(product, f"{name}.tif") for product in products]
@@ -96,6 +97,6 @@ class Gathered:
 
 
 def shard_index(shards: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
-    """Return the index of shards, from their numbers of images and bytes by file name."""
+    """Return the index of shards, given as numbers of images and bytes by file name."""
     listed = [{"url": name, "nsamples": images, "filesize": size} for name, (images, size) in shards.items()]
     return {"__kind__": "wids-shard-index-v1", "wids_version": 1, "shardlist": listed}
