@@ -150,7 +150,7 @@ def test_a_click_shows_the_image_that_is_at_an_address(desk, viewing, server, fo
     assert server.asked == []
 
 
-@pytest.mark.parametrize("layout", ["folders", "shards"])
+@pytest.mark.parametrize("layout", sampled(["folders", "shards"], 2))
 def test_a_dataset_in_s3_is_opened_with_the_credentials_of_awss_tools(
     desk, viewing, folder, layout, tmp_path, monkeypatch
 ):
@@ -319,7 +319,7 @@ def test_a_store_that_leads_to_another_server_is_not_followed(desk, server, fold
     assert server.asked == []
 
 
-@pytest.mark.parametrize("wrong", ["gone", "torn", "other", "whole files only", "no shard", "refused"])
+@pytest.mark.parametrize("wrong", sampled(["gone", "torn", "other", "whole files only", "no shard", "refused"], 3))
 def test_what_is_wrong_with_an_image_is_said_in_its_place(desk, viewing, server, folder, tmp_path, wrong):
     serve(server, write_shards(tmp_path / "run", folder))
     open_address(desk, f"{server.url}/data/run")
@@ -433,7 +433,7 @@ def as_table(items: Path, path: Path) -> bytes:
 
 # Debian's pytz, when pandas first loads it.
 @pytest.mark.filterwarnings("ignore:invalid escape sequence:DeprecationWarning")
-@pytest.mark.parametrize("layout", ["folders", "shards"])
+@pytest.mark.parametrize("layout", sampled(["folders", "shards"], 2))
 def test_one_table_of_all_images_is_preferred(desk, viewing, server, folder, layout, tmp_path, monkeypatch):
     pytest.importorskip("pyarrow", reason="needs pyarrow")
     from terrainav.core.exports.stac import write_stac

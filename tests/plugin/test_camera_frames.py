@@ -202,6 +202,7 @@ def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     assert QgsExpression.replaceExpressionText(action.command(), context) == str(picture)
 
 
+@pytest.mark.thorough
 def test_map_tip_shows_pictures_that_can_be_shown(tilted):
     tilted.choose(tilted.form.image_format, "jpg")
     tilted.wait_planned()
@@ -230,6 +231,7 @@ def test_wind_mission_is_captured_with_its_poses(desk):
     assert Mission.load(desk.folder / "mission.json") == planned.mission
 
 
+@pytest.mark.thorough
 def test_test_shot_of_a_tilted_camera_lies_where_it_looks(tilted):
     tilted.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
     tilted.click(tilted.dock.test_shot)

@@ -254,6 +254,7 @@ def calls_of(act):
     return count
 
 
+@pytest.mark.thorough
 def test_a_key_costs_the_main_thread_little_however_large_the_mission(desk):
     counts = {}
     for name, south in (("small", "35.131"), ("large", "34.14")):

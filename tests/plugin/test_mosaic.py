@@ -219,6 +219,7 @@ def test_old_mosaic_written_by_another_program_is_known_by_its_pictures(one_of_n
     assert_shows_all(desk)
 
 
+@pytest.mark.thorough
 def test_a_mosaic_that_is_as_it_should_be_is_not_made_anew(one_of_nine):
     desk = one_of_nine
     capture_failed_again(desk)

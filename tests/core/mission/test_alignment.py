@@ -85,6 +85,7 @@ def test_what_is_gained_is_said():
     assert ("longer" in across.text()) == (across.gain < 0.0)
 
 
+@pytest.mark.thorough
 def test_what_is_flown_counts_with_its_turns_and_ways_around():
     """Turns that are much longer than the rows between make few rows the shortest flight, whatever lies between."""
     field = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))

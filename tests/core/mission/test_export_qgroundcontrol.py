@@ -124,6 +124,7 @@ def test_heights_that_ardupilot_refuses_are_refused(tmp_path):
         write_plan(worked_out(Mission(Points(points), 83_000.0)), tmp_path / "field.plan")
 
 
+@pytest.mark.thorough
 def test_more_than_mavlink_counts_is_refused(tmp_path):
     flown = worked_out(HERE.replace(agl_m=10.0, tilt_deg=0.0, area=Box(35.19, -89.90, 35.15, -89.86)))
     assert len(flown) > 32_765
