@@ -5537,7 +5537,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>The imagery in which to find the queries; give this, or an imagery by name.</source>
+        <source>The imagery in which to find the queries; needed unless an imagery is given by name.</source>
         <translation>Aquello en lo que hay que encontrar las consultas; hace falta esto, o unas imágenes por nombre.</translation>
     </message>
     <message>
@@ -6587,8 +6587,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/remote/address.py"/>
-        <source>address: contains a user name or password; enter these in QGIS's authentication instead</source>
-        <translation>dirección: contiene un nombre de usuario o una contraseña; introdúzcalos en la autenticación de QGIS</translation>
+        <source>address: contains a user name or password, which belong in QGIS's authentication</source>
+        <translation>dirección: contiene un nombre de usuario o una contraseña; que corresponden a la autenticación de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/remote/address.py"/>

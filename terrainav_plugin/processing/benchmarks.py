@@ -148,7 +148,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterRasterLayer("REFERENCE_LAYER", tr("Reference: raster"), optional=True),
-            tr("The imagery in which to find the queries; give this, or an imagery by name."),
+            tr("The imagery in which to find the queries; needed unless an imagery is given by name."),
         )
         self.add(
             QgsProcessingParameterString("REFERENCE", tr("Reference: imagery by name"), optional=True),

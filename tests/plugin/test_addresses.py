@@ -253,7 +253,7 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
             ("az://data/run;AccountKey=Sesame77", "must begin with https://, http:// or s3://"),
             ("ftp://host/run", "must begin with https://, http:// or s3://"),
             ("no such folder", "must begin with https://, http:// or s3://"),
-            ("https://me:Sesame77@host/run", "QGIS's authentication instead"),
+            ("https://me:Sesame77@host/run", "belong in QGIS's authentication"),
             ("https://host/run?X-Amz-Signature=Sesame77", "contains ? or #"),
             ("s3://", "names no server or bucket"),
             ("ftp://me:Sesame77@host/run", "must begin with"),

@@ -656,7 +656,8 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     assert len({turn for turn, _ in steps}) >= len(steps) - 1
     # A layer that is emptied before may be painted so.
     painted = [(role, step) for role, step in repainted if step]
-    assert painted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
+    # On a busy machine the map's own changes may have them painted once more.
+    assert set(painted) == {(role, len(steps)) for role in ("area", "centres", "flight", "footprints")}
 
 
 class Hold(QgsExpressionFunction):

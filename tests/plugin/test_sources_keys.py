@@ -378,7 +378,7 @@ def test_a_kept_layer_whose_tiles_are_elsewhere_has_no_configuration():
 def test_words_for_what_keeps_a_configuration_from_being_used(configured):
     assert "press “+”" in credential_problem("", is_key=True)
     assert credential_problem("", is_key=False) == ""
-    assert "is not there" in credential_problem("0000000", is_key=True)
+    assert "does not exist" in credential_problem("0000000", is_key=True)
     assert "holds no key" in credential_problem(configured(""), is_key=True)
     assert credential_problem(configured(KEY), is_key=True) == ""
 

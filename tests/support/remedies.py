@@ -42,7 +42,7 @@ _NAMED = re.compile(r"^(--[a-z-]+ \{\})|[;:] ([^;:]*?(?:--[a-z]|`?\bterrainav [a
 #: Where an option or a parameter says in its own words what it is for.
 _HELP = frozenset(["mission/options.py", "processing/mission_parameters.py"])
 #: The function that describes an algorithm.
-_DESCRIPTION = "words"
+_DESCRIPTION = "texts"
 #: What reads like advice, and is none.
 NO_ADVICE = frozenset(
     [

@@ -273,7 +273,7 @@ def test_the_command_says_it_and_does_it(server, tmp_path, monkeypatch, capsys):
     first = shell(*asked, "--data-dir", "out")
     assert first.returncode == 0, first.stderr
     (line,) = [line for line in first.stderr.splitlines() if line.startswith("same tile: ")]
-    assert f"in {len(GREY)} places, which {len(SHOWING)} images show, such as {SHOWING[0]}" in line
+    assert f"in {len(GREY)} places, shown by {len(SHOWING)} images, such as {SHOWING[0]}" in line
     assert line.endswith(f"--resume --placeholder {DIGEST}")
     # As it says.
     again = shell(*asked, "--data-dir", "out", *line.split(": ")[-1].split())
