@@ -65,9 +65,7 @@ class DatasetAddress(NamedTuple):
             )
         bare = re.split(r"[?#]", text)[0]
         if "@" in parts.netloc or holds_credentials(bare):
-            raise InvalidInput(
-                tr("address: contains a user name or password, which belong in QGIS's authentication")
-            )
+            raise InvalidInput(tr("address: contains a user name or password, which belong in QGIS's authentication"))
         if parts.query or parts.fragment:
             raise InvalidInput(tr("address: contains ? or #; must be that of the dataset's folder alone"))
         if not host:

@@ -17,6 +17,7 @@ from terrainav.terrainav_plugin.form.text import aspect_text, parse_aspect, shor
 from terrainav.terrainav_plugin.widgets import short_number
 
 from tests.plugin.steps import COARSE, SMALL_BOX
+from tests.support.thinning import sampled
 
 BOX = "_".join(SMALL_BOX[edge] for edge in ("north", "west", "south", "east")) + "_120"
 #: A small screen, and what QGIS's own menu, toolbars, title and status bar take of it.
@@ -30,7 +31,7 @@ def choose_preset(desk, name):
     choice.activated.emit(choice.currentIndex())
 
 
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+@pytest.mark.parametrize("preset", sampled(PRESETS, 3), ids=lambda preset: preset.name)
 def test_panel_and_command_make_the_same_of_a_preset(desk, preset):
     desk.enter_box(**SMALL_BOX)
     choose_preset(desk, preset.name)
@@ -195,6 +196,7 @@ def test_a_border_that_is_moved_stays_until_it_is_freed(desk):
     assert parts.sizes()[1] < moved[1]
 
 
+@pytest.mark.thorough
 def test_finished_captures_are_cleared_and_their_files_kept(desk):
     desk.form.set_state(replace(desk.session.state(), **COARSE))
     desk.enter_small_mission()

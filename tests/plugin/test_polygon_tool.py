@@ -13,6 +13,7 @@ from terrainav.terrainav_plugin.area.corners import join_polygon
 from terrainav.terrainav_plugin.form.area import entered_area
 
 from tests.plugin.test_area_tool import bands, degrees, pixel
+from tests.support.thinning import sampled
 
 pytestmark = pytest.mark.usefixtures("ground")
 
@@ -104,7 +105,7 @@ def menu_at(desk, place):
 # --- drawing
 
 
-@pytest.mark.parametrize(("crs", "extent"), PLACES)
+@pytest.mark.parametrize(("crs", "extent"), sampled(PLACES, 3))
 def test_corners_are_where_they_are_clicked(desk, tool, crs, extent):
     """Its edges run as they are drawn, to less than a pixel, whatever is straight in the project's CRS."""
     desk.look_at(crs, extent)
@@ -266,7 +267,7 @@ def test_letting_go_of_the_double_click_is_no_click_of_the_tool_before(desk):
 # --- corners
 
 
-@pytest.mark.parametrize(("crs", "extent"), PLACES)
+@pytest.mark.parametrize(("crs", "extent"), sampled(PLACES, 3))
 def test_a_corner_follows_the_pointer(desk, crs, extent):
     desk.look_at(crs, extent)
     draw(desk, KITE)
@@ -285,7 +286,7 @@ def test_a_corner_follows_the_pointer(desk, crs, extent):
     assert area_of(desk) == before
 
 
-@pytest.mark.parametrize("where", [0.5, 0.3], ids=["its middle", "elsewhere"])
+@pytest.mark.parametrize("where", sampled([0.5, 0.3], 2), ids=["its middle", "elsewhere"])
 @pytest.mark.parametrize("end", [(0.55, 0.1), None], ids=["dragged", "clicked"])
 def test_an_edge_gets_a_corner_where_it_is_taken_hold_of(desk, where, end):
     crs, extent = MERCATOR
@@ -299,7 +300,7 @@ def test_an_edge_gets_a_corner_where_it_is_taken_hold_of(desk, where, end):
     assert desk.form.area.undo.toolTip() == "Undo: add a corner (Ctrl+Z)"
 
 
-@pytest.mark.parametrize("way", ["right click", "delete", "backspace"])
+@pytest.mark.parametrize("way", sampled(["right click", "delete", "backspace"], 2))
 def test_a_corner_is_removed(desk, way):
     desk.look_at(*MERCATOR)
     draw(desk, (*KITE, (0.15, 0.5)))

@@ -842,6 +842,7 @@ def test_cleaning_draws_its_diagrams(tmp_path):
     assert any("no diagrams" in text for text in feedback.warnings)
 
 
+@pytest.mark.thorough
 def test_the_report_is_a_page(tmp_path):
     pytest.importorskip("matplotlib")
     result = run("accuracyreport", COORDS="35.158_-89.898_300", QUICK=True, FOLDER=str(tmp_path / "r"))

@@ -185,12 +185,15 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
 
 @pytest.mark.parametrize(
     "text",
-    [
-        *("", "{", "[]", "null", "[" * 200_000, "\x00\x01"),
-        *('{"schema": 99}', '{"schema": 1, "area": ["x"], "flight": {"agl_m": 1}}'),
-        '{"schema": 1, "area": {"type": "box"}, "flight": {"agl_m": -4}}',
-        '{"schema": 1, "area": {"type": "points", "poses": [[1]]}, "flight": {"agl_m": 4}}',
-    ],
+    sampled(
+        [
+            *("", "{", "[]", "null", "[" * 200_000, "\x00\x01"),
+            *('{"schema": 99}', '{"schema": 1, "area": ["x"], "flight": {"agl_m": 1}}'),
+            '{"schema": 1, "area": {"type": "box"}, "flight": {"agl_m": -4}}',
+            '{"schema": 1, "area": {"type": "points", "poses": [[1]]}, "flight": {"agl_m": 4}}',
+        ],
+        4,
+    ),
 )
 def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, answers, text):
     desk.enter_coarse_mission()
