@@ -212,7 +212,7 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[MosaicRa
         before, share = done / total, len(placed.paths) / total
         build_mosaic(plan, mosaic.path, placed, lambda part, at=before, of=share: progress(at + part * of))
         done += len(placed.paths)
-        # A file that does not exist cannot be open.
+        # If there is no old file, no layer can have it open.
         made.append(mosaic if mosaic.path.exists() else mosaic.put_in_place())
     return made
 
@@ -514,7 +514,8 @@ def _fill(
         if not progress(_FIRST_SHARE * index / len(placed.paths)):
             raise Cancelled("mosaic: stopped")
         settled = int(tops[index]) - band_top
-        # Whole blocks of the file at a time; rounding may start an image a row before its neighbours.
+        # Write whole blocks of the file at a time, but the last row later: rounding may start an image a row above
+        # the previous images.
         if settled > 256:
             _write(raster, sums[: settled - 1], band_top)
             sums, band_top = sums[settled - 1 :], band_top + settled - 1

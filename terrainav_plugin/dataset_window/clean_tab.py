@@ -226,7 +226,7 @@ class CleanTab(QWidget):
             "The entropies form two groups with few images between them; {bits} bits separate them best "
             "(Otsu's method). The lower group has {rejected} of {count} images ({percent} %)."
         ).format(**figures)
-        # More than a few images without detail.
+        # Images without detail are usually few.
         if share > 0.25:
             text += " " + tr("That is a large part: look at the images below before you reject them.")
         self._show_reason(text)

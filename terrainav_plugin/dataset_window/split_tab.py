@@ -1,4 +1,4 @@
-"""Tab for dividing images into training, validation and test."""
+"""Tab for dividing images into training, validation and test parts."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ def read_counts(folder: Path) -> Counts:
     from ...core.dataset.table import image_parts, usable_rows
 
     table = next(iter(read_dataset(folder).image_sets.values())).table
-    there, part = usable_rows(table), image_parts(table)
+    usable, part = usable_rows(table), image_parts(table)
     if part is None:
-        return Counts(int(there.sum()), None)
-    mine = [one for one, is_there in zip(part, there.tolist()) if is_there]
+        return Counts(int(usable.sum()), None)
+    mine = [one for one, is_usable in zip(part, usable.tolist()) if is_usable]
     return Counts(len(mine), {name: mine.count(name) for name in PARTS})
 
 
 class SplitTab(Tab):
-    """Entries of a split, as in Processing, and its result."""
+    """Entries of a split, as in Processing, and the result of the split."""
 
     def __init__(self, work: Work) -> None:
         super().__init__("split_tab")
@@ -103,9 +103,8 @@ class SplitTab(Tab):
         }
 
     def enable(self) -> None:
-        """Enable what is possible now."""
-        there = self._known and not self.working
-        self.split.setEnabled(there)
+        """Enable the actions that are possible now."""
+        self.split.setEnabled(self._known and not self.working)
         by_ground = self.how.currentData() in _BY_GROUND
         for widget in (self.block, self.gap):
             widget.setEnabled(by_ground)

@@ -17,9 +17,9 @@ class Tab(QWidget):
     Attributes
     ----------
     folder : Path or None
-        Of the dataset.
+        Folder of the dataset.
     working : bool
-        Whether a task of the window is under way, which allows no other.
+        Whether a task of the window is under way; no other task can then begin.
     hint : QLabel
         Shown instead of the contents.
     """
@@ -39,7 +39,7 @@ class Tab(QWidget):
         return self.reader.busy
 
     def take(self, folder: Path | None) -> None:
-        """Show the current state of a dataset; None for none."""
+        """Show the current state of a dataset; None shows no dataset."""
         self.folder = folder
         self.reader.forget()
         self.show_dataset()
@@ -66,7 +66,7 @@ class Tab(QWidget):
         self.enable()
 
     def enable(self) -> None:
-        """Enable what is possible now."""
+        """Enable the actions that are possible now."""
         raise NotImplementedError
 
 

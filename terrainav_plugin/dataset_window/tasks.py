@@ -22,7 +22,7 @@ MARK, MOVE, UNDO = "mark", "move", "undo"
 
 
 class Work(QObject):
-    """The window's single task.
+    """Runs the window's tasks, one at a time.
 
     Signals
     -------
@@ -51,7 +51,8 @@ class Work(QObject):
         Parameters
         ----------
         done, refused : callable
-            Called with the task when it has ended, or with the reason of its failure, also shown in the message bar.
+            Called when the task ends: ``done`` with the task after success, ``refused`` with the reason of a failure,
+            which the message bar also shows.
         """
         if self.task is not None:
             return
@@ -120,7 +121,7 @@ class CleanTask(Task):
             self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.report_progress)
 
     def text(self) -> str:
-        """Sentence or two on the results of all map types."""
+        """One or two sentences about the results of all map types."""
         images, rejected, moved, returned = (
             number_text(sum(values))
             for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
@@ -148,7 +149,7 @@ class PicturesTask(Task):
     Parameters
     ----------
     folder, target : Path
-        Of the dataset, and of the images.
+        Folder of the dataset, and folder for the images.
     threshold : float
         Bits.
 
@@ -172,14 +173,14 @@ class PicturesTask(Task):
 
 
 class SplitTask(Task):
-    """Split a dataset, or count the parts of a split.
+    """Split a dataset, or compute the counts of a split only.
 
     Parameters
     ----------
     folder : Path
     shares : sequence of three floats
     options : dict
-        Of `split`.
+        Keyword arguments of `split`.
 
     Attributes
     ----------

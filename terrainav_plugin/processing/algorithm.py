@@ -32,7 +32,7 @@ from ..tasks import PythonThread, hold_crs, on_python_thread
 from .choices import ChoiceParameter
 
 Result = TypeVar("Result")
-#: NUL and lone surrogates.
+#: Characters that no file name can contain: NUL and lone surrogates.
 _IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
 
 
@@ -62,25 +62,25 @@ class AlgorithmRun(NamedTuple):
         return self.algorithm.parameterAsString(self.parameters, name, self.context)
 
     def number(self, name: str) -> float:
-        """Number of a parameter; raises InvalidInput if it is not one."""
+        """Value of a number parameter; raises InvalidInput if it is not a number."""
         found = self.algorithm.parameterAsDouble(self.parameters, name, self.context)
         self._check_number(name, found, tr("{title} {value}: must be a number"))
         return found
 
     def whole(self, name: str) -> int:
-        """Integer of a parameter; raises InvalidInput if it is not one."""
+        """Value of an integer parameter; raises InvalidInput if it is not an integer."""
         found = self.algorithm.parameterAsInt(self.parameters, name, self.context)
         self._check_number(name, found, tr("{title} {value}: must be a whole number of 32 bits"))
         return found
 
     def _check_number(self, name: str, found: float, words: str) -> None:
-        """Refuse texts that QGIS would read as another number: optional parameters and large numbers."""
+        """Refuse values that QGIS reads as another number, such as large integers and text in optional parameters."""
         given = self.parameters.get(name)
         if given == "" or not isinstance(given, (str, int, float)):
             return
         try:
-            # QGIS rounds to integers, which changes a number by a half at most. The check of the range refuses NaN,
-            # unless an integer is wanted.
+            # Allow a difference of a half, as QGIS rounds to integers. NaN equals NaN here: a check of the range
+            # refuses NaN, unless an integer is wanted.
             is_same = abs(float(given) - found) <= 0.5 or repr(float(given)) == repr(found)
         except ValueError:
             is_same = False
@@ -93,7 +93,7 @@ class AlgorithmRun(NamedTuple):
         return self.algorithm.parameterAsBool(self.parameters, name, self.context)
 
     def choice(self, name: str) -> str:
-        """Value chosen; empty without a choice. Raises InvalidInput for an unknown value."""
+        """Value of a choice; empty if none is made. Raises InvalidInput for an unknown value."""
         chosen = self.chosen(name)
         return chosen[0] if chosen else ""
 
@@ -107,17 +107,18 @@ class AlgorithmRun(NamedTuple):
 
 
 class Algorithm(QgsProcessingAlgorithm):
-    """A TerrAInav algorithm: named by its class, with one-line errors and imports of heavy packages on running.
+    """Base of TerrAInav's algorithms, with errors in one line; heavy packages are imported only in a run.
 
     Parameters
     ----------
     listed : bool
-        Whether it is only for the toolbox's list: choices that are slow to determine are left to the copy that runs.
+        Whether this object is only listed in the toolbox: it omits choices that are slow to determine, which the copy
+        that runs has.
     """
 
     #: Identifiers of the algorithm and its group.
     NAME, GROUP = "", "missions"
-    #: Python packages needed beside the plugin's.
+    #: Python packages needed in addition to those of the plugin.
     PACKAGES: tuple[str, ...] = ()
 
     def __init__(self, *, listed: bool = False) -> None:
@@ -127,7 +128,7 @@ class Algorithm(QgsProcessingAlgorithm):
         self.choices: dict[str, ChoiceParameter] = {}
 
     def createInstance(self) -> QgsProcessingAlgorithm:
-        """Create the copy that runs."""
+        """Create the copy that QGIS runs."""
         return type(self)()
 
     def name(self) -> str:
@@ -156,7 +157,7 @@ class Algorithm(QgsProcessingAlgorithm):
         return self.texts().tags.split(",")
 
     def shortHelpString(self) -> str:
-        """Help, which the toolbox shows as HTML and a terminal verbatim."""
+        """Help, shown as HTML in the toolbox and verbatim in a terminal."""
         return "\n\n".join(self.texts().help)
 
     def icon(self) -> QIcon:
@@ -174,7 +175,7 @@ class Algorithm(QgsProcessingAlgorithm):
         return homepage()
 
     def canExecute(self) -> tuple[bool, str]:
-        """Whether all packages are installed, and which are missing."""
+        """Whether all packages are installed; if not, a message that names the missing ones."""
         missing = missing_packages(*self.PACKAGES)
         if not missing:
             return True, ""
@@ -208,7 +209,7 @@ class Algorithm(QgsProcessingAlgorithm):
     def prepareAlgorithm(
         self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
     ) -> bool:
-        """Take what belongs to the main thread, on which QGIS calls this."""
+        """Read everything that is only available on the main thread, on which QGIS calls this."""
         hold_crs()
         _checked(lambda: self._check_texts(parameters))
         _checked(lambda: self.prepared(AlgorithmRun(self, parameters, context, feedback)))
@@ -242,10 +243,10 @@ class Algorithm(QgsProcessingAlgorithm):
         raise NotImplementedError
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Take what belongs to the main thread, before the run."""
+        """Read everything that is only available on the main thread, before the run."""
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Do the work, on any thread; returns the outputs."""
+        """Do the work, on any thread, and return the outputs."""
         raise NotImplementedError
 
     def postProcessAlgorithm(
@@ -253,19 +254,19 @@ class Algorithm(QgsProcessingAlgorithm):
         context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
         feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
     ) -> dict[str, Any]:
-        """Finish on the main thread, on which QGIS calls this; a model calls it on its thread."""
+        """Finish after the work: on the main thread, or on the thread of a model."""
         _checked(self.finished)
         return {}
 
     def finished(self) -> None:
-        """Do what belongs to the main thread, after the work."""
+        """Finish after the work: on the main thread, or on the thread of a model."""
 
     def released(self) -> None:
-        """Release what was prepared, whatever the end of the run."""
+        """Release what was prepared, whether or not the run succeeded."""
 
 
 class WorkFeedback:
-    """Progress and cancellation, for the thread of the work."""
+    """Feedback for the thread that works: log, progress and cancellation."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         self._feedback = feedback
@@ -279,7 +280,7 @@ class WorkFeedback:
         self._feedback.pushWarning(text)
 
     def progress(self, share: float) -> bool:
-        """Set the share done, 0 to 1; returns whether to continue."""
+        """Set the share done, 0 to 1, and return whether to continue."""
         self._feedback.setProgress(100.0 * share)
         return not self.cancelled()
 
@@ -289,9 +290,9 @@ class WorkFeedback:
 
 
 def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Do ``work`` on another thread while the main thread handles its events; returns or raises what it does.
+    """Do ``work`` on another thread and return its result, or raise its error.
 
-    If called on another thread than the main one, that thread waits.
+    The main thread handles its events meanwhile; any other thread just waits.
     """
     from ..network.worker import in_main_thread
 
@@ -306,10 +307,10 @@ def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcess
             loop.quit()
 
     timer.timeout.connect(look)
-    # Check the progress and for cancellation every 20 ms.
+    # Pass on progress and check for cancellation every 20 ms.
     timer.start(20)
     try:
-        # User input waits, as for every algorithm that runs on the main thread.
+        # User input has to wait, as during every algorithm that runs on the main thread.
         loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
     finally:
         relay.stop()
@@ -330,7 +331,7 @@ def is_loadable(path: Path, feedback: QgsProcessingFeedback) -> bool:
 
 
 def _checked(work: Callable[[], Result]) -> Result:
-    """Result of ``work``; errors are raised as Processing shows them."""
+    """Return the result of ``work``, or raise its error as one that Processing shows."""
     from ..form.mission_form import FormError
 
     try:
@@ -341,12 +342,12 @@ def _checked(work: Callable[[], Result]) -> Result:
         text = translate(wrong)
     except OSError as wrong:
         text = tr("cannot continue ({error})").format(error=one_line(str(wrong)))
-    # Raise outside `except`: the error is released, with everything its traceback refers to.
+    # Raise outside `except`, to release the original error and everything its traceback refers to.
     raise QgsProcessingException(text)
 
 
 class _Relay(WorkFeedback):
-    """Relay messages through the main thread, where the caller's feedback expects them."""
+    """Pass messages to the main thread, where the feedback of QGIS must be called."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         super().__init__(feedback)
@@ -367,7 +368,7 @@ class _Relay(WorkFeedback):
         return self._stop.is_set()
 
     def deliver(self) -> None:
-        """Pass on the progress reported; on the main thread."""
+        """Deliver pending messages; call on the main thread."""
         if self._feedback.isCanceled():
             self._stop.set()
         try:

@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from .algorithm import AlgorithmRun
 
 
-#: Attributes of points with a parameter for their field, such as AGL_FIELD.
+#: Attributes of points; each has a parameter for its field, such as AGL_FIELD.
 POINT_FIELDS = ("agl", "yaw", "tilt", "gimbal_pitch", "roll", "time")
-#: An extent or a point as QGIS reads it, with its CRS in square brackets.
+#: An extent or a point in QGIS's notation, with its CRS in square brackets.
 _NUMBERS_OF_CRS = re.compile(r"(?:[^,\[\]]*,){1,3}[^,\[\]]*\[(.*)\]\s*", re.DOTALL)
 #: CRS of missions.
 _GEOGRAPHIC = "EPSG:4326"
 
 
 def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
-    """Ground under an extent, as for a rectangle drawn on the map; raises InvalidInput."""
+    """Area of an extent, as for a rectangle drawn on the map; raises InvalidInput."""
     from ..area.layers import rectangle_area
 
     check_parameter_crs(run, "EXTENT")
@@ -53,7 +53,7 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
                 text=run.parameters.get("EXTENT")
             )
         )
-    # Numbers without a CRS are degrees, as QGIS leaves them, not coordinates in the project's CRS.
+    # QGIS does not transform numbers without a CRS: they are degrees, not coordinates in the project's CRS.
     crs = (
         geographic
         if extent == in_degrees
@@ -63,7 +63,7 @@ def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
 
 
 def check_parameter_crs(run: AlgorithmRun, name: str) -> None:
-    """Check the CRS of an extent or a point with `check_crs`, if it has one; raises InvalidInput."""
+    """Check the CRS of an extent or a point, if any, with `check_crs`; raises InvalidInput."""
     from ..map.canvas import check_crs
 
     named = _NUMBERS_OF_CRS.fullmatch(str(run.parameters.get(name)))
@@ -74,7 +74,7 @@ def check_parameter_crs(run: AlgorithmRun, name: str) -> None:
 
 
 def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
-    """Polygons or points of a layer, and the mission's height; raises InvalidInput."""
+    """Polygons or points of a layer, and the height of the mission; raises InvalidInput."""
     source = run.algorithm.parameterAsSource(run.parameters, "AREA", run.context)
     if source is None:
         raise InvalidInput(tr("area {name}: no such layer").format(name=run.parameters.get("AREA")))
@@ -91,7 +91,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
             for name in POINT_FIELDS
         }
         for field in filter(None, fields.values()):
-            # QGIS checks this only in its windows.
+            # QGIS checks field names only in its windows.
             if source.fields().lookupField(field) < 0:
                 raise InvalidInput(
                     tr("area {name}: has no field {field}").format(name=source.sourceName(), field=field)
@@ -112,7 +112,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
 
 
 def no_fly_of_layer(run: AlgorithmRun) -> tuple[Polygon, ...]:
-    """No-fly polygons of a layer; none without a layer or for an empty one."""
+    """No-fly polygons of a layer; empty if the layer is empty or not given."""
     if not run.is_given("NO_FLY"):
         return ()
     source = run.algorithm.parameterAsSource(run.parameters, "NO_FLY", run.context)
@@ -135,10 +135,9 @@ def layer_crs(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSyste
 
 
 def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
-    """Features of a layer, without QGIS's check for invalid ones: their readers check them.
+    """Features of a layer, without QGIS's check of geometries; the callers check them.
 
-    The exception that QGIS throws if its check fails passes through Python (seen in 3.22), and the next call crashes
-    QGIS.
+    If QGIS's check fails, its C++ exception passes through Python (seen in 3.22), and the next call crashes QGIS.
     """
     unchecked = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
     return source.getFeatures(QgsFeatureRequest(), unchecked)
@@ -156,7 +155,7 @@ def _features(run: AlgorithmRun, source: QgsProcessingFeatureSource) -> list[Qgs
 def _polygons(
     run: AlgorithmRun, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
-    """Polygons of features and their parts, as for a layer in the panel; raises InvalidInput."""
+    """Polygons of features, including all parts, as for a layer in the panel; raises InvalidInput."""
     from ..area.layers import read_polygons
 
     crs, context = layer_crs(source), run.context.transformContext()

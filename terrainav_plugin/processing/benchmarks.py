@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 _GROUP = "benchmarks"
 _PERCENT = 100.0
-#: Figures of all queries that become outputs, by their names in the core.
+#: Names in the core of the figures over all queries, by output.
 _FIGURES = {
     "QUERY_COUNT": "queries",
     "RECALL_1": "recall@1",
@@ -220,7 +220,7 @@ class MakeBenchmark(WithImagery):
         self.take_imagery(run, *(settings.queries.select_imagery(one) for one in self._named.values()))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Count or capture."""
+        """Plan, and capture unless this is a dry run."""
         from ...core.benchmark.planning import plan_benchmark
 
         folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
@@ -293,7 +293,7 @@ class MakeBenchmark(WithImagery):
 
 
 class ScoreBenchmark(Algorithm):
-    """Scores of a baseline's answers or those in a file."""
+    """Scores of the answers of a baseline, or of answers in a file."""
 
     NAME, GROUP = "scorebenchmark", _GROUP
 
@@ -434,7 +434,7 @@ def _read_settings(run: AlgorithmRun) -> BenchmarkSettings:
 
 
 def _imageries(run: AlgorithmRun, mission: Mission) -> tuple[NamedImagery, ...]:
-    """Imagery of the queries: rasters and imagery by name, or else the mission's."""
+    """Imagery of the queries: the given rasters and named imagery; by default, the imagery of the mission."""
     from ...core.mission.imageries import NamedImagery, named_imageries
 
     lines = [line.strip() for line in run.text("QUERIES").splitlines() if line.strip()]
@@ -458,7 +458,7 @@ def _reference(run: AlgorithmRun) -> NamedImagery:
 
 
 def _source_text(layer: QgsMapLayer) -> str:
-    """A raster as named imagery: its file if it has one, otherwise a layer of the project."""
+    """Name of a raster as imagery: its file, or the layer of the project if it has no file."""
     from ...core.mission.imageries import folder_name
     from ..map.mission_group import layer_file
     from ..qgis_source.snapshot import source_name
@@ -478,7 +478,7 @@ def _widths(text: str) -> tuple[float, ...]:
 
 
 def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
-    """Report what is captured, by folder."""
+    """Report the number of images by folder."""
     for folder, (imagery, plan) in worked_out.captures.items():
         watch.say(
             tr("{folder}: {imagery}; images: {images}, {width} x {height} px; requests: {requests}").format(
@@ -496,7 +496,7 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
 
 
 def _progress(worked_out: BenchmarkPlan, watch: WorkFeedback) -> Callable[[Progress], object]:
-    """Report the progress of all captures together, weighted by their requests."""
+    """Callback that reports the progress of all captures together, weighted by their requests."""
     weights = {folder: max(plan.requests, 1) for folder, (_, plan) in worked_out.captures.items()}
     shares: dict[str, float] = {}
 
@@ -512,7 +512,7 @@ def _progress(worked_out: BenchmarkPlan, watch: WorkFeedback) -> Callable[[Progr
 def _judged(
     benchmark: Benchmark, name: str, predictions: str, part: str, target: Path, watch: WorkFeedback
 ) -> tuple[Scores, Path]:
-    """Scores of a file of predictions, or of a baseline, and their page."""
+    """Scores of a file of predictions or of a baseline, and the path of a page that shows them."""
     from ...core.benchmark.answers import Predictions
     from ...core.benchmark.page import write_scores
     from ...core.benchmark.running import method_named, prediction_file, run_method
@@ -543,20 +543,20 @@ def _judged(
 
 
 def _numbers(figures: tuple[Figure, ...]) -> dict[str, float]:
-    """Values of the numeric figures that are defined."""
-    values = {one.name: one.value for one in figures}
-    found = {name: values[own] for name, own in _FIGURES.items() if own in values}
-    return {name: value for name, value in found.items() if value == value}
+    """Values of the figures in `_FIGURES`, by output, without NaN."""
+    values = {figure.name: figure.value for figure in figures}
+    found = {output: values[name] for output, name in _FIGURES.items() if name in values}
+    return {output: value for output, value in found.items() if value == value}
 
 
 def _layer_ids(context: QgsProcessingContext) -> frozenset[str]:
-    """Ids of the project's layers, if there is a project. Main thread only."""
+    """Ids of the project's layers; empty without a project. Main thread only."""
     project = context.project()
     return frozenset(() if project is None else project.mapLayers())
 
 
 def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:
-    """Layers of the queries' footprints: file, options and title, by role."""
+    """Layers of the queries' footprints: by role, file, options and title."""
     from ...core.benchmark.folder import QUERIES_FOLDER
     from ...core.dataset.folder import FOOTPRINTS_FILE
     from ..dataset.scores import QUERIES
@@ -569,7 +569,7 @@ def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:
 
 
 def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path, str, str]]:
-    """Layers of a method's errors, one for each imagery of the queries, as their places coincide."""
+    """Layers of a method's errors: one for each imagery, because queries from different imagery coincide."""
     from ..dataset.scores import ERRORS
 
     title = tr("Errors of {name}").format(name=name)
@@ -582,7 +582,7 @@ def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path
 def _load(
     run: AlgorithmRun, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
 ) -> None:
-    """Add the reference and other layers, by role, to the benchmark's group in the project, if any."""
+    """Add the reference and the given layers to the benchmark's group; does nothing without a project."""
     from ..dataset.scores import REFERENCE, group_post_processor
 
     context = run.context

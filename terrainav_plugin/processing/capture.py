@@ -1,4 +1,4 @@
-"""Algorithms that capture a mission into a dataset folder, or failed images again."""
+"""Algorithms that capture a mission into a dataset folder, or capture failed images again."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 #: Share of capturing in the progress; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
-#: Most failed images named in the log; the journal and tables name all.
+#: Largest number of failed images named in the log; the journal and the tables name all.
 _NAMED_FAILURES = 20
 
 
 class _Capturing(WithImagery):
-    """Base of both algorithms: parameters, run and outputs."""
+    """Base of both algorithms: their common parameters, run and outputs."""
 
     def _add_run(self) -> None:
         self.add_access(
@@ -79,7 +79,7 @@ class _Capturing(WithImagery):
         self._made: list[MosaicRaster] = []
 
     def _captured(self, run: AlgorithmRun, folder: Path, **options: bool) -> dict[str, Any]:
-        """Capture, make the mosaics, return the outputs."""
+        """Capture, make the mosaics, and return the outputs."""
         from ...core.capture.progress import Listener
         from ...core.capture.runner import capture
 
@@ -121,13 +121,13 @@ class _Capturing(WithImagery):
         }
 
     def finished(self) -> None:
-        """Replace mosaics that the project may show."""
+        """Put the new mosaics in place, which the project may show."""
         from ..dataset.placing import place_mosaics
 
         place_mosaics(QgsProject.instance(), self._made)
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: WorkFeedback) -> list[MosaicRaster]:
-        """Mosaics of all map types, if there are any."""
+        """Mosaics of all map types; empty if none are wanted or possible."""
         from ..dataset.mosaic import build_any_mosaics
         from ..sources import mission_heights
 
@@ -234,14 +234,14 @@ class CaptureFailed(_Capturing):
 
 
 def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> None:
-    """Add a layer to the project, if any, after the algorithm."""
+    """Add a layer to the project after the algorithm; does nothing without a project."""
     if context.project() is not None:
         details = QgsProcessingContext.LayerDetails(title, context.project(), title)
         context.addLayerToLoadOnCompletion(str(path), details)
 
 
 def tell_result(result: CaptureResult, watch: WorkFeedback) -> None:
-    """Report the images written and failed, and tiles received for many places."""
+    """Report the images written and failed, and tiles that were received for many places."""
     watch.say(
         tr("{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.").format(
             written=number_text(result.written),

@@ -1,4 +1,4 @@
-"""Parameters for choices, which a script, model or terminal may name by value, title or number."""
+"""Parameters for choices, which a script, a model or a terminal may give by value, title or number."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from ...core.errors import InvalidInput
 from ...core.text.plain import listed
 from ..i18n import tr
 
-#: Values of choices that are determined at run time.
+#: Types of values from which QGIS determines a choice at run time.
 _LATER = (QgsProperty,)
 
 
 class ChoiceParameter(QgsProcessingParameterEnum):
-    """A choice of words: given by value, title, list entry or number, in any case.
+    """A choice of words: given by value, title, list entry or number, in upper or lower case.
 
-    The list shows the values; with ``titled``, the titles with the values in square brackets.
+    The list shows the values; with ``titled``, it shows the titles, with the values in square brackets.
 
     Parameters
     ----------
     name, description : str
     choices : mapping
-        Values with their titles.
+        Titles by value.
     usual : object
-        Default value, or a list of them; None for an optional choice.
+        Default value, or a list of default values; None for an optional choice.
     several : bool
-        Whether several may be chosen.
+        Whether several values may be chosen.
     titled : bool
     more : bool
-        Whether the running copy may have more choices, and checks the value itself.
+        Whether the copy that runs may have more choices; QGIS then accepts any value, and the run checks it.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         self._how = {"several": several, "titled": titled, "more": more}
         self.values = tuple(choices)
         shows = [listed(value, title) if titled else value for value, title in choices.items()]
-        # Numbers come last: a value may be one.
+        # `_found` tries numbers last: a value may be a number.
         self._names: dict[str, set[str]] = {}
         for at, (value, title) in enumerate(choices.items()):
             for known in (value, title, shows[at]):
@@ -78,7 +78,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return made
 
     def checkValueIsAcceptable(self, value: object, _context: QgsProcessingContext | None = None) -> bool:
-        """Whether a value names one of the choices, or some of them."""
+        """Whether a value names one of the choices, or several if allowed."""
         if isinstance(value, _LATER):
             return True
         given = self._given(value)
@@ -87,7 +87,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return self._how["more"] or all(self._found(one) is not None for one in given)
 
     def chosen(self, value: object) -> tuple[str, ...]:
-        """Values by name; raises InvalidInput for an unknown name."""
+        """Values of the choices given by name; raises InvalidInput for an unknown name."""
         found = []
         for one in self._given(value):
             known = self._found(one)
@@ -110,7 +110,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return [value]
 
     def _found(self, one: object) -> str | None:
-        """Value by name; None for an ambiguous or unknown name."""
+        """Value of the choice given by name; None if the name is ambiguous or unknown."""
         text = str(one)
         if text in self.values:
             return text
@@ -118,7 +118,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         if len(named) == 1:
             return next(iter(named))
         number = text.removesuffix(".0") if isinstance(one, float) else text
-        # No number of a choice has more digits; Python refuses to convert thousands of them.
+        # Numbers of choices are short; Python refuses to convert thousands of digits.
         is_number = number.isascii() and number.isdigit() and len(number) <= 9
         if not named and is_number and int(number) < len(self.values):
             return self.values[int(number)]

@@ -1,4 +1,4 @@
-"""Algorithms that clean, split, mosaic and export a dataset."""
+"""Algorithms that clean, split and export a dataset, or make its mosaic."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _MARK, _MOVE, _UNDO = "mark", "move", "undo"
 
 
 class _OfDataset(Algorithm):
-    """Base of cleaning and splitting: the folder, and a dry run."""
+    """Base of cleaning and splitting: the parameters for the folder and a dry run."""
 
     GROUP = "datasets"
 
@@ -77,7 +77,7 @@ class Clean(_OfDataset):
         )
 
     def _define_own(self) -> None:
-        # Largest entropy of 256 grey levels.
+        # The maximum is the largest entropy of 256 grey levels.
         self.add(
             QgsProcessingParameterNumber(
                 "ENTROPY",
@@ -154,13 +154,13 @@ class Clean(_OfDataset):
             "REJECTED": sum(one.rejected for one in cleaned),
             "MOVED": sum(one.moved + one.returned for one in cleaned),
             **({} if suggested is None else {"SUGGESTED": suggested}),
-            # Of the first map type: the others are beside it.
+            # The charts of the first map type; the others are in the same folder.
             **dict(zip(("HISTOGRAM", "BARS"), next((one.figures for one in cleaned if one.figures), ()))),
         }
 
 
 def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFeedback) -> None:
-    """Warn if a threshold rejects too many images, or the table has another kind of entropy."""
+    """Warn if a threshold rejects too many images, or if the table has another kind of entropy."""
     for one in cleaned:
         if one.is_one_sided:
             feedback.pushWarning(
@@ -187,7 +187,7 @@ def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFee
 
 
 def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
-    """Report mosaics that refer to moved images, or lack restored ones."""
+    """Report mosaics that refer to moved images or lack restored images."""
     from ..dataset.mosaic import mosaic_names
 
     mosaics = mosaic_names(folder)
@@ -201,7 +201,7 @@ def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
 
 
 class SplitAlgorithm(_OfDataset):
-    """Divide images into training, validation and test."""
+    """Divide images into training, validation and test parts."""
 
     NAME = "split"
 

@@ -1,4 +1,4 @@
-"""The imagery of a mission, for algorithms: taken on the main thread before they run."""
+"""The imagery of a mission, prepared on the main thread before an algorithm runs."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 
 class MissionSource:
-    """A mission's source, as prepared for an algorithm; create on the main thread.
+    """A mission's source, prepared for an algorithm. Create on the main thread.
 
     Parameters
     ----------
     mission : Mission
     authcfg : str
-        Configuration of QGIS's authentication database for the source's key or requests; empty for the one chosen for
-        the source in the panel.
+        Id of a configuration in QGIS's authentication database for the source's key or requests; empty for the
+        configuration that the panel has for the source.
     placeholders : tuple of str
-        SHA-256 of tiles that count as missing, beside those of the settings.
+        SHA-256 of tiles that count as missing, in addition to those in the settings.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class MissionSource:
 
     @contextmanager
     def opened(self) -> Iterator[Source]:
-        """Open the source, once; it is closed with its connections on exit."""
+        """Open the source; it and its connections are closed on exit, so that this works only once."""
         from ..sources import open_for_capture
 
         with closing(self._transport) as transport:
@@ -94,7 +94,7 @@ class MissionSource:
 
 
 class _Keeper(QObject):
-    """Hold objects of the main thread until it can release them: algorithms end on any thread."""
+    """Holds sources until the main thread, to which they belong, can release them: algorithms end on any thread."""
 
     over = pyqtSignal(object)
 
@@ -108,7 +108,7 @@ class _Keeper(QObject):
         self._kept[id(imagery)] = imagery
 
     def release_source(self, key: int) -> None:
-        """Release a source by its identity on the main thread; the last user calls this on any thread."""
+        """Release the source whose `id` is ``key``, on the main thread. Call on any thread, after its last use."""
         from ..network.worker import in_main_thread
 
         if in_main_thread():
@@ -127,17 +127,17 @@ def _keeper() -> _Keeper:
 
 
 class WithImagery(Algorithm):
-    """An algorithm that fetches imagery, and holds it while it runs."""
+    """Base of algorithms that fetch imagery; holds its sources during the run."""
 
     _taken: tuple[MissionSource, ...] = ()
 
     @property
     def _imagery(self) -> MissionSource:
-        """The source of its single mission."""
+        """The source of an algorithm with a single mission."""
         return self._taken[0]
 
     def add_access(self, help_text: str) -> None:
-        """Add parameters for a source's key or authentication, and for consent."""
+        """Add parameters for a source's key or authentication, and for consent to its terms."""
         self.add(
             QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
             help_text,
@@ -154,7 +154,7 @@ class WithImagery(Algorithm):
         )
 
     def add_placeholders(self) -> None:
-        """Add a parameter for tiles without imagery."""
+        """Add a parameter for tiles that count as missing."""
         self.add(
             QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
             tr(
@@ -166,14 +166,14 @@ class WithImagery(Algorithm):
         )
 
     def take_imagery(self, run: AlgorithmRun, *missions: Mission) -> None:
-        """Take the imagery of missions. Main thread only."""
+        """Prepare the sources of missions. Main thread only."""
         placeholders = tuple(run.text("PLACEHOLDERS").replace(",", " ").split())
         self._taken = tuple(MissionSource(mission, run.text("AUTHCFG"), placeholders) for mission in missions)
         for imagery in self._taken:
             _keeper().keep(imagery)
 
     def released(self) -> None:
-        """Release the imagery."""
+        """Release the sources."""
         keys, self._taken = [id(imagery) for imagery in self._taken], ()
         for key in keys:
             _keeper().release_source(key)

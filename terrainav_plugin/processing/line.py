@@ -1,4 +1,4 @@
-"""Algorithm that flies along a line at a speed, and gives poses with attitude and time."""
+"""Algorithm that flies along a line at constant speed, and writes poses with attitude and time."""
 
 from __future__ import annotations
 

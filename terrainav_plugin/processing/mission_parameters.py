@@ -41,10 +41,10 @@ if TYPE_CHECKING:
 
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
-#: Parameters with names other than those of the command's options.
+#: Parameters whose names differ from the command's options, by field.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: Parameters that are undefined if not given, despite a mission's default: a chosen camera has its pixels, and texts
-#: are empty then.
+#: Fields whose parameter has no default value although the mission has one: the chosen camera determines ``image_px``,
+#: and the texts may be left empty.
 _IF_GIVEN = ("image_px", "start", "date", "crs")
 #: The last parameter of a mission, which replaces all others.
 _FILE = "MISSION"
@@ -54,7 +54,7 @@ _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "
 def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     """Add all parameters of a mission, the less common ones as advanced.
 
-    ``listed`` omits the user's cameras and sources from the choices, as they are slow to determine.
+    ``listed`` omits the user's cameras and sources from the choices, as reading them is slow.
     """
     _add_area(algorithm)
     _add_camera(algorithm, listed)
@@ -104,7 +104,7 @@ def read_mission(run: AlgorithmRun) -> Mission:
     entries: dict[str, Any] = {"image_px": own_px}
     for part in FLAT_PARTS.values():
         for field in declared_fields(part):
-            # Fields that are read separately.
+            # The others are read separately.
             if field.name not in ("agl_m", "source", "map_types", "img_size", "takeoff"):
                 value = _value(run, field)
                 entries.update({} if value is None else {field.name: value})
@@ -155,7 +155,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.choices:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
-        # The value for "nothing" is not offered.
+        # An optional parameter offers no value for "nothing".
         choices = {value: translate(words) for value, words in field.choices.items() if value}
         return ChoiceParameter(name, title, choices, usual or None, several=several)
     if field.kind is bool:
@@ -289,7 +289,7 @@ def _cameras(listed: bool) -> tuple[str, ...]:
 
 
 def _sources(listed: bool) -> dict[str, str]:
-    """Titles of sources by name."""
+    """Titles of sources, by name."""
     shipped = {name: str(data["title"]) for name, data in read_json("sources.json").items()}
     if listed:
         return shipped
@@ -303,7 +303,7 @@ def _sources(listed: bool) -> dict[str, str]:
 
 
 def _share(run: AlgorithmRun, field: Field) -> float:
-    """Share of a field in percent: of the decimal typed, not of its binary fraction."""
+    """Share from a percentage, computed from the decimal typed: a binary fraction would give other last digits."""
     return float(Decimal(repr(run.number(_parameter_id(field)))) / int(field.unit.times))
 
 
@@ -323,7 +323,7 @@ def _area(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
 
 
 def _camera(run: AlgorithmRun) -> tuple[Camera, int]:
-    """Camera, and the pixels along the longer side of its image."""
+    """Camera, and the number of pixels along the longer side of its images."""
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
 

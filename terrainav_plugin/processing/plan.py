@@ -1,4 +1,4 @@
-"""Algorithm that plans a mission, as layers, numbers and files. Fetches no imagery."""
+"""Algorithm that plans a mission and writes the plan as layers, numbers and files. Fetches no imagery."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class PlanAlgorithm(Algorithm):
         self.add_numbers(_figures())
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Read the mission, and the grid of project layers."""
+        """Read the mission, and the pixel grid of project layers."""
         from ..sources import grid_finder
 
         self._mission = read_mission(run)
@@ -125,7 +125,7 @@ class PlanAlgorithm(Algorithm):
             check_plan_ending(self._export)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
-        """Plan, and write the outputs asked for."""
+        """Plan, and write the requested outputs."""
         from ...core.mission.estimate import estimate
         from ..settings import Settings
         from ..sources import plan_mission as planned
@@ -151,7 +151,7 @@ class PlanAlgorithm(Algorithm):
         ):
             if not run.is_given(name):
                 continue
-            # The CRS of the images' pixels, in which their edges are exact.
+            # Write the layers in the CRS of the images' pixels, in which image edges are exact.
             read_crs_on_main_thread(worked_out.grid.plane.crs)
             crs = crs_named(worked_out.grid.plane.crs)
             sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
@@ -163,7 +163,7 @@ class PlanAlgorithm(Algorithm):
         return results
 
     def _aligned(self, watch: WorkFeedback) -> Mission:
-        """Mission with its rows aligned as requested; reports the gain."""
+        """Align the rows of the mission as requested, and report the gain."""
         from ...core.mission.flight.alignment import align_rows
         from ..sources import mission_heights
 
@@ -186,17 +186,17 @@ class PlanAlgorithm(Algorithm):
                 run.feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
                 run.feedback.pushInfo(translate(note))
-            # A flight too long for one file is divided among several.
+            # The first file, as a flight too long for one file is divided among several.
             results["EXPORT"] = str(exported.files[0])
 
 
 def capture_fields() -> QgsFields:
-    """Attributes of a footprint and of a capture."""
+    """Fields of the layers of footprints and captures."""
     return make_fields(_CAPTURE)
 
 
 def flight_fields() -> QgsFields:
-    """Attributes of the flight line."""
+    """Fields of the layer of the flight line."""
     return make_fields((("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer")))
 
 
@@ -210,7 +210,7 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
 
 
 def captures(plan: Plan) -> Iterator[QgsFeature]:
-    """Points below the camera, in flight order."""
+    """Point on the ground below the camera for each image, in flight order."""
     from ...core.geodesy.mercator import wrap_lon_deg
     from ..map.outlines import placed
 
@@ -270,7 +270,7 @@ def _figures() -> dict[str, str]:
 
 
 def _values(summary: Summary) -> dict[str, Any]:
-    """Values of the outputs, without undefined ones such as a coverage of points."""
+    """Values of the outputs, without undefined values such as the coverage of points."""
     percent = {
         "COVERAGE": summary.covered_share,
         "LEAST_FRONT_OVERLAP": summary.least_overlap_along,
@@ -305,7 +305,7 @@ def make_fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
 
 
 def make_feature(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
-    """Feature of a layer."""
+    """Feature with a geometry and attributes."""
     feature = QgsFeature()
     feature.setGeometry(geometry)
     feature.setAttributes(list(values))

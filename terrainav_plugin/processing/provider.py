@@ -11,10 +11,10 @@ PROVIDER = "terrainav"
 
 
 class Provider(QgsProcessingProvider):
-    """The plugin's algorithms; heavy packages are imported when one runs."""
+    """The plugin's algorithms; heavy packages are imported when an algorithm runs."""
 
     def id(self) -> str:
-        """Id in ``terrainav:plan``."""
+        """First part of the ids of algorithms, as in ``terrainav:plan``."""
         return PROVIDER
 
     def name(self) -> str:

@@ -59,7 +59,7 @@ class AccuracyReport(WithImagery):
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Report")))
 
     def prepared(self, run: AlgorithmRun) -> None:
-        """Take the mission's imagery."""
+        """Prepare the mission's imagery."""
         self.take_imagery(run, read_mission(run))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
@@ -76,7 +76,7 @@ class AccuracyReport(WithImagery):
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
-                # A report measures a few images, and needs at most 200 requests.
+                # A report measures only a few images, with at most 200 requests.
                 check_terms(worked_out, source, 200, accepted=accepted)
                 return write_report(worked_out, source, folder, progress=tell, quick=quick)
 

@@ -26,9 +26,9 @@ _MAKE, _SCORE = "terrainav:makebenchmark", "terrainav:scorebenchmark"
 
 
 class BenchmarkWindows(QObject):
-    """The open windows, and the handling of their results.
+    """Open Processing's windows for benchmarks, and report their results.
 
-    They are Processing's, with progress, cancelling, log, batches and history.
+    Processing provides progress, cancellation, log, batches and history.
     """
 
     def __init__(self, iface: QgisInterface, messages: Messages) -> None:
@@ -39,7 +39,7 @@ class BenchmarkWindows(QObject):
 
     def make(self, mission: Mission) -> None:
         """Ask for the settings of a benchmark whose queries are the views of a mission."""
-        # In a folder that QGIS removes when it ends; the benchmark keeps the mission itself.
+        # QGIS removes the temporary file on exit; the benchmark keeps a copy of the mission.
         file = QgsProcessingUtils.generateTempFilename("mission.json")
         mission.save(file)
         folder = Settings().missions / "benchmark-1"
@@ -49,7 +49,7 @@ class BenchmarkWindows(QObject):
             dialog.algorithmFinished.connect(self._made)
 
     def score(self, folder: Path | None = None) -> None:
-        """Ask for the answers to score, by default for the latest benchmark."""
+        """Ask for the answers to score; the default benchmark is the one made last."""
         folder = folder or self._latest
         self._show(_SCORE, {} if folder is None else {"BENCHMARK": str(folder)})
 
