@@ -49,7 +49,7 @@ class DatasetWindow(QgsDockWidget):
             "labels": tr("Labels"),
         }
         for name, tab in tabs.items():
-            # A tab docked beside other panels may be low and narrow, and must not widen them.
+            # Scroll the tabs: the window may be docked next to other panels, which it must not widen.
             self.tabs.addTab(scrolled(tab), titles[name])
         self.bar = named(QProgressBar(), "dataset_progress")
         self.bar.setTextVisible(False)

@@ -1,4 +1,4 @@
-"""Align rows to the area in a QGIS task, and report the gain."""
+"""Align the rows to the area in a QGIS task, and report the gain."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class RowAlignment(QObject):
-    """Find an azimuth, enter it, and report the gain.
+    """Compute the azimuth of rows, enter it, and report the gain.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class RowAlignment(QObject):
     Attributes
     ----------
     task : AlignTask or None
-        While an azimuth is being computed.
+        The task, while it computes an azimuth.
     """
 
     def __init__(self, form: DockForm, planning: Planning, messages: Messages) -> None:
@@ -49,7 +49,7 @@ class RowAlignment(QObject):
             self.task = None
 
     def align(self, way: str) -> None:
-        """Align the rows of the mission entered, in one of `parts.ALIGNMENTS`."""
+        """Align the rows of the entered mission; ``way`` is one of `parts.ALIGNMENTS`."""
         self._planning.use_plan(partial(self._look, way), tr("The rows stay as they are."))
 
     def _look(self, way: str, planned: PlannedMission) -> None:
@@ -74,7 +74,7 @@ class RowAlignment(QObject):
             self._messages.info(tr("The entries changed while the rows were being aligned: press the button again."))
             return
         self._form.set_state(replace(state, row_azimuth_deg=found.azimuth_deg))
-        # As in the flight's figure, so that both texts agree.
+        # In the units of the figures, so that both texts agree.
         text = translate(found.text(partial(length_text, unit=state.agl_unit)))
         self._messages.success(text[:1].upper() + text[1:])
 
@@ -85,7 +85,7 @@ class AlignTask(Task):
     Attributes
     ----------
     found : Alignment or None
-        Set once the task has ended; None if cancelled.
+        Result of the task; None until it has ended, and if it was cancelled.
     """
 
     def __init__(self, planned: PlannedMission, way: str) -> None:

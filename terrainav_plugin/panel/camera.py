@@ -1,4 +1,4 @@
-"""Entries of the camera: by name, by field of view in any terms, and the size of images."""
+"""Entries of the camera: its name, its field of view in several modes, and the size of images."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from .entries import Entries
 if TYPE_CHECKING:
     from ...core.mission.cameras import CameraPreset
 
-#: Ranges of the spin boxes, wider than the valid ones, which messages explain.
+#: Largest values of the spin boxes, beyond the valid ones: messages explain invalid values.
 _DEGREES, _MM = 360.0, 1e6
-#: Decimals to which the fields of view of equal cameras agree.
+#: Number of decimals in which the fields of view of equal cameras agree.
 _SAME_DECIMALS = 6
 _SENSOR = ("sensor_width_mm", "sensor_height_mm")
 
@@ -37,7 +37,7 @@ class CameraEntries(Entries):
     Signals
     -------
     chosen(object)
-        A preset, as `CameraChoice`.
+        The user has chosen a camera, a `CameraChoice`.
     """
 
     chosen = pyqtSignal(object)
@@ -56,13 +56,13 @@ class CameraEntries(Entries):
         self._fill_chooser()
 
     def values(self) -> dict[str, Any]:
-        """Return the entries; of field of view, lens and sensor only those of the current mode."""
+        """Return the values of the entries; of field of view, lens and sensor, only those of the current mode."""
         values = super().values()
         mode = values["fov_mode"]
         hidden = [name for name in ("fov_typed_deg", "focal_length_mm", *_SENSOR) if not _counts(name, mode)]
         values.update(dict.fromkeys(hidden, 0.0))
         if mode != DIAGONAL:
-            # Taken from the typed entries.
+            # The typed entries determine it.
             del values["fov_deg"]
         return values
 
@@ -77,7 +77,7 @@ class CameraEntries(Entries):
         self._name_camera(state)
 
     def show_marked(self, messages: dict[str, str]) -> None:
-        """Unfold the group for a message at an entry; keep the problem of saving or removing a camera."""
+        """Unfold the group for a message at an entry; still show why a camera could not be saved or removed."""
         if self._trouble:
             messages.setdefault("camera", self._trouble)
         super().show_marked(messages)
@@ -110,7 +110,7 @@ class CameraEntries(Entries):
             "focal length and sensor in mm. A change converts the values."
         )
         self.fov_mode = combo("fov_mode", modes, tip)
-        # Room for "Focal length".
+        # Wide enough for "Focal length".
         self.fov_mode.setMinimumContentsLength(10)
         tip = tr("Field of view across the image's diagonal, in degrees")
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
@@ -135,7 +135,7 @@ class CameraEntries(Entries):
     # --- presets and user's cameras
 
     def apply_camera(self, state: FormState, choice: CameraChoice) -> FormState:
-        """State with a preset's values, in the state's terms."""
+        """State with the values of a camera, in the state's camera mode."""
         plain = replace(
             state,
             fov_deg=choice.fov_deg,
@@ -159,7 +159,7 @@ class CameraEntries(Entries):
             self.chosen.emit(choice)
 
     def _name_camera(self, state: FormState) -> None:
-        """Show the name of the camera entered; if several have its values, keep the one named."""
+        """Show the name of the entered camera; if several cameras have its values, keep the name shown."""
         current = self.camera.currentData()
         if current is None or not _is(current, state):
             found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
@@ -180,7 +180,7 @@ class CameraEntries(Entries):
         self._change(lambda: remove_camera(name), "")
 
     def _change(self, act: Any, named: str) -> None:
-        """Change the user's cameras and refill the chooser; show a problem at it."""
+        """Change the user's cameras and refill the chooser; show a problem at the chooser."""
         self._trouble = ""
         try:
             act()
@@ -196,7 +196,7 @@ class CameraEntries(Entries):
 
 
 def camera_choices() -> tuple[list[CameraChoice], str]:
-    """Entries of the camera chooser, the paper's camera first; and problems with the user's cameras."""
+    """Entries of the camera chooser, the paper's camera first; and a text on problems with the user's cameras."""
     from ...core.mission.cameras import camera_shelf, shipped_cameras
 
     own: tuple[CameraPreset, ...] = ()
@@ -209,12 +209,12 @@ def camera_choices() -> tuple[list[CameraChoice], str]:
 
 
 def save_camera(name: str, state: FormState) -> None:
-    """Save the camera entered under a name.
+    """Save the entered camera under a name.
 
     Raises
     ------
     InvalidInput
-        The name is empty or taken, or the entries make no camera.
+        The name is empty or taken, or the entries are invalid.
     OutputError
         The file of the user's cameras cannot be written.
     """
@@ -223,7 +223,7 @@ def save_camera(name: str, state: FormState) -> None:
     camera = state_camera(state)
     if camera is None:
         raise InvalidInput(tr("These values are not a valid camera: fix the highlighted fields, then save."))
-    # Ratios of larger numbers are written as decimals.
+    # Write a ratio of larger integers as a decimal number.
     fraction = Fraction(camera.aspect_ratio).limit_denominator(10_000)
     exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
     ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]
@@ -243,7 +243,7 @@ def _counts(name: str, mode: str) -> bool:
 
 
 def _is(choice: CameraChoice, state: FormState) -> bool:
-    """Whether a state has the values of a preset."""
+    """Whether a state has the values of a camera."""
     try:
         ratio = parse_aspect(state.aspect)
     except ValueError:

@@ -37,14 +37,14 @@ class SourceChoice(NamedTuple):
         Empty for a source with one kind of image.
     needs_key : bool
     group : int
-        Origin: one of the groups above.
+        Group in the chooser, such as `CATALOGUE`.
     limits : str
-        Terms of its provider, as HTML.
+        Terms of the source's provider, as HTML.
     dates : str
-        Available dates, as text; empty if there is only one.
+        Text on the available dates; empty if there is only one.
     default_date : str
     may_authenticate : bool
-        Whether its requests can be authenticated.
+        Whether requests to the source can be authenticated.
     """
 
     name: str
@@ -68,13 +68,13 @@ class CameraChoice(NamedTuple):
         Diagonal field of view.
     aspect_ratio : float
     sensor_mm : (width, height) or None
-        If known.
+        Size of the sensor, if known.
     image_px : int or None
-        Pixels along the longer side of its image, if known.
+        Number of pixels along the longer side of an image, if known.
     tip : str
-        Description of the camera, with its source.
+        Description of the camera, with the source of its data.
     user : bool
-        Whether the user has saved it.
+        Whether the user has saved the camera.
     """
 
     name: str
@@ -87,7 +87,7 @@ class CameraChoice(NamedTuple):
 
 
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
-    """Entries of the source chooser, the embedded world first; and problems with the user's sources."""
+    """Entries of the source chooser, the synthetic world first; and a text on problems with the user's sources."""
     from ...core.imagery.catalogue import shelf
     from ...core.imagery.entry import shipped
 
@@ -114,7 +114,7 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
 
 
 def unlisted(name: str) -> SourceChoice | None:
-    """Entry for a source missing from the chooser: a file, or a layer that does not exist (any more)."""
+    """Entry for a source that the chooser does not list: a file, or a layer that does not exist (any more)."""
     from ...core.imagery.opening import source_kind
 
     if is_connection(name):

@@ -33,13 +33,13 @@ _SHARE_KEY = "TerrAInav/estimates_share"
 
 
 class Dock(QgsDockWidget):
-    """The panel; it displays and emits requests, which are handled elsewhere.
+    """The panel; it only displays, and emits the user's requests.
 
     Signals
     -------
     preview_toggled(bool), test_shot_clicked(), capture_clicked(), export_plan_clicked()
     hint_followed(str)
-        Address of the link in the hint.
+        The user has clicked a link in the hint, to this address.
     """
 
     preview_toggled = pyqtSignal(bool)
@@ -66,12 +66,12 @@ class Dock(QgsDockWidget):
         self.setWidget(self._contents())
 
     def show_hint(self, text: str) -> None:
-        """Show what to do first, as HTML; an empty text hides the hint."""
+        """Show a hint (HTML) on the first steps; an empty text hides it."""
         self.hint.setText(text)
         self.hint.setVisible(bool(text))
 
     def show_nothing(self) -> None:
-        """Show that an area is missing."""
+        """Show that no area is entered."""
         self.figures.show_text(tr("No area yet."))
 
     def show_problem(self, text: str) -> None:
@@ -79,12 +79,12 @@ class Dock(QgsDockWidget):
         self.figures.show_problem(text)
 
     def set_preview_pressed(self, on: bool) -> None:
-        """Press or release the preview button without emitting a request."""
+        """Press or release the preview button without emitting a signal."""
         with QSignalBlocker(self.preview):
             self.preview.setChecked(on)
 
     def show_busy(self, busy: bool) -> None:
-        """Show whether captures are under way: a test shot would wait for them, a mission may."""
+        """Show whether captures are under way: this disables test shots, which would have to wait for them."""
         self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
@@ -155,15 +155,15 @@ class Dock(QgsDockWidget):
         layout.addLayout(top)
         layout.addWidget(self.parts, 1)
         layout.addLayout(buttons)
-        # All at once: a separate order of the entries would lead from the last back to the first.
+        # For all rows together: after an order of the entries alone, Tab would lead from the last entry to the first.
         set_tab_order(layout)
         return contents
 
 
 class PanelSplitter(QSplitter):
-    """Entries above, figures and captures below, at their natural height until the user moves the border.
+    """Entries above; below, figures and captures at their natural height until the user moves the border.
 
-    A moved border keeps its position in later sessions; a double click resets it.
+    The position of a moved border is kept in later sessions; a double click resets it.
     """
 
     def __init__(self, above: QWidget, below: QWidget) -> None:
@@ -183,12 +183,12 @@ class PanelSplitter(QSplitter):
         below.installEventFilter(self)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the border's position."""
+        """Keep the relative position of the border."""
         super().resizeEvent(event)
         self.fit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the height of the lower part; reset the border on a double click."""
+        """Adapt to a new height of the lower part; reset the border on a double click."""
         if event.type() == QEvent.Type.MouseButtonDblClick:
             self._keep(0.0)
         elif event.type() == QEvent.Type.LayoutRequest and watched is self._below:
@@ -204,7 +204,7 @@ class PanelSplitter(QSplitter):
         wanted = layout.totalSizeHint().height()
         if layout.hasHeightForWidth():
             wanted = layout.totalHeightForWidth(self.width())
-        # Figures and captures take at most half of the panel until the border is moved.
+        # Until the user moves the border, figures and captures take at most half of the panel.
         most = round(room * (self._share or 0.5))
         below = most if self._share else min(wanted, most)
         self.setSizes([room - below, below])
@@ -220,7 +220,7 @@ class PanelSplitter(QSplitter):
 
 
 class FormScroll(QScrollArea):
-    """A scroll area that is never narrower than its contents, which may widen."""
+    """A scroll area that is never narrower than its contents, even if they become wider."""
 
     def __init__(self, contents: QWidget) -> None:
         super().__init__()
@@ -229,13 +229,13 @@ class FormScroll(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setWidget(contents)
         contents.installEventFilter(self)
-        # QGIS's groups scroll into view when they are unfolded, and also when first shown.
+        # QGIS's groups scroll into view when they are unfolded, but unfortunately also when first shown.
         self._groups = contents.findChildren(QgsCollapsibleGroupBoxBasic)
         self._let_groups_scroll(False)
         self._fit()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Start at the top; after that, unfolded groups scroll into view."""
+        """Start at the top, and let groups scroll into view from then on."""
         super().showEvent(event)
         QTimer.singleShot(0, self._shown)
 

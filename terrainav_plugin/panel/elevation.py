@@ -14,7 +14,7 @@ from .entries import WordsLine
 
 
 class HeightsLine(WordsLine):
-    """Line for elevation sources, with a button that offers some.
+    """Line for elevation sources, with a button that offers sources.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class HeightsLine(WordsLine):
     button : QToolButton
     """
 
-    #: Separates sources, whose paths may contain spaces and commas.
+    #: Separator of sources, as paths may contain spaces and commas.
     _SEPARATOR = ";"
 
     def __init__(self, name: str, tip: str) -> None:
@@ -57,7 +57,7 @@ class HeightsLine(WordsLine):
         """Fill the menu with the current sources."""
         self._menu.clear()
         if self._more is not None:
-            # Deleted later: it may contain the action just chosen.
+            # Delete the menu later: it may contain the action just chosen.
             self._more.deleteLater()
             self._more = None
         for title, source in self._offered():
@@ -71,7 +71,7 @@ class HeightsLine(WordsLine):
             self._offer_more(self._more)
 
     def _offer_more(self, menu: QMenu) -> None:
-        """Offer sources to fill the holes of those entered."""
+        """Offer further sources, to fill holes in the sources entered."""
         menu.setObjectName(f"{self.objectName()}_more")
         for title, source in self._offered():
             if source not in self.words():
@@ -86,7 +86,7 @@ class HeightsLine(WordsLine):
         """Titles and names of sources."""
         project = QgsProject.instance()
         found = []
-        # Since QGIS 3.26 projects may have a terrain, of one height or a layer.
+        # Since QGIS 3.26, a project may have a terrain: flat, or from a layer.
         properties = getattr(project, "elevationProperties", None)
         provider = None if properties is None else properties().terrainProvider()
         terrain = provider.layer() if hasattr(provider, "layer") else None
@@ -103,7 +103,7 @@ class HeightsLine(WordsLine):
 
 
 def _titled() -> list[tuple[str, str]]:
-    """Titles and names of the sources that everyone has."""
+    """Titles and names of the sources that are always available."""
     return [
         (tr("Terrain Tiles (Terrarium, public)"), TERRARIUM),
         (tr("Synthetic landscape (offline)"), WORLD),
@@ -111,5 +111,5 @@ def _titled() -> list[tuple[str, str]]:
 
 
 def _layer_file(layer: QgsRasterLayer) -> str:
-    """File of a layer's heights; empty if the core cannot read it."""
+    """File of a layer with heights; empty if the core cannot read the layer."""
     return str(layer.source()) if layer.providerType() == "gdal" else ""

@@ -1,4 +1,4 @@
-"""Groups of entries that are fields of the dock's state."""
+"""Groups of entries; each entry is a field of the panel's state."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from ..widgets import (
 )
 from .start import StartEntry
 
-#: Range of the spin boxes, far wider than the valid ones: numbers are accepted as typed, and checked with messages.
+#: Largest value of spin boxes, far beyond the valid ones: numbers are accepted as typed, and messages explain errors.
 _MOST = 1e6
-#: Item for an azimuth in the chooser of the camera's facing.
+#: Item of the chooser of the camera's facing that stands for an azimuth.
 _AZIMUTH = "azimuth"
 
 
@@ -44,7 +44,7 @@ class _Access(NamedTuple):
 
 
 class WordsLine(QLineEdit):
-    """Line for several words, or for names separated by commas."""
+    """Line for words separated by spaces, or names separated by commas."""
 
     def words(self) -> tuple[str, ...]:
         """Return the words entered."""
@@ -58,7 +58,7 @@ class WordsLine(QLineEdit):
 
 
 class FacingBox(QWidget):
-    """Chooser of the camera's facing, with a number for an azimuth; its value is the mission's text.
+    """Chooser of the camera's facing, with an entry for an azimuth; its value is the text in a mission.
 
     Signals
     -------
@@ -85,14 +85,14 @@ class FacingBox(QWidget):
             signal.connect(self.changed)
 
     def text(self) -> str:
-        """Value chosen; an unchanged azimuth as it was entered."""
+        """Value chosen; an azimuth that the user has not changed is returned as entered."""
         if self.choice.currentData() != _AZIMUTH:
             return str(self.choice.currentData())
         shown = f"{self.azimuth.value():.15g}"
         return self._entered if shown == self._shown else shown
 
     def unread(self) -> str | None:
-        """Return an invalid text in the azimuth; None otherwise."""
+        """Return the text of the azimuth if it is invalid; None otherwise."""
         return self.azimuth.unread() if self.choice.currentData() == _AZIMUTH else None
 
     def enter(self, text: str) -> None:
@@ -132,7 +132,7 @@ class TicksBox(QWidget):
         self.setFocusProxy(next(iter(self._boxes.values())))
 
     def ticked(self) -> tuple[str, ...]:
-        """Return the checked values; in the order in which they were entered, while unchanged."""
+        """Return the checked values; until the user changes them, in the order in which they were entered."""
         ticked = tuple(value for value, box in self._boxes.items() if box.isChecked())
         return self._entered if set(self._entered) == set(ticked) else ticked
 
@@ -149,7 +149,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     edited(str)
-        Field of an entry that has changed.
+        The user has changed the entry of a field.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         return {name: access.read() for name, access in self._access.items()}
 
     def unread(self) -> tuple[tuple[str, str], ...]:
-        """Return the fields of numbers with invalid texts, and these; without disabled entries."""
+        """Return field and text of each enabled number entry whose text is invalid."""
         found = (
             (name, widget.unread())
             for name, widget in self.entries.items()
@@ -180,12 +180,12 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         return tuple((name, text) for name, text in found if text is not None)
 
     def forget_unread(self) -> None:
-        """Restore the numbers of entries with invalid texts."""
+        """Replace invalid texts in number entries by their last valid numbers."""
         for name, _ in self.unread():
             self._access[name].enter(self._access[name].read())
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; leave unchanged entries alone, which may be in use."""
+        """Enter the fields of a state; leave entries with the same value alone, as the user may be in one."""
         for name, access in self._access.items():
             value = getattr(state, name)
             if access.read() != value:
@@ -197,7 +197,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
             self.unfold()
 
     def unfold(self) -> None:
-        """Unfold the group without recording it as the user's wish."""
+        """Unfold the group without storing this as the user's choice."""
         if self.isCollapsed():
             with QSignalBlocker(self):
                 self.setCollapsed(False)
@@ -250,7 +250,7 @@ class Section(Entries):
         self.setCollapsed(True)
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; unfold the group if that makes an entry differ from its default."""
+        """Enter the fields of a state; unfold the group if an entry changes to a value other than its default."""
         before, usual = self.values(), FormState()
         super().enter(state)
         if any(value not in (before[name], getattr(usual, name)) for name, value in self.values().items()):
@@ -289,7 +289,7 @@ def declared_line(name: str) -> QLineEdit:
 
 
 def declared_number(name: str) -> NumberBox:
-    """Number box of a field; shares in percent."""
+    """Number box of a field; shares are shown in percent."""
     field, unit = DECLARED[name], DECLARED[name].unit
     is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
     least, most = (0.0 if is_positive else -_MOST, _MOST) if unit.times == 1.0 else (0.0, unit.times)

@@ -1,4 +1,4 @@
-"""Figures of a plan as text: the important ones first, the others folded."""
+"""Figures of a plan as text: important figures first, the others folded."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ _FOLDED_KEY = "TerrAInav/folded/details"
 
 
 class Figures(QScrollArea):
-    """Labels from top to bottom, as high as their text if there is room.
+    """Labels with the figures, as high as their text if there is room.
 
     Signals
     -------
     upsampling_wanted()
-        The user allows upsampling.
+        The user has chosen to allow upsampling.
 
     Attributes
     ----------
     warnings, estimates, details, problem : QLabel
     fold : QToolButton
-        Shows and hides the details.
+        Button that shows and hides the details.
     """
 
     upsampling_wanted = pyqtSignal()
@@ -89,7 +89,7 @@ class Figures(QScrollArea):
         self.details.setToolTip(readout.why)
 
     def show_outdated(self) -> None:
-        """Grey the figures: they are for earlier entries."""
+        """Grey out the figures, as they belong to earlier entries."""
         self.widget().setEnabled(False)
 
     def show_text(self, text: str) -> None:
@@ -143,14 +143,14 @@ class Figures(QScrollArea):
 
 @dataclass(frozen=True)
 class Readout:
-    """Figures of a plan, the most important first.
+    """Texts on a plan, the most important first.
 
     Parameters
     ----------
     warnings : tuple of str
         Shown first.
     figures, details : tuple of (label, value)
-        The main figures, and the others.
+        The main figures; the other figures.
     why : str
         Reasons for the choice of methods, as HTML.
     offers_upsampling : bool
@@ -164,11 +164,11 @@ class Readout:
     offers_upsampling: bool = False
 
     def figures_html(self) -> str:
-        """The main figures, as a table for a label."""
+        """The main figures as an HTML table."""
         return _table(self.figures)
 
     def details_html(self) -> str:
-        """The other figures, as a table for a label."""
+        """The other figures as an HTML table."""
         return _table(self.details)
 
 
@@ -180,12 +180,12 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "", polic
     unit : str
         m or ft, for lengths and areas.
     cost : str
-        Timing of the methods; empty if unknown.
+        Text on the timing of the methods; empty if unknown.
     policy : Policy or None
-        Policy of the source's provider, if it has one.
+        Policy of the source's provider, if any.
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.resolution.source_m_per_px
-    # A source up to 2 % coarser counts as equally fine.
+    # A source that is at most 2 % coarser than requested counts as fine enough.
     coarser = own_m > 1.02 * summary.requested_gsd_m_per_px
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
@@ -230,7 +230,7 @@ def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
     )
     if summary.path_m is not None and summary.path_s is not None:
-        # Pilots need the whole path, not only the part between images.
+        # Pilots need the length of the whole path, not only of the part between images.
         flight = tr("{distance}, {duration} with turns").format(
             distance=length_text(summary.path_m, unit), duration=duration_text(summary.path_s)
         )
@@ -261,7 +261,7 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
 
 
 def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
-    """Requests of the plan, with the provider's limit; empty without a limit."""
+    """Number of requests of the plan and the provider's limit; empty without a limit."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
     requests = plan.requests * len(plan.mission.imagery.map_types)
@@ -288,7 +288,7 @@ def _details(mission: Mission, summary: Summary, cost: str) -> list[tuple[str, s
 
 
 def _accuracy_lines(accuracy: ChosenMethods) -> list[tuple[str, str]]:
-    """The chosen methods, with their bounds."""
+    """The chosen methods, with the bounds of their errors."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
             stage=translate(choice.method.stage),
@@ -318,7 +318,7 @@ def _unbroken(text: str) -> str:
 
 
 def _why_html(accuracy: ChosenMethods) -> str:
-    """Reasons for the choice of methods, as a table for a tooltip."""
+    """Reasons for the choice of methods, as an HTML table for a tooltip."""
     lines = []
     for choice in accuracy.choices:
         method, rejected = choice.method, choice.rejected
@@ -361,7 +361,7 @@ def _picture(summary: Summary) -> str:
 
 
 def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
-    """Ground sample distances, with a hint if the source's, ``coarser_m``, is coarser."""
+    """Ground sample distances; with a hint if the source is coarser, at ``coarser_m``."""
     requested, delivered = (
         gsd_text(value_m, unit) for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
     )
@@ -390,7 +390,7 @@ def _held(summary: Summary, unit: str) -> str:
             tr("100 % of {area}, except where imagery is missing") if summary.lacks_imagery else tr("100 % of {area}")
         )
         return text.format(area=area)
-    # Rounded down: incomplete coverage never reads 100.
+    # Round down, so that incomplete coverage is never shown as 100 %.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share} % of {area}; {uncovered} not covered").format(
         share=number_text(share, ".2f"), area=area, uncovered=area_text(summary.uncovered_m2, unit)
@@ -398,12 +398,12 @@ def _held(summary: Summary, unit: str) -> str:
 
 
 def _is_overlapping(mission: Mission) -> bool:
-    """Whether an overlap is wanted: then the overlap reached is one of the main figures."""
+    """Whether an overlap is requested; the overlap reached is then one of the main figures."""
     return mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0
 
 
 def _overlap(summary: Summary) -> list[tuple[str, str]]:
-    """Overlap reached; empty for points."""
+    """Text on the overlap reached; empty for points."""
     parts = []
     for text, least in (
         (tr("front {share}"), summary.least_overlap_along),
@@ -415,12 +415,12 @@ def _overlap(summary: Summary) -> list[tuple[str, str]]:
 
 
 def _tiles(summary: Summary) -> str:
-    """Tiles of all map types together."""
+    """Number of tiles of all map types together."""
     return tr("{count}, each fetched once").format(count=number_text(summary.unique_tiles * len(summary.map_types)))
 
 
 def _time(plan: Plan, summary: Summary) -> str:
-    """Time of the capture; a mosaic of turned or tilted images may take several times as long."""
+    """Time of the capture, without the mosaic: an orthomosaic may take several times as long."""
     has_orthomosaic = not plan.frames.is_north_up and len(plan) <= MOST_PICTURES
     text = tr("About {duration}, then the mosaic") if has_orthomosaic else tr("About {duration}")
     return text.format(duration=duration_text(summary.seconds))

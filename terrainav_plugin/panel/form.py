@@ -1,4 +1,4 @@
-"""All entries of the panel: area, camera, flight, imagery, output and less common ones."""
+"""All entries of the panel: area, camera, flight, imagery, output and less common entries."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class DockForm(QWidget):
     Signals
     -------
     changed()
-        After every change, typed or set.
+        Emitted after every change, by the user or by `set_state`.
     draw_box_clicked(), show_on_map_clicked()
     """
 
@@ -68,7 +68,7 @@ class DockForm(QWidget):
         self.marks = FieldMarks()
         self._setting = False
         self._given = self._shown = FormState()
-        #: Entries before a preset; None once the user has changed its values.
+        #: State before a preset was chosen; None once the user has changed a value of the preset.
         self._before_preset: FormState | None = None
         self.setStyleSheet(STYLE_SHEET)
         self._make_groups(sources, cameras)
@@ -91,7 +91,7 @@ class DockForm(QWidget):
         return keep_unchanged(self._read(), self._shown, self._given)
 
     def _read(self) -> FormState:
-        """Return the state of the widgets; values they do not show stay as given."""
+        """Return the state of the widgets; fields without a widget stay as given."""
         imagery = self.imagery
         read: dict[str, Any] = {
             **self.area.values(),
@@ -107,7 +107,7 @@ class DockForm(QWidget):
         return replace(self._given, **read)
 
     def set_state(self, state: FormState) -> None:
-        """Enter a state; emits `changed` once, at the end."""
+        """Enter a state, and emit `changed` once, at the end."""
         self.area_editing.wrong = {}
         self._show(state)
         self._folds.restore()
@@ -129,7 +129,7 @@ class DockForm(QWidget):
             self._setting = False
 
     def _enter(self, state: FormState) -> None:
-        """Enter a state into the groups; leave unchanged entries alone."""
+        """Enter a state into the groups; leave entries with the same value alone."""
         setting, self._setting = self._setting, True
         try:
             for group in self.groups:
@@ -140,7 +140,7 @@ class DockForm(QWidget):
         self._shown = self._read()
 
     def show_messages(self, messages: dict[str, str]) -> None:
-        """Mark fields; errors of pasted coordinates stay until the field changes."""
+        """Mark fields with messages; errors of pasted coordinates stay until their field changes."""
         messages = {**messages, **self.area_editing.wrong}
         for group in self.groups:
             group.show_marked(messages)
@@ -160,7 +160,7 @@ class DockForm(QWidget):
     # --- presets
 
     def _take_preset(self, preset: Preset) -> None:
-        """Enter a preset's values in place of those of the previous preset."""
+        """Enter the values of a preset, in place of the values of the previous preset."""
         state, last = self.state(), self.presets.preset
         if last is not None and self._before_preset is not None:
             state = without_preset(state, last, self._before_preset)
@@ -181,7 +181,7 @@ class DockForm(QWidget):
         self.presets.show_preset(preset)
 
     def _show_headings(self) -> None:
-        """Show summaries beside the titles of groups."""
+        """Show summaries next to the titles of groups."""
         for name, words in headings(self.state(), self.imagery.title()).items():
             self._headings[name].say(words)
 
@@ -206,7 +206,7 @@ class DockForm(QWidget):
         self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
         self.route, self.accuracy = RouteSection(self.marks), AccuracySection(self.marks)
         self.sections = (self.attitude, self.relief, self.route, self.pixels, self.wind, self.accuracy)
-        #: Groups whose entries are fields of the state by name.
+        #: Groups whose entries have the names of fields of the state.
         self.groups = (camera, flight, output, *self.sections)
         #: All groups from top to bottom.
         self.boxes = (area, camera, flight, imagery, output, *self.sections)
@@ -233,7 +233,7 @@ class DockForm(QWidget):
             self.changed.emit()
 
     def _edited(self, field: str) -> None:
-        """Update entries that depend on one changed by the user."""
+        """Update the entries that depend on the one changed by the user."""
         if not self._setting:
             self._enter(settled(self._given, self.state(), field))
             self.changed.emit()
@@ -244,7 +244,7 @@ class DockForm(QWidget):
 
 
 class Folds:
-    """Remember which groups the user has folded and unfolded, by name."""
+    """Store in the settings which groups the user has folded and unfolded."""
 
     def __init__(self, boxes: Sequence[QgsCollapsibleGroupBoxBasic]) -> None:
         self._boxes = boxes
@@ -255,7 +255,7 @@ class Folds:
             )
 
     def restore(self) -> None:
-        """Restore the folding of the last session; once, as soon as its entries are restored."""
+        """Restore the folding of the last session; only the first call, made when the entries are restored, does so."""
         if self._restored:
             return
         self._restored = True
@@ -267,7 +267,7 @@ class Folds:
 
 
 def set_tab_order(layout: QLayout) -> None:
-    """Make the Tab key follow the rows of a layout and nested ones."""
+    """Make the Tab key follow the rows of a layout, including nested layouts."""
     widgets = list(_ordered_widgets(layout))
     for before, after in zip(widgets, widgets[1:]):
         QWidget.setTabOrder(before, after)
@@ -285,7 +285,7 @@ class FormMemory(QObject):
     def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
         super().__init__(parent)
         self._settings, self._read = settings, read
-        # Only after a pause: QGIS writes its whole settings file each time.
+        # Save only after a pause, as QGIS writes its whole settings file each time.
         self._pause = single_shot(self.write, self, 1000)
 
     @property
@@ -304,7 +304,7 @@ class FormMemory(QObject):
 
 
 def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
-    """Widgets that take the keyboard focus, row by row."""
+    """Widgets of a layout that take the keyboard focus, row by row."""
     for item in _items(layout):
         widget, inner = item.widget(), item.layout()
         if widget is not None:
@@ -319,15 +319,15 @@ def _ordered_widgets(layout: QLayout) -> Iterator[QWidget]:
 
 
 def _parts(widget: QWidget | None) -> list[QWidget]:
-    """Widgets held without a layout: those of a splitter or scroll area."""
+    """Widgets that a splitter or scroll area holds without a layout."""
     if isinstance(widget, QSplitter):
-        held = [widget.widget(number) for number in range(widget.count())]
-        return [part for one in held for part in (_parts(one) or [one])]
+        children = [widget.widget(number) for number in range(widget.count())]
+        return [part for child in children for part in (_parts(child) or [child])]
     return [widget.widget()] if isinstance(widget, QScrollArea) else []
 
 
 def _items(layout: QLayout) -> list[QLayoutItem]:
-    """Items of a layout; those of a grid by row and column."""
+    """Items of a layout; the items of a grid are ordered by row and column."""
     numbers = range(layout.count())
     if isinstance(layout, QGridLayout):
         places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)

@@ -1,4 +1,4 @@
-"""Summaries beside the titles of folded groups."""
+"""Summaries next to the titles of folded groups."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ..plain import shown_plain
 
 
 class Heading(QObject):
-    """Title of a group, followed by a summary while it is folded, elided to the width."""
+    """Title of a group; while the group is folded, a summary follows, and both are elided to the width."""
 
     def __init__(self, box: QgsCollapsibleGroupBoxBasic) -> None:
         super().__init__(box)
-        # Groups may have a title of something else, such as their source.
+        # The title of QGroupBox: some groups redefine `title`, for example as the title of their source.
         self._box, self._title, self._tip, self._words = box, QGroupBox.title(box), box.toolTip(), ""
         box.collapsedStateChanged.connect(self._show)
         box.installEventFilter(self)
@@ -38,14 +38,14 @@ class Heading(QObject):
             title, tip = self._title, self._tip
         else:
             whole = tr("{title}: {values}").format(title=self._title.replace("&", ""), values=self._words)
-            # A group's arrow and frame take 24 px beside its title.
+            # A group's arrow and frame take 24 px.
             room = max(box.width() - 24 - self._mark_px(), 0)
             shown = box.fontMetrics().elidedText(whole, Qt.TextElideMode.ElideRight, room)
             title, tip = shown.replace("&", "&&"), shown_plain("\n".join(filter(None, (whole, self._tip))))
         if title != QGroupBox.title(box):
             box.setTitle(title)
         box.setToolTip(tip)
-        # QGIS makes folded groups too low, which cuts off descenders.
+        # Make folded groups a little higher than QGIS does, which cuts off descenders.
         box.setMinimumHeight(box.fontMetrics().height() + 5 if box.isCollapsed() else 0)
 
     def _mark_px(self) -> int:

@@ -1,4 +1,4 @@
-"""The entries of the imagery: source, its limits, date, key and map types."""
+"""The entries of the imagery: the source with its terms, the date, the key and the map types."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from .choices import (
     unlisted,
 )
 
-#: Entries visible without scrolling.
+#: Number of entries visible without scrolling.
 _ROWS = 24
 
 
@@ -55,7 +55,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         The user has changed an entry.
     show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
     service_chosen(str)
-        The user has chosen a service, and is to choose one of its layers.
+        The user has chosen a service, and must now choose one of its layers.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._marks = marks
         self._choices: dict[str, SourceChoice] = {}
         self._last = ""
-        #: Map types checked by the user, including those missing from the source.
+        #: Map types checked by the user, including types that the source lacks.
         self._wanted: set[str] = set()
         self._form = form_layout(self)
         self._add_source()
@@ -93,7 +93,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             check.toggled.connect(partial(self._map_type_ticked, name))
 
     def choice(self) -> SourceChoice | None:
-        """Return the choice; None for a URL template."""
+        """Return the chosen source; None for a URL template."""
         return self._choices.get(self.source.currentData())
 
     def title(self) -> str:
@@ -102,7 +102,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         return choice.title if choice is not None else tr("URL template")
 
     def set_choices(self, choices: Sequence[SourceChoice]) -> None:
-        """Offer other sources; the chosen one stays, even if it is not among them."""
+        """Offer other sources; the chosen source stays, even if it is not among them."""
         chosen = self.source.currentData()
         self._choices = {choice.name: choice for choice in choices}
         with QSignalBlocker(self.source):
@@ -113,7 +113,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.show_details()
 
     def choose_source(self, name: str) -> None:
-        """Choose a source; an unlisted one is added if it may exist, otherwise the first is chosen."""
+        """Choose a source; if it is not listed, add it if it may exist, otherwise choose the first source."""
         choice = unlisted(name) if self.source.findData(name) < 0 else None
         if choice is not None:
             self._choices[name] = choice
@@ -126,12 +126,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         return tuple(name for name, check in boxes if check.isChecked() and check.isEnabled())
 
     def offered(self) -> tuple[str, ...]:
-        """Return the map types of the chosen source; none for one that gives any type."""
+        """Return the map types of the chosen source; empty if the source accepts any type."""
         choice = self.choice()
         return choice.map_types if choice is not None else ()
 
     def enter_map_types(self, names: Sequence[str]) -> None:
-        """Check map types without emitting signals; one checked for its source is not recorded as the user's choice."""
+        """Check map types without emitting signals; a change counts as the user's choice."""
         if set(names) != set(self.ticked()):
             self._wanted = set(names)
         self._tick(names)
@@ -154,11 +154,11 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._remove.setEnabled(choice is not None and choice.group == OWN)
         offered = choice.map_types if choice is not None else ()
         for map_type, check in self.map_types.items():
-            # A source with one kind of image writes it under any checked name.
+            # A source with one kind of image accepts any name.
             check.setEnabled(not offered or map_type in offered)
 
     def _show_key_row(self, choice: SourceChoice | None, own_url: bool) -> None:
-        """Offer an authentication configuration, for the key in an address or for requests."""
+        """Show the entry of the key, or of the authentication of requests, if the source may need one."""
         is_key = "{key}" in self.template.text() if own_url else choice is not None and choice.needs_key
         shown = is_key or own_url or (choice is not None and choice.may_authenticate)
         self._key_label.setText(tr("API key") if is_key else tr("Authentication"))
@@ -170,7 +170,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form_row(self._key_label, self._key_field, shown)
 
     def _is_dated(self, choice: SourceChoice | None) -> bool:
-        """Whether there may be dates to choose; a service reports them only on request."""
+        """Whether the source may have several dates; a service must be requested to know."""
         from ...core.imagery.opening import source_kind
 
         if choice is not None:
@@ -185,7 +185,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def _add_source(self) -> None:
         self.source = SourceCombo()
         self.source.setToolTip(tr("Where the images come from; type a part of its name to find it"))
-        # The panel is usually wider.
+        # A small minimum, as the panel is usually wider.
         self.source.setMinimumContentsLength(9)
         tip = tr("Add this source to the map as background and zoom to the area")
         self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
@@ -234,7 +234,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()
         if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
-            # Choose a layer of a service first; until then nothing changes.
+            # The user must first choose a layer of the service; until then, the source stays.
             with QSignalBlocker(self.source):
                 self.choose_source(self._last)
             self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
@@ -245,7 +245,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.changed.emit()
 
     def _tick_offered(self) -> None:
-        """Check the user's map types that the source has, or the only one that it has."""
+        """Check the map types that the user wants and the source has, or the only map type of the source."""
         choice = self.choice()
         offered = set(choice.map_types if choice is not None else ()) or set(self.map_types)
         self._tick(offered if len(offered) == 1 else self._wanted & offered)
@@ -275,12 +275,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
 
 class SourceCombo(Chooser):
-    """Chooser of a source, with headings of groups; typing finds any part of a title.
+    """Chooser of a source, with headings for groups; typing searches in any part of the titles.
 
     Signals
     -------
     about_to_open()
-        The list is about to be shown: update it now.
+        Emitted before the list is shown, to update it.
     """
 
     about_to_open = pyqtSignal()
@@ -303,7 +303,7 @@ class SourceCombo(Chooser):
         self.currentIndexChanged.connect(self._show_start)
 
     def fill(self, choices: Sequence[SourceChoice], others: Sequence[tuple[str, str]]) -> None:
-        """Offer choices, followed by (value, title) pairs; the first choice is selected."""
+        """Offer choices, followed by ``others``, pairs (value, title); select the first choice."""
         self.clear()
         group = None
         for choice in choices:
@@ -324,7 +324,7 @@ class SourceCombo(Chooser):
         self._titles.setStringList([self.itemText(at) for at in range(self.count()) if self._can_choose(at)])
 
     def choose(self, value: str) -> None:
-        """Select an entry, or the first if this value is missing."""
+        """Select the entry with a value; the first entry if there is none."""
         index = self.findData(value)
         self.setCurrentIndex(index if index >= 0 else self._first())
 
@@ -368,7 +368,7 @@ class SourceCombo(Chooser):
             self.setCurrentIndex(rows[0])
 
     def _take_typed(self) -> None:
-        """Select the entry typed, if it is unique; otherwise show the current one again."""
+        """Select the entry that matches the typed text, if only one does; otherwise show the current entry again."""
         typed = self.currentText().strip().casefold()
         own = self.itemText(self.currentIndex())
         if typed and typed != own.casefold():

@@ -49,7 +49,7 @@ from ..widgets import (
 
 
 class OptionsPage(QgsOptionsPageWidget):
-    """Show the settings, mark invalid ones, and save the others when QGIS's options are accepted.
+    """Show the settings, mark invalid settings, and save valid ones when QGIS's options are accepted.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class OptionsPage(QgsOptionsPageWidget):
     Attributes
     ----------
     folders : dict of str to QgsFileWidget
-        By the names of their settings.
+        Entries of folders, by the names of their settings.
     """
 
     def __init__(self, parent: QWidget | None, applied: Callable[[], None]) -> None:
@@ -90,7 +90,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self._check()
 
     def show_defaults(self) -> None:
-        """Show the settings of a new installation; keys stay as they are."""
+        """Show the default settings; leave keys as they are."""
         for widget in self.folders.values():
             widget.setFilePath("")
         self.connections.setValue(Settings.connections.default)
@@ -99,7 +99,7 @@ class OptionsPage(QgsOptionsPageWidget):
         choose(self.units, "m")
 
     def apply(self) -> None:
-        """Save valid settings; invalid ones keep their value and are reported in the log."""
+        """Save the valid settings; report invalid settings in the log, and keep their previous values."""
         problems = self._check()
         for name, widget in self.folders.items():
             if name in problems:
@@ -217,7 +217,7 @@ class OptionsPage(QgsOptionsPageWidget):
         return {"connections": self.connections, "cache_limit_mb": self.cache_limit}
 
     def _check(self) -> dict[str, str]:
-        """Mark invalid settings; returns the problems by the names of the settings."""
+        """Mark invalid settings, and return their problems by name."""
         problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
         problems["placeholders"] = placeholders_problem(self.placeholders.text())
         problems.update((name, number.problem()) for name, number in self._numbers.items())
@@ -227,7 +227,7 @@ class OptionsPage(QgsOptionsPageWidget):
 
 
 def placeholders_problem(text: str) -> str:
-    """Problem with the tiles to treat as missing; empty for none."""
+    """Problem with the SHA-256 of tiles to treat as missing; empty if there is none."""
     from ...core.imagery.placeholder import Placeholder
 
     try:
@@ -238,7 +238,7 @@ def placeholders_problem(text: str) -> str:
 
 
 def folder_problem(text: str) -> str:
-    """Problem with a folder to write to; empty for none, and for no folder."""
+    """Problem with a folder to write to; empty if there is none, or if ``text`` is empty."""
     text = text.strip()
     if not text:
         return ""
@@ -264,7 +264,7 @@ class KeysTable(QTableWidget):
     Attributes
     ----------
     choosers : dict of str to QgsAuthConfigSelect
-        By the sources' names in the settings.
+        Choosers by the names of sources in the settings.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -293,7 +293,7 @@ class KeysTable(QTableWidget):
             self.setItem(line, 0, item)
             chooser = named(QgsAuthConfigSelect(), f"key_{name}")
             chooser.setConfigId(chosen.get(name, ""))
-            # Its buttons have the same tooltip.
+            # The chooser's buttons get the same tooltip.
             chooser.findChild(QComboBox).setToolTip(
                 shown_plain(tr("Configuration for {title}").format(title=title or name))
             )
@@ -311,7 +311,7 @@ class KeysTable(QTableWidget):
 
 
 class CacheDialog(QDialog):
-    """List the contents of the tile cache, and clear some or all."""
+    """List the contents of the tile cache, to clear some or all of them."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         from ..settings import Settings
@@ -394,7 +394,7 @@ def _keyless_titles() -> dict[str, str]:
     try:
         return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
     except TerrAInavError:
-        # The chooser of sources reports problems of the user's sources.
+        # The user's sources cannot be read, which the source chooser reports: list the others.
         from ...core.imagery.entry import shipped
 
         return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}

@@ -1,4 +1,4 @@
-"""Plan the mission entered, and show the result at the entries."""
+"""Plan the entered mission, and show its figures or the errors of entries."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Planning(QObject):
-    """Keep the figures up to date with the entries, and provide the plan of the mission entered.
+    """Keep the figures up to date with the entries, and provide the plan of the entered mission.
 
     Parameters
     ----------
@@ -32,17 +32,17 @@ class Planning(QObject):
     planner : Planner
     messages : Messages
     timed : callable
-        Returns whether methods may be timed now: not during a capture, which would distort the times.
+        Returns whether methods may be timed now: during a capture, the times would be wrong.
 
     Signals
     -------
     planned(object)
-        The `PlannedMission` of the mission entered.
+        The `PlannedMission` of the entered mission.
 
     Attributes
     ----------
     latest : PlannedMission or None
-        Plan of the mission entered; None until it exists.
+        Plan of the entered mission; None until it exists.
     """
 
     planned = pyqtSignal(object)
@@ -68,17 +68,17 @@ class Planning(QObject):
         self._planner.close()
 
     def use_plan(self, act: Callable[[PlannedMission], None], refusal: str, *, anew: bool = False) -> None:
-        """Do something with the plan of the mission entered, once there is one.
+        """Call ``act`` with the plan of the entered mission, as soon as there is one.
 
         Parameters
         ----------
         refusal : str
-            Shown after the reason if planning fails.
+            Text shown after the reason if planning fails.
         anew : bool
-            Whether to plan again even if there is a plan: the source may have changed.
+            Whether to plan again even if there is a plan, as the source may have changed.
         """
         if self._closed:
-            # The plugin was unloaded while the dialog that led here was open.
+            # The plugin was unloaded while a dialog was open.
             return
         if self.latest is not None and not anew and self.is_entered(self.latest.mission):
             act(self.latest)
@@ -89,7 +89,7 @@ class Planning(QObject):
         if is_waiting and self._planner.busy and self.is_entered(self._asked):
             # A repeated request does not restart planning.
             return
-        # Before planning, which may take a while.
+        # Withdraw it before planning, which may take a while.
         self._messages.withdraw_refusal()
         self._messages.wait(tr("Working out the plan…"))
         if not self.plan(at_once=True):
@@ -97,7 +97,7 @@ class Planning(QObject):
             self.refuse(refusal)
 
     def plan(self, at_once: bool = False) -> bool:
-        """Request a plan; False if an entry is wrong, which is then marked."""
+        """Request a plan; if an entry is wrong, mark it and return False."""
         state = self._form.state()
         try:
             mission = mission_form.mission(state)
@@ -121,14 +121,14 @@ class Planning(QObject):
         return True
 
     def is_entered(self, mission: Mission) -> bool:
-        """Return whether a mission is the one entered."""
+        """Return whether a mission is the entered one."""
         try:
             return bool(mission_form.mission(self._form.state()) == mission)
         except FormError:
             return False
 
     def refuse(self, what: str) -> None:
-        """Report ``what`` is missing, and the first problem of the entries."""
+        """Report the first problem of the entries; ``what`` is a sentence on what is missing as a result."""
         wrong = self._form.marks.first_message() or self._dock.problem.text()
         self._messages.refused(wrong or tr("no area yet; draw a box or enter coordinates"), what)
 
@@ -165,7 +165,7 @@ class Planning(QObject):
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _mission_cost(self, mission: Mission) -> str:
-        """Timing of a mission's methods; empty if unknown."""
+        """Text on the timing of a mission's methods; empty if unknown."""
         return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 
     def _show_refused(self, error: Exception) -> None:

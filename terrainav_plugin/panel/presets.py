@@ -1,4 +1,4 @@
-"""Chooser of a preset, at the top of the panel, with a description."""
+"""Chooser of a preset at the top of the panel, with a description of the preset."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CUSTOM = ""
 
 
 class PresetChooser(QWidget):
-    """Presets by name, and a line that describes the selected one.
+    """Presets by name, and a line that describes the selected preset.
 
     Signals
     -------
@@ -37,7 +37,7 @@ class PresetChooser(QWidget):
         self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], tip)
         model = self.choice.model()
         if isinstance(model, QStandardItemModel):
-            # Shown for other values; choosing it does nothing.
+            # The last item, shown for values of no preset, cannot be chosen.
             model.item(self.choice.count() - 1).setFlags(Qt.ItemFlag.NoItemFlags)
         self.note = wrapped_label("preset_note")
         layout = QVBoxLayout(self)
@@ -51,7 +51,7 @@ class PresetChooser(QWidget):
         self.show_preset(None)
 
     def show_preset(self, preset: Preset | None) -> None:
-        """Show the preset entered without emitting signals; None for other values."""
+        """Show the preset that is entered, without emitting signals; None for values of no preset."""
         self.preset = preset
         with QSignalBlocker(self.choice):
             self.choice.setCurrentIndex(self.choice.findData(_CUSTOM if preset is None else preset.name))

@@ -34,7 +34,7 @@ class RunPanel(QObject):
     Parameters
     ----------
     zoom, open_folder, clean : callable
-        Called with a run by the actions of its row.
+        Called with a run by the buttons of its row.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class RunPanel(QObject):
 
 
 class RunList(QWidget):
-    """Runs below a heading with a button that removes ended ones; hidden while empty.
+    """List of runs, with a heading and a button that removes ended runs; hidden while empty.
 
     Signals
     -------
@@ -154,7 +154,7 @@ class RunList(QWidget):
 
 
 class RunRows(QScrollArea):
-    """Rows from top to bottom, as high as they are, up to a few of them."""
+    """Rows from top to bottom; scrolls if there are more than a few."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -196,7 +196,7 @@ class RunRows(QScrollArea):
         self.updateGeometry()
 
     def sizeHint(self) -> QSize:
-        """Return the size of all rows, up to a few."""
+        """Return the size of all rows, but at most of four."""
         return QSize(super().sizeHint().width(), self._list_height(4))
 
     def minimumSizeHint(self) -> QSize:
@@ -219,12 +219,12 @@ class RunRows(QScrollArea):
 
 
 class RunRow(QFrame):
-    """Show a run as given, and emit requests.
+    """Row of a run; displays only, and emits the user's requests.
 
     Signals
     -------
     asked(str)
-        One of `RunRow.DEEDS`.
+        The action wanted, one of `RunRow.DEEDS`.
     """
 
     DEEDS = PAUSE, RESUME, CANCEL, FAILED, ZOOM, CLEAN, OPEN, DISMISS = (
@@ -261,12 +261,12 @@ class RunRow(QFrame):
         self.text.say(text)
 
     def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
-        """Enable the actions possible now.
+        """Enable the actions that are possible now.
 
         Parameters
         ----------
         actions : set of str
-            Of `DEEDS`.
+            Possible actions, of `DEEDS`.
         enabled : bool
             Whether pausing is possible now.
         underway : bool
@@ -300,7 +300,7 @@ class RunRow(QFrame):
             button = tool_button(f"run_{name}", image, tip)
             button.setAutoRaise(True)
             button.setAccessibleName(f"{tip} ({title})")
-            # Reachable by keyboard.
+            # Make the button reachable by keyboard.
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             button.clicked.connect(lambda _=False, name=name: self.asked.emit(name))
             buttons[name] = button
@@ -322,7 +322,7 @@ class RunRow(QFrame):
 
 
 def _run_actions(run: BackgroundRun) -> set[str]:
-    """Actions possible for a run now."""
+    """Actions that are possible for a run now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}
     if run.stage is Stage.RUNNING:

@@ -1,4 +1,4 @@
-"""Groups of entries: flight, output and less common ones."""
+"""Groups of entries: flight, output and less common entries."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from .start import StartEntry
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
-#: Ranges of the spin boxes, wider than the valid ones, which messages explain.
+#: Largest values of the spin boxes, beyond the valid ones: messages explain invalid values.
 _HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
 
 
@@ -58,12 +58,12 @@ class FlightEntries(Entries):
     Signals
     -------
     align_clicked(str)
-        Rows are to be aligned, in one of `parts.ALIGNMENTS`.
+        The user wants to align the rows, in one of `parts.ALIGNMENTS`.
 
     Attributes
     ----------
     height_by : str
-        What determines the height, as in `FormState`: the entry changed last.
+        Entry that determines the height, as in `FormState`: of height and ground sample distance, the one changed last.
     """
 
     align_clicked = pyqtSignal(str)
@@ -77,22 +77,22 @@ class FlightEntries(Entries):
         self.add_declared("airspeed_m_per_s")
 
     def values(self) -> dict[str, Any]:
-        """Return the entries; the ground sample distance only if it determines the height."""
+        """Return the values of the entries; a ground sample distance that does not determine the height is 0."""
         values = {**super().values(), "height_by": self.height_by}
         return values if self.height_by == "gsd" else {**values, "camera_gsd": 0.0}
 
     def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; shows the ground sample distance of its height."""
+        """Enter the fields of a state; the ground sample distance may be computed from its height."""
         self.camera_gsd.setSuffix(" " + (tr("in") if state.agl_unit == "ft" else tr("cm")))
         gsd = shown_gsd(state)
         super().enter(replace(state, camera_gsd=gsd if state.height_by == "gsd" else short_number(gsd)))
-        # Last, as every entry above counts as typed.
+        # Set it last, as entering a value above counts as typing.
         self.height_by = state.height_by
         self.show_low(state)
 
     def show_low(self, state: FormState) -> None:
-        """Explain a ground sample distance that results in a low flight."""
-        # Flights below 20 m are seldom intended: a small image may cause such a height.
+        """Warn of a ground sample distance that results in a low flight."""
+        # Flights below 20 m are seldom intended, but follow from a small image size.
         is_low = state.height_by == "gsd" and 0.0 < state.agl_m < 20.0
         text = tr(
             "With {px} px along the image's longer side, this means flying {height} above ground. To fly "
@@ -227,7 +227,7 @@ class PixelsSection(Section):
         self._show_rows()
 
     def show_zooms(self, plan: Plan, unit: str) -> None:
-        """Explain the zooms of a plan's source and their ground sample distances; ``unit`` is m or ft."""
+        """Show the zooms of a plan's source with their ground sample distances; ``unit`` is m or ft."""
         self._plan, grid = plan, plan.grid
         text = tr(
             "Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down "
@@ -238,7 +238,7 @@ class PixelsSection(Section):
         self._show_rows()
 
     def _way_chosen(self) -> None:
-        """Start with the zoom of the plan if the source lacks the one entered."""
+        """Enter the zoom of the plan if the source lacks the entered zoom."""
         values, plan = self.values(), self._plan
         if plan is None or values["resolution"] != "zoom":
             return
@@ -285,7 +285,7 @@ class RouteSection(Section):
     Signals
     -------
     pick_clicked()
-        The take-off point is to be picked on the map.
+        The user wants to pick the take-off point on the map.
     """
 
     pick_clicked = pyqtSignal()
@@ -326,7 +326,7 @@ class WindSection(Section):
         self.toggled.connect(lambda: self.edited.emit("wind"))
 
     def values(self) -> dict[str, Any]:
-        """Return the entries, and whether they apply."""
+        """Return the values of the entries, and whether there is wind."""
         return {**super().values(), "wind": self.isChecked()}
 
     def enter(self, state: FormState) -> None:
@@ -344,7 +344,7 @@ class AccuracySection(Section):
     Signals
     -------
     reset_clicked()
-        Values without entries are to be reset.
+        The user wants to reset the values that have no entries.
     """
 
     reset_clicked = pyqtSignal()
@@ -367,7 +367,7 @@ class AccuracySection(Section):
         self.more.hide()
 
     def show_more(self, text: str) -> None:
-        """Show the values without entries; hidden for an empty text."""
+        """Show the values that have no entries; an empty text hides the line."""
         link = tr("reset")
         shown = tr("Also set: {text}").format(text=html.escape(text))
         self.more.setText(f'{shown} (<a href="forget">{link}</a>)' if text else "")

@@ -1,4 +1,4 @@
-"""Dialogs for the user's sources: by an address, or a layer of a WMS or WMTS connection of QGIS."""
+"""Dialogs that add a user's source: from an address, or from a layer of a WMS or WMTS connection of QGIS."""
 
 from __future__ import annotations
 
@@ -54,19 +54,19 @@ if TYPE_CHECKING:
     from ...core.imagery.services.detecting import FoundService
     from ...core.imagery.trial import Trial
 
-#: Entries for fields of a source; all other fields come from its address.
+#: Entries by the field of a source that an error names; other errors are shown at the address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
-#: Parameter that selects a layer in a service's name, by kind.
+#: Parameter that selects a layer in a service's name, by kind of service.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
-#: Most reference systems named by an entry of the list.
+#: Largest number of reference systems named in an item of the list.
 _SYSTEMS_NAMED = 3
 
 
 class AddSourceDialog(QDialog):
     """Ask for a source, show problems while typing, and save it.
 
-    One entry accepts tile templates and service addresses; a service is asked for its kind and layers in the
-    background.
+    One entry accepts both tile templates and addresses of services; the kind and the layers of a service are requested
+    in the background.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class AddSourceDialog(QDialog):
     Attributes
     ----------
     added : str
-        Name of the source saved; empty for none.
+        Name of the saved source; empty if none was saved.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class AddSourceDialog(QDialog):
         self.tile_px = combo("tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile"))
         tip = tr("Requests under way at once, as many as the provider allows")
         self.connections = whole_spin("connections", 1, 64, tip)
-        # Moderate limits for a source without known terms; ask the server's operator before exceeding them.
+        # Moderate limits, as the terms of the source are unknown.
         self.connections.setValue(4)
         self.rate = spin(
             "rate", 0.1, 10_000.0, 1, tr(" a second"), tr("Requests a second, as many as the provider allows")
@@ -196,7 +196,7 @@ class AddSourceDialog(QDialog):
             self.marks.field("default_date", self.default_date),
         )
         form.addRow(self._date_label, self._date_row)
-        # A service states both itself.
+        # Hidden for a service, which states both values.
         self._rows["max_zoom"] = (QLabel(tr("Highest zoom")), self.max_zoom)
         self._rows["tile_px"] = (QLabel(tr("Tile size")), self.tile_px)
         for name in ("max_zoom", "tile_px"):
@@ -247,14 +247,14 @@ class AddSourceDialog(QDialog):
         self._named = True
 
     def _suggest_name(self) -> None:
-        """Suggest the host as name, until a name is typed."""
+        """Suggest the host as name until the user types a name."""
         if self._named and self.name.text():
             return
         host = re.sub(r"^[^/]*//|[:/?].*$|\{s\}\.", "", self.url.text().strip().lower())
         self._named = False
         suggested = re.sub(r"[^a-z0-9]+", "-", host).strip("-")[:64]
         if self._entry is not None and suggested:
-            # Each layer of a service is a source.
+            # Each layer of a service needs a different name.
             suggested = _free_name(f"{suggested}-{self._entry.title}")
         self.name.setText(suggested)
 
@@ -315,7 +315,7 @@ class AddSourceDialog(QDialog):
             self._task = None
 
     def _ask(self, description: str, work: Callable[[QgisTransport], object], then: Callable[[Any], None]) -> None:
-        """Do something with the network in the background; ``then`` receives the result."""
+        """Do ``work``, which uses the network, in the background, and call ``then`` with its result."""
         self._stop()
 
         def ended(task: _Asking) -> None:
@@ -339,7 +339,7 @@ class AddSourceDialog(QDialog):
         return SourceOptions(key=self.key.text().strip() or None, crs=crs, transport=transport, connections=1)
 
     def _find(self) -> None:
-        """Ask for the kind of service and its layers, or for its only layer."""
+        """Request the kind of service and its layers; if there is only one, its details."""
         from ...core.imagery.services.detecting import found_service
 
         address = self.url.text().strip()
@@ -383,7 +383,7 @@ class AddSourceDialog(QDialog):
         return items[0].data(Qt.ItemDataRole.UserRole) if items else None
 
     def _describe(self) -> None:
-        """Ask for the details of the chosen layer."""
+        """Request the details of the chosen layer."""
         from ...core.imagery.opening import named_source
 
         layer, found = self._layer(), self._found
@@ -402,7 +402,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _take(self, entry: CatalogueEntry) -> None:
-        """Show what a service states about a layer; typed entries take precedence."""
+        """Show a service's details of a layer as placeholders; typed entries take precedence."""
         self._entry = entry
         self.title.setPlaceholderText(entry.title)
         self.attribution.setPlaceholderText(entry.attribution)
@@ -413,7 +413,7 @@ class AddSourceDialog(QDialog):
     # --- a tile
 
     def _try(self) -> None:
-        """Fetch and show one tile of the source entered."""
+        """Fetch and show one tile of the entered source."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.opening import DescribedSource
         from ...core.imagery.trial import try_tile
@@ -463,7 +463,7 @@ class AddSourceDialog(QDialog):
         )
 
     def _check(self) -> None:
-        """Show what is wrong, and the limits under which the source would be used."""
+        """Show errors of the entries, and the limits under which the source would be used."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.tiles import check_address
 
@@ -509,7 +509,7 @@ class AddSourceDialog(QDialog):
 
 
 class ServiceDialog(QDialog):
-    """List the layers of a service, filtered by typing, and save the chosen one.
+    """List the layers of a service, filtered by typing, and save the chosen layer as a source.
 
     Attributes
     ----------
@@ -542,7 +542,7 @@ class ServiceDialog(QDialog):
         self._ask(_Capabilities(service), self._show_layers)
 
     def accept(self) -> None:
-        """Ask for the details of the layer, and save it."""
+        """Request the details of the chosen layer, and save it."""
         layer = self._chosen()
         if layer and self._task is None:
             self._ask(_Capabilities(self._service, self._kind, layer), self._keep)
@@ -602,7 +602,7 @@ class ServiceDialog(QDialog):
 
 
 def save_layer(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
-    """Save a layer as a user's source, with the connection's authentication; returns its name.
+    """Save a layer as a user's source, with the connection's authentication, and return its name.
 
     Raises
     ------
@@ -615,7 +615,7 @@ def save_layer(entry: CatalogueEntry, service: ServiceConnection, layer: str) ->
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
     authcfg = store_key(title, service.key) if service.key else service.authcfg
-    # Its tiles may be on another server, which the service's capabilities name without the user's consent.
+    # Not if the capabilities refer to another server for the tiles: the user did not agree to authenticate there.
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
         Settings().set_authcfg(name, authcfg)
     return name
@@ -626,7 +626,7 @@ def _free_name(words: str) -> str:
     from ...core.imagery.catalogue import shelf, sources
 
     taken = {known.name for known in sources()} | set(shelf().problems)
-    # Leave room for a number after the name.
+    # Shorten the name, to leave room for a number.
     plain = re.sub(r"[^a-z0-9]+", "-", words.lower()).strip("-")[:56].strip("-") or "layer"
     name, number = plain, 2
     while name in taken:
@@ -635,7 +635,7 @@ def _free_name(words: str) -> str:
 
 
 def _describe_layer(layer: Offered) -> str:
-    """Title of a layer, with its reference systems and dates, if known."""
+    """Title of a layer, with its reference systems and dates if known."""
     codes = list(layer.systems[:_SYSTEMS_NAMED])
     if len(layer.systems) > _SYSTEMS_NAMED:
         codes.append(tr("{count} more").format(count=number_text(len(layer.systems) - _SYSTEMS_NAMED)))
@@ -660,7 +660,7 @@ def _name_problem(name: str) -> dict[str, str]:
 
 
 def _field_message(error: TerrAInavError) -> dict[str, str]:
-    """Message at the entry of an error, without the name of the new source."""
+    """Message of an error by its entry, without the prefix that names the new source."""
     inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
     return {_ENTRIES.get(inner.field, "url"): translate(inner)}
 
@@ -683,7 +683,7 @@ class _Asking(Task):
         self._transport = QgisTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES, home=credential_home(address))
 
     def work(self) -> None:
-        """Ask."""
+        """Send the request."""
         with closing(self._transport):
             self.result = self._work(self._transport)
 
@@ -703,7 +703,7 @@ class _Asking(Task):
 
 
 class _Capabilities(Task):
-    """Ask a service for its layers, or for the details of one.
+    """Request the layers of a service, or the details of a layer.
 
     Attributes
     ----------
@@ -725,7 +725,7 @@ class _Capabilities(Task):
         self._transport = QgisTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home)
 
     def work(self) -> None:
-        """Ask."""
+        """Send the requests."""
         with closing(self._transport):
             if self._layer:
                 chosen = f"{_CHOICES[self.kind]}={quote(self._layer, safe='')}"
@@ -740,7 +740,7 @@ class _Capabilities(Task):
 
     def finished(self, result: bool) -> None:
         """Emit `ended`, on the main thread."""
-        # A task cancelled before its turn does not run.
+        # Also needed here: a task cancelled before its start does not run `work`.
         self._transport.close()
         super().finished(result)
 
@@ -750,7 +750,7 @@ class _Capabilities(Task):
         return named_source(name, SourceOptions(key=self._service.key or None, transport=self._transport))
 
     def _find_layers(self) -> None:
-        """Try both kinds: QGIS's connections do not state which one they have."""
+        """Try WMS and WMTS, as QGIS's connections do not state the kind of service."""
         kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
         problems: list[SourceError] = []
         for kind in kinds:

@@ -35,7 +35,7 @@ class SourceList(QObject):
     window : QWidget
         Parent of dialogs.
     visible_box : callable
-        Returns the extent of the map; None if it shows no place.
+        Returns the extent of the map as a box; None if that is impossible.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class SourceList(QObject):
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
         self._checked_features = visible_box
         self._told = ""
-        # Layers are added and removed in groups; one update is enough.
+        # Layers may be added and removed in groups: update once for all.
         self._soon = single_shot(self.refresh, self)
         self._signals = (
             project.layersAdded,
@@ -64,7 +64,7 @@ class SourceList(QObject):
         imagery.remove_source_clicked.connect(self.remove)
         imagery.cache_clicked.connect(self.show_cache)
         imagery.service_chosen.connect(self.choose_layer)
-        # QGIS emits no signal when connections are added or removed.
+        # Update before the list opens, as QGIS emits no signal when connections are added or removed.
         imagery.source.about_to_open.connect(self.refresh)
         self.refresh()
 
@@ -83,7 +83,7 @@ class SourceList(QObject):
         self._told = problem
 
     def add(self) -> None:
-        """Ask for a source's URL, save and choose it."""
+        """Ask for a source, save it and choose it."""
 
         def place() -> tuple[float, float] | None:
             box = self._checked_features()
@@ -98,7 +98,7 @@ class SourceList(QObject):
         dialog.deleteLater()
 
     def choose_layer(self, name: str) -> None:
-        """Ask for a layer of a QGIS service, save and choose it."""
+        """Ask for a layer of a QGIS service, save it as a source and choose it."""
         from ..qgis_source.connections import service
         from .source_dialogs import ServiceDialog
 
@@ -109,7 +109,7 @@ class SourceList(QObject):
         dialog.deleteLater()
 
     def remove(self) -> None:
-        """Remove the chosen user's source, after asking."""
+        """Remove the chosen source of the user, after asking."""
         from ...core.imagery.catalogue import remove
 
         choice = self._imagery.choice()

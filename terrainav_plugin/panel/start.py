@@ -1,4 +1,4 @@
-"""Entry of the first image's capture time: date and time in UTC, with the local time."""
+"""Entry of the first image's capture time: date and time in UTC, next to the local time."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..widgets import FieldMessage, named
 
 
 class _DayAndTime(QgsDateTimeEdit):
-    """An entry that Tab leaves at once, and that the mouse wheel changes only while focused."""
+    """Date and time entry that a single Tab leaves, and that the mouse wheel changes only while it has the focus."""
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Move to the next entry: the arrow keys move between parts."""
+        """Move to the next entry; the arrow keys move between the parts of this one."""
         return QWidget.focusNextPrevChild(self, forward)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Step, or leave the wheel to the panel."""
+        """Change the value if the entry has the focus; otherwise leave the wheel to the panel."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -31,9 +31,9 @@ class _DayAndTime(QgsDateTimeEdit):
 
 
 class StartEntry(QWidget):
-    """Date and time in UTC; if not set, the mission's default.
+    """Date and time in UTC; empty for the mission's default.
 
-    A text that was entered stays unchanged, including decimals of a second, until the user changes it.
+    An entered text is kept, including decimals of a second, until the user changes the time.
 
     Signals
     -------
@@ -65,11 +65,11 @@ class StartEntry(QWidget):
         self.edit.valueChanged.connect(self._edited)
 
     def text(self) -> str:
-        """Return the text as a mission has it."""
+        """Return the text for the mission."""
         return self._text
 
     def enter(self, text: str) -> None:
-        """Enter a text without emitting signals; an invalid one is kept for its error to be shown."""
+        """Enter a text without emitting signals; an invalid text is kept, so that its error is shown."""
         if text != self._text:
             self._text = text
             self._show()
@@ -81,7 +81,7 @@ class StartEntry(QWidget):
             except InvalidInput:
                 time = None
             if time is None:
-                # After `clear` alone, the entry shows the current time until it loses the focus or is shown again.
+                # Also needed: `clear` alone shows the current time until the entry loses the focus or is shown again.
                 self.edit.setDateTime(QDateTime())
             else:
                 at = QTime(time.hour, time.minute, time.second, time.microsecond // 1000)
@@ -99,7 +99,7 @@ class StartEntry(QWidget):
         self.changed.emit()
 
     def _show_local(self) -> None:
-        """Show the local time of this computer."""
+        """Show the same time in this computer's time zone."""
         text = ""
         if self._text != Flight.start:
             try:
@@ -110,7 +110,7 @@ class StartEntry(QWidget):
 
 
 def local_text(time: datetime) -> str:
-    """Local time in the user's format; empty outside the range of this computer."""
+    """Local time in the user's format; empty if this computer cannot convert it."""
     try:
         seconds = int(time.replace(tzinfo=timezone.utc).timestamp())
     except (OverflowError, OSError, ValueError):

@@ -139,7 +139,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
     if field.kind is str:
         text = run.text(name).strip()
         return (text.lower() if field.name == "facing" else text) or None
-    # Paths may contain spaces: separate them by semicolons.
+    # Paths are separated by semicolons, as they may contain spaces.
     if field.name in ("elevation", "surface"):
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
