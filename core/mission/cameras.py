@@ -55,9 +55,9 @@ class CameraPreset:
         """Preset from the facts of ``resources/cameras.json``, or of a user's ``cameras.json``.
 
         The field of view is given as ``sensor_mm`` with ``focal_length_mm``, or as ``fov_deg`` (diagonal),
-        ``horizontal_fov_deg`` or ``vertical_fov_deg``; the shape of the image as ``size_px`` or ``aspect_ratio``, else
-        it is the sensor's. Sizes and ratios are lists of width and height. Without ``size_px``, ``image_px`` gives the
-        pixels along the longer side. ``source`` names the origin of the facts.
+        ``horizontal_fov_deg`` or ``vertical_fov_deg``; the shape of the image as ``size_px`` or ``aspect_ratio``, by
+        default that of the sensor. Sizes and ratios are lists of width and height. Without ``size_px``, ``image_px``
+        gives the pixels along the longer side. ``source`` names the origin of the facts.
 
         Raises
         ------
@@ -72,7 +72,7 @@ class CameraPreset:
     @classmethod
     def _build(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
         data = {fact: value for fact, value in data.items() if value is not None}
-        way = _check_facts(data)
+        view = _check_facts(data)
         source = data.get("source", "")
         if not (isinstance(source, str) and source.isprintable() and (source or user)):
             raise InvalidInput("source {0!r}: must be text of one line", source)
@@ -82,14 +82,14 @@ class CameraPreset:
         shape = size_px or (_pair(data, "aspect_ratio") if "aspect_ratio" in data else None)
         ratio = None if shape is None else shape[0] / shape[1]
         sensor_mm, focal_length_mm = None, None
-        if way == "sensor_mm":
-            sensor_mm, focal_length_mm = _pair(data, way), _number(data, "focal_length_mm")
+        if view == "sensor_mm":
+            sensor_mm, focal_length_mm = _pair(data, view), _number(data, "focal_length_mm")
             camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio)
         elif ratio is None:
-            raise InvalidInput("{0} {1!r}: needs aspect_ratio or size_px beside it", way, data[way])
+            raise InvalidInput("{0} {1!r}: needs aspect_ratio or size_px beside it", view, data[view])
         else:
             make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
-            camera = make.get(way, Camera.from_vertical_fov)(_number(data, way), ratio)
+            camera = make.get(view, Camera.from_vertical_fov)(_number(data, view), ratio)
         width_px, height_px = (None, None) if size_px is None else map(int, size_px)
         image_px = _image_px(data) if size_px is None else int(max(size_px))
         return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, image_px, user)
@@ -127,10 +127,8 @@ def _number(data: Mapping[str, Any], fact: str) -> float:
 
 
 def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
-    pair, wanted = (
-        data[fact],
-        Message("{0} {1!r}: must be a list of width and height, each above 0", fact, data[fact]),
-    )
+    pair = data[fact]
+    wanted = Message("{0} {1!r}: must be a list of width and height, each above 0", fact, pair)
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InvalidInput(wanted)
     return _positive(pair[0], wanted), _positive(pair[1], wanted)
@@ -175,12 +173,12 @@ def camera_named(name: str) -> CameraPreset:
     if found is not None:
         return found
     # Read the user's file, which may be broken, only for names that do not ship.
-    own = camera_shelf()
-    for other, problem in own.problems.items():
+    added = camera_shelf()
+    for other, problem in added.problems.items():
         if key(other) == wanted:
             raise InvalidInput(problem)
-    presets = (*own.entries, *shipped)
-    found = _named(wanted, own.entries, full=True) or _named(wanted, presets, full=False)
+    presets = (*added.entries, *shipped)
+    found = _named(wanted, added.entries, full=True) or _named(wanted, presets, full=False)
     if found is not None:
         return found
     names = {key(preset.name): preset.name for preset in presets}
@@ -191,15 +189,16 @@ def camera_named(name: str) -> CameraPreset:
 
 
 def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> CameraPreset | None:
+    """First preset with the wanted name; unless ``full``, without the maker's name, which is the first word."""
     for preset in presets:
-        own = key(preset.name)
-        if wanted and wanted == (own if full else own.partition(" ")[2]):
+        name = key(preset.name)
+        if wanted and wanted == (name if full else name.partition(" ")[2]):
             return preset
     return None
 
 
 def camera_shelf() -> Shelf[CameraPreset]:
-    """Return the user's valid cameras, and the problems of the others; raises as `read_shelf`."""
+    """Return the user's valid cameras, and the problems of the others; raises as `read_shelf` does."""
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
 
     def preset(name: str, data: Any) -> CameraPreset:
@@ -212,7 +211,7 @@ def camera_shelf() -> Shelf[CameraPreset]:
 
 
 def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
-    """Keep a camera under a name.
+    """Store a user's camera under a name.
 
     Parameters
     ----------

@@ -28,16 +28,16 @@ CLOCKS: Mapping[str, Clock] = {
 
 
 def is_dated(time_s: Floats) -> NDArray[np.bool_]:
-    """Which times (n,), in seconds after 1970, lie from 1990 to 2099, as those of a clock with the date do."""
+    """Which times (n,), in seconds after 1970, lie from 1990 to 2099, and so can be dates."""
     return (time_s >= 631_152_000.0) & (time_s < 4_102_444_800.0)
 
 
 def implausible(
     time_s: Sequence[float] | Floats, unit: Message | None = None, *, dated: bool = False
 ) -> Message | None:
-    """Say why no flight has these times (n,), in seconds after 1970 or after its start; None for plausible ones.
+    """Return why no flight can have these times (n,), in seconds after 1970 or after its start; None if one can.
 
-    Implausible are times that span less than a second, or that lie neither within ten days of a start (a GPS week has
+    Times are implausible if they span less than a second, or lie neither within ten days of a start (a GPS week has
     seven) nor from 1990 to 2099.
 
     Parameters
@@ -45,11 +45,11 @@ def implausible(
     unit : Message or None
         Unit that the file was read in; None where it states dates.
     dated : bool
-        Whether the times surely count from 1970.
+        Whether the times are known to count from 1970.
     """
     first, last = float(time_s[0]), float(time_s[-1])
     known = is_dated(np.asarray(time_s)).all()
-    # Seconds after 1970 hold microseconds.
+    # In float64, seconds after 1970 are exact to about a microsecond.
     if len(time_s) > 1 and round(last - first, 6) < 1.0:
         wrong = Message("its {0:,} times are all within {1:.3g} s", len(time_s), last - first)
     elif not known and (dated or first < 0.0 or last > 10 * 86_400.0):
@@ -60,12 +60,12 @@ def implausible(
 
 
 def check_column(times_s: Sequence[float], where: str, *, dated: bool = False) -> None:
-    """Check the times of a table, in seconds after 1970 (surely so if ``dated``) or after a start.
+    """Check the times of a table, in seconds after 1970 (known to be so if ``dated``) or after a start.
 
     Raises
     ------
     InvalidInput
-        Times that no flight has, see `implausible`; times with dates may span less than a second.
+        The times are `implausible`; dates from 1990 to 2099 may span less than a second.
     """
     if not len(times_s) or is_dated(np.array(times_s)).all():
         return

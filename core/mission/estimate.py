@@ -23,19 +23,20 @@ class Costs:
     Attributes
     ----------
     request_s, request_bytes : float
-        One request, on one connection or core.
+        Time and size of one request, on one connection or core.
     encode_s_per_px : dict
-        Assembling, encoding and writing, on one core, by format.
+        Time to assemble, encode and write a pixel, on one core, by image format.
     bytes_per_px : dict
-        Size of the written files, by format.
+        Size of a pixel in the written files, by image format.
     warp_s_per_px : float
-        Making a camera frame from its tiles, on one core.
+        Time to resample a pixel of a camera frame from tiles, on one core.
     trace_s_per_px, trace_s_per_cell : float
-        Tracing the rays of a camera frame over relief, twice, on one core: per pixel, and per cell of the relief below.
+        Time to trace the rays of a camera frame over relief, twice, on one core: per pixel of the frame, and per cell
+        of the relief below.
     requests_per_s : float or None
         Rate limit of the source; None without one.
     pixels_from : str
-        ``network``, ``file``, or ``computer`` where they are computed or drawn.
+        Where pixels come from: ``network``, ``file``, or ``computer`` if they are computed or drawn here.
     """
 
     request_s: float
@@ -70,15 +71,15 @@ class Summary:
     below the camera, at the highest and the lowest ground that its image may show. ``hidden_share`` is the share of the
     area that lies within images, but that relief hides in all of them.
 
-    ``flight_…`` goes from image to image without turns. ``path_…`` adds turns and the ways to and from the take-off,
-    over all sorties; None without a route. ``interval_s`` is the shortest time between two images of a row. ``fov_deg``
-    is 0 unless the camera looks straight down.
+    ``flight_…`` figures go from image to image without turns. ``path_…`` figures add turns and the ways to and from the
+    take-off, over all sorties; None without a route. ``interval_s`` is the shortest time between two images of a row.
+    ``fov_deg`` is 0 unless the camera looks straight down.
 
     ``polygons`` counts the polygons of the area. ``images_over_no_fly`` counts images left out because their camera
     would stand inside one of the ``no_fly_areas``. Covered and uncovered shares refer to the ground outside these;
     ``no_fly_m2`` is the area's ground inside them.
 
-    ``own_pixels`` describes the pixels of a source that has another CRS than the map's; else it is empty.
+    ``own_pixels`` describes the pixels of a source whose CRS is not the map's; otherwise it is empty.
     """
 
     images: int
@@ -218,7 +219,7 @@ class Summary:
         return lines
 
     def _area_lines(self) -> list[tuple[str, str]]:
-        """Lines of an area of several polygons, and of what no-fly areas leave out."""
+        """Lines on an area of several polygons, and on images left out over no-fly areas."""
         lines: list[tuple[str, str]] = []
         if self.polygons > 1 and self.area_m2 is not None:
             lines.append((Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2))))
@@ -242,7 +243,7 @@ class Summary:
             self.clearance_m,
         )
         finest, coarsest = map(length_text, (self.finest_gsd_m_per_px, self.coarsest_gsd_m_per_px or 0.0))
-        filled = []
+        holes = []
         if self.filled_heights and self.heights:
             share = percent(self.filled_heights / self.heights, exact=False)
             counts = Message(
@@ -251,7 +252,7 @@ class Summary:
                 self.heights,
                 share,
             )
-            filled.append((Message("holes filled"), counts))
+            holes.append((Message("holes filled"), counts))
         if self.interpolated_heights and self.heights:
             share = percent(self.interpolated_heights / self.heights, exact=False)
             counts = Message(
@@ -260,10 +261,10 @@ class Summary:
                 self.heights,
                 share,
             )
-            filled.append((Message("holes interpolated"), counts))
+            holes.append((Message("holes interpolated"), counts))
         return [
             (Message("ground below"), ground),
-            *filled,
+            *holes,
             (
                 Message("over the relief"),
                 Message("{0} per pixel at the highest point, {1} at the lowest", finest, coarsest),
@@ -387,7 +388,7 @@ def _relief_figures(plan: Plan) -> dict[str, Any]:
 
 
 def own_pixels_text(plan: Plan) -> str:
-    """Describe the pixels of images from a source that has another CRS than the map's; else return no text."""
+    """Describe the pixels of images from a source whose CRS is not the map's; otherwise return an empty text."""
     plane, native = plan.grid.plane, plan.grid.native_zoom
     if plane.wraps:
         return ""
@@ -423,8 +424,8 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
     """Warn of images whose pixels are finer than the source's.
 
-    The median ground sample distance of the written images is compared with that of the highest native zoom that they
-    read.
+    Compares the median ground sample distance of the written images with that of the highest native zoom that the
+    images read.
     """
     mission, grid = plan.mission, plan.grid
     written_m = plan.resolution.picture_m_per_px
@@ -466,7 +467,7 @@ def _upsampling_remedy(plan: Plan, zoom: int, factor: float) -> Message:
 
 
 def percent(share: float, exact: bool) -> Message:
-    """Share in percent, which reads 100 only where it is ``exact``."""
+    """Share in percent, to four decimals; 100 for an ``exact`` whole."""
     return Message("{0:.7g} %", 100 if exact else round(100 * share, 4))
 
 
@@ -480,7 +481,7 @@ def length_text(value_m: float) -> Message:
 
 
 def area_text(value_m2: float) -> Message:
-    """Area in km², or in m² below a tenth of one."""
+    """Area in km², or in m² below 0.1 km²."""
     value, unit = (value_m2 / 1e6, "km²") if value_m2 >= 1e5 else (value_m2, "m²")
     # Four digits, without an exponent.
     return Message("{0:,.0f} {1}" if value >= 1e4 else "{0:,.4g} {1}", value, unit)

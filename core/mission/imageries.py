@@ -1,4 +1,4 @@
-"""Named imageries, ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``, several of which one mission captures."""
+"""Named imageries, written ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``; a mission may capture several."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ class NamedImagery:
     def parse(cls, text: str) -> NamedImagery:
         """Read ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``; a missing name is made from the rest. Raises InvalidInput."""
         name, equals, rest = text.partition("=")
-        # The query of an address may hold the equals sign.
+        # The query of an address may contain an equals sign.
         is_named = bool(equals) and "://" not in name
         rest = rest if is_named else text
         map_type, date = SATELLITE, ""
         if found := re.fullmatch(rf"(.+):({'|'.join(MAP_TYPES)})", rest, re.DOTALL):
             rest, map_type = found.groups()
-        # A date begins with its year; in an address, other things may follow an @.
+        # An address may also contain an @, so only an @ before a year begins a date.
         if found := re.fullmatch(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", rest, re.DOTALL):
             rest, date = found.groups()
         if not is_named:

@@ -22,7 +22,7 @@ _BATCH = 20_000
 
 
 def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
-    """Which images (n,) lie on the extent of a source's imagery, by the ground along their rims (n, k)."""
+    """Which images (n,) lie within the extent of a source's imagery, given the ground (n, k) seen along their rims."""
     whole: Flags = seen.hit.all(axis=1)
     lat, lon = seen.lat_deg, seen.lon_deg
     with np.errstate(invalid="ignore"):
@@ -79,7 +79,7 @@ def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
 
 
 def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
-    """Mission of the captures of a plan that are kept, as points with their attitudes.
+    """Mission of the ``kept`` captures (n,) of a plan, as points with attitudes.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def captured_points(mission: Mission, plan: Plan, kept: Flags) -> Mission:
 
 
 def _rim(camera: Camera, image_px: int) -> tuple[tuple[float, float], ...]:
-    """Points around an image and the margin beyond it that resampling reads, in image coordinates."""
+    """Points along the rim of an image and of the margin that resampling reads around it, in image coordinates."""
     wide = camera.aspect_ratio >= 1.0
     longer, shorter = image_px, image_px / max(camera.aspect_ratio, 1.0 / camera.aspect_ratio)
     width, height = (longer, shorter) if wide else (shorter, longer)

@@ -1,4 +1,4 @@
-"""Read the CSV that Litchi's Mission Hub exports as poses.
+"""Read poses from the CSV that Litchi's Mission Hub exports.
 
 Columns and codes: https://www.litchiutilities.com/docs/litchiCsv.php.
 """
@@ -32,7 +32,7 @@ def is_litchi(columns: Sequence[str]) -> bool:
 
 
 def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) -> Points:
-    """Read the images of a mission, at waypoints and by distance along legs; its waypoints if it takes none.
+    """Read the poses of a mission's images, at waypoints and by distance along legs; of its waypoints if it takes none.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
         # Action 1 takes an image.
         if any(row.get(name) == "1" for name in row if name.startswith("actiontype")):
             found.append(pose)
-        there = Message("{0}, waypoint {1}:", where, at + 1)
-        spacing_m = finite_number(row.get("photo_distinterval", "-1"), there)
+        waypoint = Message("{0}, waypoint {1}:", where, at + 1)
+        spacing_m = finite_number(row.get("photo_distinterval", "-1"), waypoint)
         if spacing_m > 0.0 and at + 1 < len(poses):
-            found += _leg_poses(pose, poses[at + 1], spacing_m, there)
+            found += _leg_poses(pose, poses[at + 1], spacing_m, waypoint)
         if len(found) > MAX_POSES:
-            raise _too_many(there, spacing_m)
+            raise _too_many(waypoint, spacing_m)
     lat, lon, agl, yaw, tilt = zip(*(found or poses))
     return Points(tuple(zip(lat, lon, agl)), yaw, tilt)
 
@@ -103,15 +103,15 @@ def _too_many(where: str, spacing_m: float) -> InvalidInput:
 
 
 def _leg_poses(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]:
-    """Poses of the images by distance between two waypoints, without these."""
+    """Poses of the images taken by distance between two waypoints, without the waypoints themselves."""
     ends = (np.array([value]) for value in (*start[:2], *end[:2]))
     azimuth, _, (length_m,) = geodesics(*ends)
     if float(length_m) / spacing_m > MAX_POSES:
         raise _too_many(where, spacing_m)
-    # The end stands for an image within half a spacing of it.
+    # No image within half a spacing of the end, which has one itself.
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
-    first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))
-    lat, lon, _ = geodesic_ends(first_lat, first_lon, way, along)
+    first_lat, first_lon, azimuths = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))
+    lat, lon, _ = geodesic_ends(first_lat, first_lon, azimuths, along)
     agl = start[2] + along / max(float(length_m), spacing_m) * (end[2] - start[2])
     return [(*place, *start[3:]) for place in zip(lat.tolist(), wrap_lon_deg(lon).tolist(), agl.tolist())]

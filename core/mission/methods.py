@@ -109,7 +109,7 @@ class ChosenMethods:
 
     @property
     def mesh_tolerance_px(self) -> float:
-        """Error that placing a picture's pixels may have; 0 for one ray per pixel and for map frames."""
+        """Bound of the error of a pixel's place in the mesh; 0 for one ray per pixel and for map frames."""
         return self.pixels.method.bound_px if self.pixels is not None else 0.0
 
     def lines(self) -> list[tuple[str, str]]:
@@ -191,13 +191,13 @@ def bound_text(bound_px: float) -> Message:
 
 
 def exact_footprint(scene: ImageGeometry) -> Method:
-    """Footprints of the exact camera."""
+    """Method of footprints: those of the exact camera."""
     bound_px = float(np.max(accuracy.exact_px(scene)))
     return Method(Message("footprint"), "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
 def map_frame(scene: ImageGeometry, outside: str = "", plane: Plane = MERCATOR) -> Method:
-    """Pictures that are rectangles of the map, or of the plane of the source's CRS.
+    """Method of pictures that are rectangles of the map, or of the plane of the source's CRS.
 
     Parameters
     ----------
@@ -215,13 +215,13 @@ def map_frame(scene: ImageGeometry, outside: str = "", plane: Plane = MERCATOR) 
 
 
 def camera_frame(scene: ImageGeometry, outside: str = "") -> Method:
-    """Pictures as the camera sees them; ``outside`` is a reason against them, or empty."""
+    """Method of pictures as the camera sees them; ``outside`` is a reason against such pictures, or empty."""
     traced = math.inf if outside else float(np.max(accuracy.camera_frame_px(scene)))
     return Method(_PICTURE, "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
 
 
 def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
-    """Pixels of a camera frame placed by a mesh, as coarse as the tolerance allows or as fine as a mesh can be."""
+    """Method that places the pixels of a camera frame by a mesh, as coarse as the tolerance allows."""
     # A mesh finer than twice the rounding of its corners would leave most pixels to rays.
     finest = 2.0 * float(np.max(accuracy.mesh_noise_px(scene)))
     bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
@@ -229,7 +229,7 @@ def mesh(scene: ImageGeometry, tolerance_px: float) -> Method:
 
 
 def relief_rays(scene: ImageGeometry, tolerance_px: float) -> Method:
-    """Pixels of a camera frame placed where each one's ray first meets the relief."""
+    """Method that places each pixel of a camera frame where its ray first meets the relief."""
     # Rays coarser than this are hardly faster.
     coarsest_px = 0.02
     bound_px = min(max(tolerance_px, 0.0), coarsest_px) or coarsest_px
@@ -329,7 +329,7 @@ def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
 
 
 def choose_pixels(mission: Mission, scene: ImageGeometry, others_px: float) -> Choice:
-    """Choose a mesh as coarse as the other stages' bounds leave of the budget, or one ray per pixel."""
+    """Choose a mesh that fits the budget less ``others_px``, the bounds of the other stages, or one ray per pixel."""
     if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
     left_px = _remaining_px(mission, others_px)
@@ -345,7 +345,7 @@ def _remaining_px(mission: Mission, others_px: float) -> float:
 
 
 def image_geometry(mission: Mission, flown: Framed, grid: PixelGrid) -> ImageGeometry:
-    """Geometry that the bounds of a framed mission depend on, one for each run of poses that share it."""
+    """Geometry that the bounds of a framed mission depend on: one pose for each run of poses that share it."""
     first, _ = flown.frames.runs(plane_runs(grid, flown.poses))
     width, height = flown.frames.scene_sizes_px(flown.windows, first)
     return ImageGeometry(mission.camera, width, height, flown.poses.take(first), ground_ellipsoid(mission))
@@ -366,7 +366,7 @@ def _resolved(scene: ImageGeometry) -> ImageGeometry:
 
 
 def _extreme_geometry(mission: Mission) -> ImageGeometry:
-    """Geometry of the captures that the flat model stretches most, before any is placed; of any image size."""
+    """Geometry, of an arbitrary image size, of the captures that the flat model may stretch most, none placed yet."""
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T

@@ -43,7 +43,7 @@ WHOLE_PARTS: dict[str, Any] = {
     "wind": Wind,
     "no_fly": tuple,
 }
-#: Defaults of parts; a mission file leaves out those that equal them.
+#: Defaults of parts; a mission file leaves out parts that equal their default.
 _DEFAULT_PARTS: dict[str, Any] = {
     "camera": Camera(),
     "wind": None,
@@ -109,7 +109,7 @@ class Mission:
         self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, **made)
 
     def _keep(self, **parts: Any) -> None:
-        """Set the parts, each of which is valid, if they go together."""
+        """Set the parts, each of which is valid, after checking that they go together."""
         check_ground(parts["area"])
         if parts["wind"] is not None:
             parts["wind"].checked(parts["flight"].airspeed_m_per_s)
@@ -120,7 +120,7 @@ class Mission:
 
     @property
     def limit_px(self) -> int | None:
-        """Limit of a picture's longer side in pixels of 256 px tiles, besides the source's; None without one."""
+        """Limit of a picture's longer side in pixels of 256 px tiles, besides the source's limit; None if unlimited."""
         # The paper's images have at most 640 px.
         return 640 if self.pixels.max_px is None and self.flight.layout == PAPER else self.pixels.max_px
 
@@ -131,14 +131,14 @@ class Mission:
 
     @property
     def trigger(self) -> str:
-        """Trigger of the camera: the route's, but waypoints instead of distance for points, which have no rows."""
+        """Trigger of the camera: the route's, but by waypoint instead of by distance for points, which have no rows."""
         if self.route.trigger == BY_DISTANCE and not self.area.covers_ground:
             return BY_WAYPOINT
         return self.route.trigger
 
     @property
     def missions_by_imagery(self) -> dict[str, Mission]:
-        """A mission for each of several imageries, by name; empty where there is one source."""
+        """A mission for each of several imageries, by name; empty for a mission with one source."""
         return {one.name: self.select_imagery(one) for one in self.imagery.named}
 
     def select_imagery(self, imagery: NamedImagery) -> Mission:
@@ -252,9 +252,9 @@ def area_from_dict(values: Any) -> Area:
         if kind == "polygons":
             return Polygons(tuple(_polygon(part) for part in area["parts"]))
         if kind == "points":
-            own = {name: tuple(values or ()) for name, values in area.items() if name != "poses"}
-            _check_names(own, "area.", [one.name for one in fields(Points)])
-            return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), **own)
+            columns = {name: tuple(values or ()) for name, values in area.items() if name != "poses"}
+            _check_names(columns, "area.", [one.name for one in fields(Points)])
+            return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), **columns)
     raise InvalidInput("area type {0!r}: must be box, polygon, polygons or points", kind)
 
 

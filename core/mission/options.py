@@ -14,6 +14,7 @@ from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
 from .presets import PRESET_NAMES
 
+#: Kinds of missions.
 KINDS = ("single", "list", "raster")
 
 
@@ -57,10 +58,10 @@ class Option:
     @classmethod
     def from_field(cls, field: Field) -> Option:
         """Option that sets a field of a mission."""
-        without = field.needed or field.default == ()
+        has_no_default = field.needed or field.default == ()
         numbers: dict[str, Callable[[str], Any]] = {"img_size": int, "takeoff": float}
         metavars = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
-        many = {
+        counts = {
             "img_size": (3, 3),
             "map_types": (1, len(field.choices)),
             "bands": (1, MAX_BANDS),
@@ -74,9 +75,9 @@ class Option:
         return cls(
             field.name_of_option,
             numbers.get(field.name) or (str if field.kind in (bool, tuple) else field.kind),
-            (field.default,) if field.name == "stretch" else None if without else field.default,
+            (field.default,) if field.name == "stretch" else None if has_no_default else field.default,
             field.help,
-            count=many.get(field.name),
+            count=counts.get(field.name),
             # Choices of lists are checked by the mission.
             choices=tuple(field.choices) if field.choices and field.kind is str else None,
             metavar=metavars.get(field.name),
@@ -89,8 +90,8 @@ class Option:
         """Help text with unit, limits and default."""
         shown = " ".join(map(str, self.default)) if isinstance(self.default, tuple) else self.default
         default = "" if shown in (None, False, "") else f"default {shown}"
-        beside = "; ".join(filter(None, (self.about, default)))
-        return self.help + (f" ({beside})" if beside else "")
+        details = "; ".join(filter(None, (self.about, default)))
+        return self.help + (f" ({details})" if details else "")
 
     def read(self, value: Any, where: str) -> Any:
         """Convert a value given as text, as JSON, or as the command line splits it.
@@ -145,7 +146,7 @@ def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
 
 
 def _image_px() -> Option:
-    """Option of the image's longer side; the camera decides where it is not given."""
+    """Option of the image's longer side, which the camera sets by default."""
     option = next(one for one in _fields(Pixels) if one.name == "image_px")
     return replace(option, default=None, about=f"{option.about}; default {option.default}")
 

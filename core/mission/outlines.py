@@ -40,7 +40,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
     Yields
     ------
     list of (easting, northing)
-        Several where it crosses the antimeridian.
+        Rings of one picture; several where it crosses the antimeridian.
     """
     plane = plan.grid.plane
     if plan.frames.on_map:
@@ -115,7 +115,7 @@ def cut_line(lon_deg: Floats, *values: Floats) -> list[tuple[Floats, ...]]:
     lon = np.unwrap(np.asarray(lon_deg, np.float64), period=360.0)
     turn = np.floor((lon + 180.0) / 360.0)
     leaves = np.flatnonzero(np.diff(turn))
-    # Each leg that crosses meets the antimeridian at this share of its length.
+    # Longitude of each crossing, and its share of the length of its leg.
     edge = 360.0 * np.maximum(turn[leaves], turn[leaves + 1]) - 180.0
     share = (edge - lon[leaves]) / (lon[leaves + 1] - lon[leaves])
     crossings = [edge, *(row[leaves] + share * (row[leaves + 1] - row[leaves]) for row in values)]
@@ -162,7 +162,7 @@ def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
 
 
 def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
-    """Which footprints four corners describe well enough to be drawn."""
+    """Which footprints may be drawn by their four corners alone."""
     lat, lon, hit = (values[part] for values in plan.corners)
     wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
     # Edges of up to 0.1 degrees are straight to within 3 m, in degrees and on the map.
@@ -175,7 +175,7 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
 
 
 def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:
-    """Rectangle in EPSG:3857, in two where it crosses the antimeridian."""
+    """Rectangle in EPSG:3857, split in two where it crosses the antimeridian."""
     world_m = 2.0 * HALF_WORLD_M
     shift = world_m * ((west + HALF_WORLD_M) // world_m)
     spans = [(west - shift, min(east - shift, HALF_WORLD_M))]
@@ -189,6 +189,6 @@ def _rectangle(west: float, south: float, east: float, north: float) -> Ring:
 
 
 def _clipped_to_map(lon_deg: Floats, lat_deg: Floats) -> Ring:
-    """Part of a ring within the latitudes of the map; empty where it lies beyond."""
+    """Part of a ring within the latitudes of the map; empty where the ring lies beyond."""
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     return cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)

@@ -1,4 +1,4 @@
-"""The parts of a mission whose fields are plain values, each declared once. Imports no numerics: help needs none."""
+"""The parts of a mission whose fields are plain values, each declared once; without numpy, so that help is quick."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from .imageries import NamedImagery, named_imageries
 if TYPE_CHECKING:
     from datetime import datetime
 
-#: Orders of rows: to and fro, or each flown in the same direction.
+#: Orders of rows: flown to and fro, or all in the same direction.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
-#: Directions of the images' top edge: north, or that of each row's flight.
+#: Directions of the images' top edge: north, or the flight direction of each row.
 NORTH, TRACK = "north", "track"
 #: Ways to align rows with their area.
 ALIGNMENTS = LONGEST_SIDE, SHORTEST = ("longest-side", "shortest")
@@ -31,18 +31,25 @@ COVER, PAPER = "cover", "paper"
 AUTO = "auto"
 #: One ray per pixel of a camera frame instead of a mesh.
 RAYS = "rays"
-#: Greatest height above ground, metres: up to there, float64 holds the ground to less than a micrometre.
+#: Greatest height above ground, metres: up to it, float64 resolves the ground to less than a micrometre.
 HIGHEST_AGL_M = 1e9
 #: Heights of the ground, metres: the deepest ocean trench and Everest, with room for the geoid.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: References of the heights of captures.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
-#: Entries into the rows: as laid out, at the corner nearest to the take-off, or at a compass corner (east, north).
-FIRST, NEAREST = "first", "nearest"
+#: Entry into the rows as they are laid out.
+FIRST = "first"
+#: Entry into the rows at the corner nearest to the take-off.
+NEAREST = "nearest"
+#: Entries into the rows at a compass corner, with its direction (east, north).
 COMPASS_CORNERS = {"north-west": (-1, 1), "north-east": (1, 1), "south-east": (1, -1), "south-west": (-1, -1)}
-#: Triggers of the camera: at each waypoint, by the distance flown along a row, or at each waypoint with a stop.
-BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
-#: The drones that DJI Fly flies, as target of a file for DJI's programs.
+#: Trigger of the camera at each waypoint, flown through.
+BY_WAYPOINT = "waypoint"
+#: Trigger of the camera by the distance flown along a row.
+BY_DISTANCE = "distance"
+#: Trigger of the camera at each waypoint, with a stop.
+HOVER = "hover"
+#: The drones that are flown with DJI Fly, as target of a file for DJI's programs.
 DJI_FLY = "dji-fly"
 #: Treatments of holes in the first source of heights.
 FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
@@ -155,8 +162,8 @@ def _check_map_types(map_types: tuple[str, ...]) -> None:
 def _check_takeoff(place: tuple[Any, ...] | None) -> None:
     if place is None:
         return
-    sound = len(place) == 2 and all(type(one) in (int, float) for one in place)
-    if not (sound and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
+    is_pair = len(place) == 2 and all(type(one) in (int, float) for one in place)
+    if not (is_pair and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
         raise InvalidInput(
             "take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees",
             " ".join(map(str, place)),
@@ -344,7 +351,7 @@ class Flight(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; keep an azimuth that cameras face as text."""
+        """Check every field; store a ``facing`` given as a number as text."""
         given: Any = self.facing
         if isinstance(given, (int, float)) and not isinstance(given, bool):
             object.__setattr__(self, "facing", f"{given:.15g}")
@@ -352,7 +359,7 @@ class Flight(CheckedFields):
 
     @property
     def faced_deg(self) -> float | None:
-        """Azimuth that the yaw counts from; None for the track of each row."""
+        """Azimuth that the yaw counts from; None where it counts from the track of each row."""
         return None if self.facing == TRACK else 0.0 if self.facing == NORTH else float(self.facing)
 
     @property
@@ -437,7 +444,7 @@ class Imagery(CheckedFields):
     )
 
     def __post_init__(self) -> None:
-        """Check every field; keep bands by number as text."""
+        """Check every field; store bands given as numbers as text."""
         given: Any = self.bands
         if isinstance(given, (tuple, list)):
             object.__setattr__(self, "bands", tuple(str(one) if type(one) is int else one for one in given))
@@ -455,7 +462,7 @@ class Imagery(CheckedFields):
 
     @property
     def named(self) -> tuple[NamedImagery, ...]:
-        """The several imageries; empty where there is one source."""
+        """The several imageries; empty for one source."""
         return named_imageries(self.imageries)
 
 

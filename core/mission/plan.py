@@ -46,8 +46,8 @@ class Plan:
     poses : Poses
         Poses as flown, (n,); longitudes are continuous across the antimeridian.
     windows : Windows
-        Windows of the north-up global pixel grid at ``zoom``, (n,): those that map frames show, and rectangles inside
-        the ground that camera frames show.
+        Windows of the north-up global pixel grid at ``zoom``, (n,): the windows that map frames show, or
+        rectangles inside the ground that camera frames show.
     corners : Corners
         Ground corners that the camera sees, (n, 4).
     frames : MapFrames or CameraFrames
@@ -57,7 +57,7 @@ class Plan:
     nominal : Poses or None
         Planned poses, if wind has moved them.
     passes : tuple of Pass
-        Passes of turned or crossed rows; empty for rows along parallels and for points.
+        Passes of rotated or crosshatched rows; empty for rows along parallels and for points.
     level_m : float
         Height of the level ground that captures are planned over, above the WGS 84 ellipsoid.
     relief : Relief
@@ -212,8 +212,8 @@ class Plan:
     def coverage(self) -> Coverage | None:
         """Share of the area outside no-fly areas that the windows show; None for points.
 
-        Turned rows count by rectangles turned with them. Cameras that do not look at the ground below them show low
-        ground of relief elsewhere, so sample points of the relief are searched for in their images.
+        Rotated rows are measured by rectangles rotated with them. Cameras that do not see the ground below them show
+        low ground of relief elsewhere than level ground, so sample points of the relief are searched for in the images.
         """
         if not self.mission.area.covers_ground:
             return None
@@ -230,7 +230,7 @@ class Plan:
 
     @cached_property
     def imagery(self) -> ImageryShare:
-        """Share of the area, and pictures, on the source's imagery, where its grid states an extent."""
+        """Share of the area on the source's imagery, and pictures beyond it, where the grid states an extent."""
         plane, extent = self.grid.plane, self.grid.extent
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
         if not isinstance(plane, ProjectedPlane) or extent is None or not self.mission.area.covers_ground:
@@ -244,8 +244,8 @@ class Plan:
             return Overlap(None, None, None, None)
         if self.passes:
             return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
-        is_level = self.mission.flight.layout == "cover"
-        return overlap(self.column, self.row, self.windows, rows_are_level=is_level, parts=self.parts)
+        is_cover = self.mission.flight.layout == "cover"
+        return overlap(self.column, self.row, self.windows, rows_are_level=is_cover, parts=self.parts)
 
     @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
@@ -290,8 +290,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     InvalidInput
         A polygon of the area or of a no-fly area is invalid (`check_rings`). The mission cannot be flown: too many
         captures, an area or pictures beyond Web Mercator, a camera that sees nothing of the Earth, a zoom that the
-        source does not have, pictures under one pixel. No methods fit the error budget and the mission does not accept
-        that.
+        source does not have, pictures under one pixel. No methods fit the error budget, and the mission does not
+        accept to exceed it.
     """
     if mission.imagery.imageries:
         raise InvalidInput(
@@ -305,17 +305,17 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     levelled, relief = _relief_below(mission, heights)
     flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
     layout = flown.layout
-    poses, over = flown.poses, flown.flown
+    poses, over_relief = flown.poses, flown.flown
     nominal = None
     if mission.wind is not None:
         nominal = nominal_poses(mission, layout)
-    if over is not None:
-        higher = over.height_m - over.ground_m - over.seen_agl_m
-        poses = poses._replace(agl_m=poses.agl_m + higher)
-        over = over._replace(height_m=over.ground_m + poses.agl_m)
+    if over_relief is not None:
+        raised_m = over_relief.height_m - over_relief.ground_m - over_relief.seen_agl_m
+        poses = poses._replace(agl_m=poses.agl_m + raised_m)
+        over_relief = over_relief._replace(height_m=over_relief.ground_m + poses.agl_m)
         if nominal is not None:
-            nominal = nominal._replace(agl_m=nominal.agl_m + higher)
-    height_m = levelled.flight.ground_height_m + poses.agl_m if over is None else over.height_m
+            nominal = nominal._replace(agl_m=nominal.agl_m + raised_m)
+    height_m = levelled.flight.ground_height_m + poses.agl_m if over_relief is None else over_relief.height_m
     corners = relief.corners(poses, height_m)
     return Plan(
         mission=mission,
@@ -332,7 +332,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         passes=flown.passes,
         level_m=levelled.flight.ground_height_m,
         relief=relief,
-        flown=over,
+        flown=over_relief,
         parts=flown.parts,
         left_out=flown.left_out,
     )
@@ -354,14 +354,16 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
         return nominal
     from .flight.motion import fly
 
-    way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
+    flown_legs, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     stated = stated_times_s(mission, layout.column)
-    interval_s = np.diff(stated) if stated is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
-    off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
+    interval_s = (
+        np.diff(stated) if stated is not None else intervals_s(flown_legs, layout.agl_m, airspeed, mission.wind)
+    )
+    motion = fly(mission.wind, airspeed, interval_s, flown_legs.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_ellipsoid(mission)
-    north = np.degrees(off.north_m / ground.meridional_radius_m(lat))
-    east = np.degrees(off.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
-    agl = nominal.agl_m + off.up_m
+    north = np.degrees(motion.north_m / ground.meridional_radius_m(lat))
+    east = np.degrees(motion.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
+    agl = nominal.agl_m + motion.up_m
     if (agl <= 0.0).any():
         raise InvalidInput(
             "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground",
@@ -374,7 +376,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
         lat + north,
         nominal.lon_deg + east,
         agl,
-        nominal.yaw_deg + off.yaw_deg,
-        nominal.tilt_deg + off.tilt_deg,
-        nominal.roll_deg + off.roll_deg,
+        nominal.yaw_deg + motion.yaw_deg,
+        nominal.tilt_deg + motion.tilt_deg,
+        nominal.roll_deg + motion.roll_deg,
     )
