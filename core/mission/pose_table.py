@@ -43,7 +43,7 @@ _HEADERS = {
     "roll": ("roll", "roll_deg", "gimbal_roll", "gimbal_roll_deg"),
     "time": ("time", "time_utc", "timestamp", "datetime", "date_time", "utc", "t"),
 }
-#: First line that gives spreadsheets the separator of cells.
+#: First line that states the separator of cells, as spreadsheets write it.
 _SEPARATOR = re.compile(r'\ufeff?"?sep=(.)"?\s*', re.IGNORECASE)
 #: Characters that stand for a hyphen in typeset text.
 UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
@@ -59,7 +59,7 @@ class _Row(NamedTuple):
 
 
 def read_header(lines: Iterable[str], where: str = Message("coordinates")) -> list[str]:
-    """Return the names of a table's columns; none if its first line has numbers or no usual name."""
+    """Return the names of a table's columns; no names if its first line has numbers or no usual name."""
     row = next(_rows(lines, where), None)
     cells = [] if row is None else [cell.lower() for cell in row.cells]
     known = {name for names in _HEADERS.values() for name in names}
@@ -122,13 +122,13 @@ def read_poses(
     Raises
     ------
     InvalidInput
-        A column is missing or given twice, a line cannot be read, or no flight has these times.
+        A column is missing or given twice, a line cannot be read, or the times are implausible.
     """
     rows = _rows(lines, where)
     headers = [cell.lower() for cell in next(rows).cells]
     if is_litchi(headers):
-        held = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-        return read_litchi([line.removeprefix("\ufeff") for line in held], where, agl_m)
+        content = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+        return read_litchi([line.removeprefix("\ufeff") for line in content], where, agl_m)
     columns = _columns(headers, where, needs_agl=agl_m is None)
     poses = list(itertools.islice(rows, most))
     if not poses:
@@ -136,11 +136,11 @@ def read_poses(
     values: dict[str, list[float]] = {name: [] for name in columns}
     dated = False
     for row in poses:
-        there = _line(where, row.number)
+        place = _line(where, row.number)
         if len(row.cells) != len(headers):
             raise InvalidInput(
                 "{0} {1!r} has {2} cells; its header names {3}",
-                there,
+                place,
                 row.line.strip()[:80],
                 len(row.cells),
                 len(headers),
@@ -152,8 +152,8 @@ def read_poses(
                 values[name].append(real_number(number))
             except ValueError as wrong:
                 if name != "time":
-                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell[:80]) from wrong
-                values[name].append(time_s(cell, there))
+                    raise InvalidInput("{0} {1} {2!r}: must be a number", place, name, cell[:80]) from wrong
+                values[name].append(time_s(cell, place))
                 dated = True
     m_per_unit = LENGTHS_M[agl_unit]
     values["agl"] = [agl_m] * len(poses) if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
@@ -205,7 +205,7 @@ def _rows(lines: Iterable[str], where: str) -> Iterator[_Row]:
 
 
 def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, where: str) -> list[str] | None:
-    """Cells of a line and the lines after it that its quoted cells span; None if the csv module cannot read them."""
+    """Cells of a line and the following lines that its quoted cells span; None if the csv module cannot read them."""
     ended, taken = False, 0
 
     def lines() -> Iterator[str]:
@@ -229,17 +229,17 @@ def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, whe
 
 def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, int]:
     """Index of the column of each quantity."""
-    at = {}
-    for name, there in usual_names(headers).items():
-        if there.count(there[0]) > 1 or (len(there) > 1 and name != "agl"):
-            raise InvalidInput("{0}: columns {1} say the same", where, " ".join(dict.fromkeys(there)))
-        at[name] = headers.index(there[0])
+    index = {}
+    for name, matches in usual_names(headers).items():
+        if matches.count(matches[0]) > 1 or (len(matches) > 1 and name != "agl"):
+            raise InvalidInput("{0}: columns {1} say the same", where, " ".join(dict.fromkeys(matches)))
+        index[name] = headers.index(matches[0])
     if not needs_agl:
-        at.pop("agl", None)
-    missing = [name for name in ("lat", "lon", *(["agl"] if needs_agl else [])) if name not in at]
+        index.pop("agl", None)
+    missing = [name for name in ("lat", "lon", *(["agl"] if needs_agl else [])) if name not in index]
     if missing:
         raise InvalidInput("{0}: has no column {1}, only {2}", where, missing[0], ", ".join(headers))
-    tilts = [name for name in ("tilt", "gimbal_pitch") if name in at]
+    tilts = [name for name in ("tilt", "gimbal_pitch") if name in index]
     if len(tilts) > 1:
         raise InvalidInput("{0}: columns {1} say the same", where, " ".join(tilts))
     if {"pitch", "pitch_deg"} & set(headers) and not tilts:
@@ -248,7 +248,7 @@ def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, in
             where,
             remedy="name it tilt (0 looks straight down) or gimbal_pitch (-90 does)",
         )
-    return at
+    return index
 
 
 def table_text(points: Points) -> str:

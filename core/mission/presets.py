@@ -16,9 +16,9 @@ from .parts import AUTO, NORTH, TRACK
 
 #: Front and side overlap at which structure from motion finds every point in several images and rows.
 _MAPPING_OVERLAPS = (0.75, 0.65)
-#: Two captures of each row and two rows see each place.
+#: Each place is seen by two captures of a row and by two rows.
 _NAVIGATION_OVERLAP = 0.5
-#: Usual image side in training networks, and that of map tiles.
+#: Usual side of images for training neural networks, and of map tiles.
 _LEARNING_PX = 256
 
 

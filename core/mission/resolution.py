@@ -34,7 +34,7 @@ class Resolution:
 
     @cached_property
     def requested_m_per_px(self) -> float:
-        """Requested by the mission, else that of the camera's image looking straight down."""
+        """Distance that the mission requests, else that of the camera's image looking straight down."""
         pixels = self.mission.pixels
         if pixels.gsd_m_per_px is not None:
             return pixels.gsd_m_per_px
@@ -42,12 +42,12 @@ class Resolution:
 
     @cached_property
     def picture_m_per_px(self) -> float:
-        """Of the planned pictures: of the zoom's pixels, or of camera frames looking straight down."""
+        """Distance of the planned pictures: of the zoom's pixels, or of camera frames looking straight down."""
         return self.frames.gsd_m_per_px(self.mission, self.poses, self.grid, self.zoom)
 
     @cached_property
     def delivered_m_per_px(self) -> float:
-        """Of the written images along their longer side, after any resizing."""
+        """Distance of the written images along their longer side, after any resizing."""
         size, frames = self.mission.output.img_size, self.frames
         if size is None:
             return self.picture_m_per_px
@@ -57,11 +57,11 @@ class Resolution:
 
     @cached_property
     def source_m_per_px(self) -> float:
-        """Of the finest pixels that the source has."""
+        """Distance of the finest pixels that the source has."""
         grid, poses = self.grid, self.poses
         return float(np.median(grid.ground_m_per_px(poses.lat_deg, poses.lon_deg, grid.native_zoom)))
 
     @cached_property
     def camera_m_per_px(self) -> float:
-        """Of the exact camera with as many pixels as its picture."""
+        """Distance of the exact camera with as many pixels as its picture."""
         return camera_gsd_m_per_px(self.mission, self.poses, self.frames)

@@ -1,7 +1,7 @@
 """Values of a mission's options: from command line, environment, configuration file, preset and defaults.
 
 The command line precedes the environment (``TERRAINAV_FOV=75``), ``config.json``, the preset and the defaults, in this
-order. Options that state the same count as one: ``--hfov`` precedes a ``fov`` in the file.
+order. Alternative options count as one: ``--hfov`` precedes a ``fov`` in the file.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def resolve(
 
 
 def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled: set[str]) -> None:
-    """Take the options that a place gives, unless an earlier place has settled them."""
+    """Take the options that a place, such as the environment, gives, unless an earlier place has settled them."""
     chosen = [option for option in OPTIONS if option.name in place and option.name not in settled]
     for option in chosen:
         where, value = place[option.name]
@@ -70,7 +70,7 @@ def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled:
 
 
 def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
-    """Options of the preset: by name, a label for messages and the value."""
+    """Options of the preset by name, each as a label for messages and the value."""
     name = values["preset"]
     fields = dict(preset_named(name).values)
     given: dict[str, Any] = {"overlap": (fields.pop("overlap_along"), fields.pop("overlap_across"))}
@@ -84,13 +84,13 @@ def _read_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tupl
     named = {one.name: one.name_of_option for one in flat_fields()}
     given.update({named[field]: value for field, value in fields.items() if value is not None})
     if settled & {"source", "imagery"}:
-        # Most sources have one map type, of which two would hold the same images.
+        # Most sources have one map type, so that the folders of two would hold the same images.
         del given["map_type"]
     return {option: (f"preset {name}, option", value) for option, value in given.items()}
 
 
 def _camera_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
-    """Shape (width, height) of the requested camera's images; None if it is open."""
+    """Shape (width, height) of the requested camera's images; None if it is not requested."""
     if values["camera"] is not None:
         return camera_named(values["camera"]).camera.aspect_ratio, 1.0
     shape: tuple[float, float] | None = values["aspect_ratio"] or values["sensor"]
@@ -108,7 +108,7 @@ def _fit_size(size: tuple[int, int, int], width: float, height: float) -> tuple[
 def _places(
     given: Mapping[str, Any], environment: Mapping[str, str], config: str | None
 ) -> Iterator[dict[str, tuple[str, Any]]]:
-    """Yield the options of each place in order of precedence: by name, a label for messages and the value."""
+    """Yield the options of each place, in order of precedence, by name: each a label for messages and the value."""
     yield {name: ("option", value) for name, value in given.items() if value is not None}
     variables = {option.name: f"TERRAINAV_{option.name.upper()}" for option in OPTIONS}
     yield {
@@ -121,8 +121,8 @@ def _places(
 
 
 def _settled_options(name: str) -> set[str]:
-    """Options that later places cannot change once one is given: itself, and others that state the same."""
-    # A named camera sets shape and pixels; these do not set a camera.
+    """Options that later places cannot change once an option is given: the option itself, and its alternatives."""
+    # A named camera sets shape and pixels, but either of them alone does not exclude a named camera.
     found = {name, "aspect_ratio", "image_px"} if name == "camera" else {name}
     alternatives: tuple[tuple[tuple[str, ...], ...], ...] = (
         (("coords",), ("area",)),

@@ -28,7 +28,7 @@ from .relief.ground import Relief
 
 Kept = TypeVar("Kept")
 
-#: Views, outlines or blocks of outlines kept, those last asked for; captures of one row share a view.
+#: Number of views, outlines or blocks of outlines to keep, the last made; captures of one row share a view.
 _KEPT = 16
 #: Captures over relief whose outlines are computed together.
 _BLOCK = 128
@@ -49,7 +49,7 @@ class CameraViews:
     relief : Relief
         The ground that captures are flown over.
     tolerance_px : float
-        Error that placing a picture's pixels may have.
+        Allowed error of the places of a picture's pixels.
     """
 
     mission: Mission
@@ -92,15 +92,18 @@ class CameraViews:
             if found is not None:
                 return found
 
-        def made(pose: Poses) -> Outline:
+        def make(pose: Poses) -> Outline:
             yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
             lat, agl = float(pose.lat_deg[0]), float(pose.agl_m[0])
             return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), self.ground)
 
-        return self._kept("outlines", index, made)
+        return self._kept("outlines", index, make)
 
     def seen(self, index: int, points: ImagePoints) -> tuple[Corners, Floats]:
-        """Ground that a capture sees at image points (k,), from its wrapped longitude, and its heights, (1, k)."""
+        """Ground that a capture sees at image points (k,), and the heights there, (1, k).
+
+        Longitudes are continuous with the wrapped longitude of the capture.
+        """
         pose = self.poses.take(np.array([index]))
         pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
         return self.relief.seen(pose, self.height_m[index : index + 1], points)
@@ -120,7 +123,7 @@ class CameraViews:
     def traced_view(self, tracing: Tracing) -> View:
         """View that makes the picture of a camera frame over relief from traced rays.
 
-        Where level ground displaces no pixel by more than half the tolerance, a level view with the other half.
+        Where level ground displaces no pixel by more than half the tolerance, this is a level view with the other half.
         """
         zooms, level_m = sampled_zooms(self.mission, self.grid), tracing.level_m
         if level_m is None:
@@ -159,21 +162,21 @@ class CameraViews:
         view, some views stand for those of their neighbours.
         """
         first, _ = self._runs
-        # In still air, views of turned rows differ only by convergence and latitude, so that fewer suffice.
+        # In still air, views of rotated rows differ only by convergence and latitude, so that fewer suffice.
         most = 60 if passes and self.mission.wind is None else 500
         starts, count = first, len(self.poses.lat_deg)
         if len(first) > most:
             starts = np.arange(0, count, -(-count // most))
             starts = np.union1d(starts, [part.first for part in passes]).astype(np.intp)
-        # The map shows poles at infinity, from which no distance counts.
+        # On the map, poles lie at infinity, and offsets from there are not finite.
         u, v = self.grid.plane.forward(self.poses.lat_deg, self.poses.lon_deg)
-        moved = (
+        positions = (
             np.zeros(count) if self.grid.plane.wraps else u,
             np.clip(v, -1.0, 2.0) if self.grid.plane.wraps else v,
         )
         seen: NDArray[np.int64] = np.empty(0, np.int64)
         for start, end in zip(starts.tolist(), np.append(starts[1:], count).tolist()):
-            u, v = (place[start:end] - place[start] for place in moved)
+            u, v = (values[start:end] - values[start] for values in positions)
             keys = self._level_view(start).tile_keys(self.poses.lon_deg[start:end], u, v)
             seen = np.union1d(seen, keys)
         return len(seen)
@@ -185,10 +188,10 @@ class CameraViews:
         size = self.size_px(index)
         tolerance = self.tolerance_px if self.relief.is_level else COARSEST_MESH_PX
 
-        def made(pose: Poses) -> View:
+        def make(pose: Poses) -> View:
             return self._view_of_level(ImageGeometry(self.mission.camera, *size, pose, self.ground), tolerance)
 
-        return self._kept("views", index, made)
+        return self._kept("views", index, make)
 
     def _view_of_level(self, scene: ImageGeometry, tolerance_px: float) -> View:
         mission = self.mission

@@ -72,11 +72,11 @@ class _Covered:
 
     covers_ground: ClassVar[bool] = True
     kind: ClassVar[str] = "raster"
-    #: Points may state times; these areas do not.
+    #: Areas state no times, unlike points.
     times_s: ClassVar[tuple[float, ...]] = ()
 
     def stated_deg(self, _name: str) -> tuple[float, ...]:
-        """Return no angles: the mission's hold for all captures."""
+        """Return no angles: those of the mission apply to all captures."""
         return ()
 
 
@@ -204,7 +204,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
 class Polygons(_Covered):
     """Several polygons that one mission covers, each by separate rows.
 
-    Equal polygons count once. Ground where others overlap counts for each of them, and is covered for each.
+    Equal polygons count once. Ground where different polygons overlap counts for each, and is covered for each.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ class Points:
     ----------
     poses : tuple of (latitude, longitude, height above ground), degrees and metres
     yaws_deg, tilts_deg, rolls_deg : tuple of float
-        Yaw (-360 to 360), tilt and roll (-180 to 180) of each; empty where the mission's hold for all.
+        Yaw (-360 to 360), tilt and roll (-180 to 180) of each; empty where the mission's angle applies to all.
     times_s : tuple of float
         Times of capture, seconds after 1970 in UTC, not decreasing; empty where they follow from the mission's start
         and airspeed.
@@ -325,7 +325,7 @@ class Points:
         _check_times(self.times_s)
 
     def stated_deg(self, name: str) -> tuple[float, ...]:
-        """Angles of the points, by one of `ANGLES`; empty where the mission's holds for all."""
+        """Angles of the points, by one of `ANGLES`; empty where the mission's angle applies to all."""
         stated: tuple[float, ...] = getattr(self, f"{name}s_deg")
         return stated
 
@@ -381,8 +381,8 @@ def _all_poses_allowed(poses: tuple[tuple[float, float, float], ...]) -> bool:
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
     lat, lon, agl = values.T
-    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
-    return bool(sound.all())
+    allowed = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
+    return bool(allowed.all())
 
 
 def _shifted(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
@@ -532,7 +532,7 @@ def check_rings(polygon: Polygon) -> None:
             raise InvalidInput("polygon with hole {0:,} outside of it: holes lie inside the outer ring", number)
     west, south, east, north = whole.edges_deg
     sides_m2 = WGS84.a_m**2 * math.radians(max(east - west, north - south)) ** 2
-    # Rounding leaves corners on one line this share of the square around them.
+    # Corners on one line enclose, by rounding, up to this share of the square around them.
     if polygon.area_m2() <= 1e-9 * sides_m2 * math.cos(math.radians(min(abs(south), abs(north)))):
         raise InvalidInput(
             "polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are "
@@ -546,14 +546,14 @@ def check_area(area: Area) -> None:
 
 
 def check_polygons(polygons: Sequence[Polygon], what: Message, name: str) -> None:
-    """Refuse polygons of which one is invalid, see `check_rings`; messages number it among several.
+    """Refuse invalid polygons, see `check_rings`; the message numbers the invalid polygon among several.
 
     Parameters
     ----------
     what : Message
-        What the polygons are, such as "area", for messages.
+        Name of the polygons, such as "area", for messages.
     name : str
-        Field that holds them.
+        Field of the mission that holds the polygons.
     """
     for number, polygon in enumerate(polygons, 1):
         _check_named(polygon, what if len(polygons) == 1 else Message("{0}: polygon {1:,}", what, number), name)
@@ -567,7 +567,7 @@ def _check_named(polygon: Polygon, what: Message, name: str) -> None:
 
 
 def band_spans(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
-    """Least and greatest longitude of the edges that enter the band strictly between two parallels, inside it."""
+    """Least and greatest longitude, inside the open band between two parallels, of each edge that enters the band."""
     inside = _enter_band(edges, south, north)
     return _clip_to_band(_select(edges, inside), south, north)
 
@@ -578,7 +578,7 @@ def _select(edges: Edges, which: Flags | Numbers) -> Edges:
 
 
 def _enter_band(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
-    """Which edges enter the band strictly between two parallels."""
+    """Which edges enter the open band between two parallels."""
     _, lat0, _, lat1 = edges
     reach: Flags = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
     return reach
@@ -633,11 +633,11 @@ def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: F
         low, high = band_spans(edges, float(south[start]), float(north[start]))
         crossings = _crossings(edges, float(south[start] + north[start]) / 2.0)
         middle = (west[row] + east[row]) / 2.0
-        held = np.searchsorted(crossings, middle) % 2 == 1
-        # An edge meets a rectangle unless it ends west of it or begins east of it.
+        inside = np.searchsorted(crossings, middle) % 2 == 1
+        # An edge meets a rectangle unless the edge ends west of the rectangle or begins east of it.
         before = np.searchsorted(np.sort(high), west[row], side="right")
         after = len(low) - np.searchsorted(np.sort(low), east[row], side="left")
-        touches[row] = held | (before + after < len(low))
+        touches[row] = inside | (before + after < len(low))
     return touches
 
 
@@ -658,7 +658,7 @@ def _crossing(edges: Edges, lat: Floats | float) -> Floats:
 def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> tuple[Flags, Flags]:
     """Which rectangles an edge of a polygon crosses, and which have their middle inside it, (n,) each.
 
-    One of the two is true where `touching` is; unlike that, rectangles need not lie in rows.
+    `touching` is true where either of the two is; unlike there, rectangles need not lie in rows.
     """
     edges = polygon_edges(polygon)
     crossed = np.zeros(len(west), bool)
@@ -706,7 +706,7 @@ def _batches(count: int, each: int) -> Iterator[slice]:
 
 
 def area_within_m2(area: Box | Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
-    """Square metres of an area inside rectangles of degrees, (n,); those for a Box lie inside it."""
+    """Square metres of an area inside rectangles of degrees, (n,); the rectangles for a Box must lie inside it."""
     if isinstance(area, Box):
         return (east - west) * WGS84.zone_area_m2_per_deg(south, north)
     return ground_m2(area, west, south, east, north, lambda lon, lat: (lat, lon))
@@ -782,14 +782,14 @@ def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: flo
 
 
 def _cut(points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float) -> tuple[Floats, Numbers]:
-    """Cut consecutive rings, given by corners (n, 2) and their rings' numbers (n,), at one limit or one for each."""
+    """Cut consecutive rings, given by corners (n, 2) and the ring of each (n,), at one limit or a limit per corner."""
     following = points[next_corners(ring)]
-    here = sense * (points[:, axis] - limit)
-    there = sense * (following[:, axis] - limit)
-    cross = (here >= 0.0) != (there >= 0.0)
-    share = np.where(cross, here / np.where(cross, here - there, 1.0), 0.0)
+    depth = sense * (points[:, axis] - limit)
+    next_depth = sense * (following[:, axis] - limit)
+    cross = (depth >= 0.0) != (next_depth >= 0.0)
+    share = np.where(cross, depth / np.where(cross, depth - next_depth, 1.0), 0.0)
     cuts = points + share[:, np.newaxis] * (following - points)
     cuts[:, axis] = np.where(cross, limit, cuts[:, axis])
     both = np.stack([points, cuts], axis=1).reshape(-1, 2)
-    keep = np.stack([here >= 0.0, cross], axis=1).ravel()
+    keep = np.stack([depth >= 0.0, cross], axis=1).ravel()
     return both[keep], np.repeat(ring, 2)[keep]

@@ -116,12 +116,12 @@ def parse_points(
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#") or (not poses and states_separator(line)):
             continue
-        there = Message("{0}, line {1}:", where, number)
-        pose, yaw = _pose(line, there, agl_unit)
+        place = Message("{0}, line {1}:", where, number)
+        pose, yaw = _pose(line, place, agl_unit)
         if poses and bool(yaw) != bool(yaws):
             raise InvalidInput(
                 "{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none",
-                there,
+                place,
                 line.strip(),
                 3 + len(yaw),
                 4 - len(yaw),

@@ -27,13 +27,13 @@ _Rings = tuple[tuple[tuple[float, float], ...], ...]
 
 
 def load_area(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> Polygon | Polygons:
-    """Read all polygons of a file as one area; raises as `load_polygons`."""
+    """Read all polygons of a file as one area; raises as `load_polygons` does."""
     found = load_polygons(path, Message("area file {0}", path), read_xml)
     return found[0] if len(found) == 1 else Polygons(found)
 
 
 def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = iterate_elements) -> tuple[Polygon, ...]:
-    """Read all polygons of a file as no-fly areas; raises as `load_polygons`."""
+    """Read all polygons of a file as no-fly areas; raises as `load_polygons` does."""
     return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
@@ -69,7 +69,7 @@ def load_polygons(
     # A KMZ is a zip.
     if body.startswith(b"PK\x03\x04"):
         found = _kmz_polygons(body, where, read_xml)
-    # KML may begin with a byte order mark, and UTF-16 has a zero byte beside each character.
+    # KML may begin with a byte order mark, and in UTF-16 a zero byte beside each character.
     elif body.lstrip(b"\xef\xbb\xbf\xfe\xff\0 \t\r\n").startswith(b"<"):
         found = _kml_polygons(body, where, read_xml)
     else:
@@ -121,7 +121,7 @@ def _ring_degrees(ring: list[Any], system: System) -> tuple[tuple[float, float],
 
 
 def _kmz_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
-    """Polygons of ``doc.kml`` in a KMZ, else those of its other KML files, to which GDAL's ``doc.kml`` links."""
+    """Polygons of ``doc.kml`` in a KMZ; if it has none, of the other KML files, to which GDAL's ``doc.kml`` links."""
     main, *others = _unpacked(body, where)
     found = list(_kml_polygons(main, where, read_xml))
     return found or [rings for text in others for rings in _kml_polygons(text, where, read_xml)]

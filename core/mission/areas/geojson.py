@@ -22,12 +22,12 @@ from ...geodesy.reference import is_code, read_reference
 if TYPE_CHECKING:
     from pyproj import Transformer
 
-#: Greatest deviation on the ground, metres, of a side that is straight in degrees from one that is straight in its
-#: system: about a pixel of the sharpest imagery. Half of it is allowed at the places compared.
+#: Greatest distance on the ground, metres, between a side drawn straight in degrees and drawn straight in its system:
+#: about a pixel of the sharpest imagery. At the places compared, half of it is allowed.
 EDGE_TOLERANCE_M = 0.1
-#: Corners of one ring or line, with those added to its sides.
+#: Greatest number of corners of one ring or line, including corners added to its sides.
 _MOST_CORNERS = 1_000_000
-#: Characters of a name that messages show.
+#: Greatest number of characters of a name that messages show.
 _SHOWN = 80
 
 
@@ -171,14 +171,14 @@ class SystemOfFile(System):
 
     def _bent(self, corners: Floats, places: Floats) -> NDArray[np.intp]:
         """Indices of sides that move too far when drawn straight in degrees."""
-        way = np.diff(places, axis=0)
-        way[:, 0] -= 360.0 * np.rint(way[:, 0] / 360.0)
-        farthest, m_per_deg = np.zeros(len(way)), math.radians(WGS84.a_m)
+        sides = np.diff(places, axis=0)
+        sides[:, 0] -= 360.0 * np.rint(sides[:, 0] / 360.0)
+        farthest, m_per_deg = np.zeros(len(sides)), math.radians(WGS84.a_m)
         for share in (0.25, 0.5, 0.75):
-            there = self._places(corners[:-1] + share * np.diff(corners, axis=0))
-            off = there - (places[:-1] + share * way)
-            east = (off[:, 0] - 360.0 * np.rint(off[:, 0] / 360.0)) * np.cos(np.radians(there[:, 1]))
-            farthest = np.maximum(farthest, np.hypot(east, off[:, 1]) * m_per_deg)
+            places_between = self._places(corners[:-1] + share * np.diff(corners, axis=0))
+            offset = places_between - (places[:-1] + share * sides)
+            east = (offset[:, 0] - 360.0 * np.rint(offset[:, 0] / 360.0)) * np.cos(np.radians(places_between[:, 1]))
+            farthest = np.maximum(farthest, np.hypot(east, offset[:, 1]) * m_per_deg)
         return np.flatnonzero(farthest > EDGE_TOLERANCE_M / 2.0)
 
     def _places(self, corners: Floats) -> Floats:

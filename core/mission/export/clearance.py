@@ -32,7 +32,7 @@ _BREAK = np.full((1, 3), np.nan)
 #: Number of a waypoint in its file, latitude, longitude and height.
 Place = tuple[str, float, float, float]
 
-#: Points closer than this are one, metres.
+#: Points closer than this, in metres, count as one.
 _SAME_M = 1e-3
 #: A number in the text of a file.
 _NUMBER = r"([-+.\deE]+)"
@@ -121,8 +121,8 @@ class Reader:
     def kmz(self, data: bytes) -> list[FlownPath]:
         """Paths of a KMZ of WPML, with heights above the take-off.
 
-        They climb, cross to the first waypoint, and return at the return height. Where a waypoint is passed without a
-        stop, its corner is cut.
+        The aircraft climbs, crosses to the first waypoint, and returns at the return height. Where it passes a waypoint
+        without a stop, it cuts the corner.
         """
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             template, flown = (archive.read(f"wpmz/{name}").decode() for name in ("template.kml", "waylines.wpml"))
@@ -221,14 +221,14 @@ class Reader:
 def gpx_points(text: str) -> Floats:
     """Latitudes, longitudes and heights above ground of route points, (k, 3), with a row of NaN before each route.
 
-    ``text`` is a part of a GPX file that divides no point; heights are read from the extensions.
+    ``text`` is a part of a GPX file that ends between points; heights are read from the extensions.
     """
     first, *routes = (np.array(_GPX_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>"))
     return np.concatenate([first, *chain.from_iterable((_BREAK, route) for route in routes)])
 
 
 def kml_points(text: str) -> Floats:
-    """Like `gpx_points`, for the flight lines in a part of a KML file that divides no line."""
+    """Like `gpx_points`, for the flight lines in a part of a KML file that ends between lines."""
     pattern = "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>([^<]*)</coordinates></LineString>"
     lines = (np.array(line.replace(",", " ").split(), np.float64) for line in re.findall(pattern, text))
     return np.concatenate([_BREAK, *chain.from_iterable((_BREAK, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)])
@@ -257,10 +257,10 @@ def _cut_corners(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
     lat, lon, height = np.array([place[1:] for place in places]).T
     at = np.stack([*plane.forward(lat, continuous(lon, plane.lon_deg)), height], axis=1)
     leg = np.diff(at, axis=0)
-    way = leg / np.maximum(np.linalg.norm(leg, axis=1), _SAME_M)[:, np.newaxis]
+    direction = leg / np.maximum(np.linalg.norm(leg, axis=1), _SAME_M)[:, np.newaxis]
     cut = np.flatnonzero(cuts_m)
-    off = np.stack([-way[cut - 1], way[cut]], axis=1) * np.array(cuts_m)[cut, np.newaxis, np.newaxis]
-    corners = (at[cut, np.newaxis] + off).reshape(-1, 3)
+    offset = np.stack([-direction[cut - 1], direction[cut]], axis=1) * np.array(cuts_m)[cut, np.newaxis, np.newaxis]
+    corners = (at[cut, np.newaxis] + offset).reshape(-1, 3)
     ends = zip(*(values.tolist() for values in (*plane.inverse(*corners.T[:2]), corners[:, 2])))
     for place, cut_m in zip(places, cuts_m):
         if not cut_m:

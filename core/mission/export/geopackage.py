@@ -17,8 +17,11 @@ from .clearance import Reader, geopackage_points
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
 from .waypoints import flight_line, takeoff_deg
 
-#: Codes of well-known binary: little-endian byte order, and geometry types.
-_LITTLE, _POINT, _LINE, _POLYGON, _MULTI_LINE, _MULTI_POLYGON = 1, 1, 2, 3, 5, 6
+#: Code of little-endian byte order in well-known binary.
+_LITTLE = 1
+#: Codes of geometry types in well-known binary.
+_POINT, _LINE, _POLYGON = 1, 2, 3
+_MULTI_LINE, _MULTI_POLYGON = 5, 6
 #: Added to the codes of geometries with heights (ISO).
 _WITH_Z = 1000
 
@@ -57,9 +60,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             # GDAL requires the ending .gpkg.
             partial_file(path, ".part.gpkg") as partial,
             _without_side_files(partial),
-            _gdal_errors(path) as failed,
+            _gdal_errors(path) as raise_error,
         ):
-            _write(ogr, plan, partial, failed)
+            _write(ogr, plan, partial, raise_error)
             if not plan.relief.is_level:
                 reader = Reader(plan)
                 reader.check(reader.above_ground([geopackage_points(partial)]), path.name)
@@ -90,49 +93,49 @@ def _gdal_errors(path: Path) -> Iterator[Callable[[], None]]:
     """
     from osgeo import gdal
 
-    said: list[str] = []
+    errors: list[str] = []
 
-    def hear(severity: int, _number: int, words: str) -> None:
+    def collect(severity: int, _number: int, words: str) -> None:
         if severity >= gdal.CE_Failure:
-            said.append(" ".join(words.split()))
+            errors.append(" ".join(words.split()))
 
-    def failed() -> None:
-        if said:
-            raise OutputError("{0}: cannot be written ({1})", path, said[0])
+    def raise_error() -> None:
+        if errors:
+            raise OutputError("{0}: cannot be written ({1})", path, errors[0])
 
-    gdal.PushErrorHandler(hear)
+    gdal.PushErrorHandler(collect)
     try:
-        yield failed
-        failed()
+        yield raise_error
+        raise_error()
     except RuntimeError as wrong:
-        raise OutputError("{0}: cannot be written ({1})", path, said[0] if said else wrong) from wrong
+        raise OutputError("{0}: cannot be written ({1})", path, errors[0] if errors else wrong) from wrong
     finally:
         gdal.PopErrorHandler()
 
 
-def _write(ogr: Any, plan: Plan, partial: Path, failed: Callable[[], None]) -> None:
+def _write(ogr: Any, plan: Plan, partial: Path, raise_error: Callable[[], None]) -> None:
     data = ogr.GetDriverByName("GPKG").CreateDataSource(str(partial))
-    failed()
+    raise_error()
     try:
         for name, kind, shapes in (
             ("footprints", ogr.wkbMultiPolygon, _footprints(plan)),
             ("captures", ogr.wkbPoint25D, _captures(plan)),
         ):
             layer = data.CreateLayer(name, _wgs84(), kind)
-            failed()
+            raise_error()
             _add_fields(ogr, layer)
-            # One transaction: otherwise each feature is one, and waits for the disk.
+            # Without a transaction for all, each feature is a transaction, and waits for the disk.
             data.StartTransaction()
-            _fill(ogr, layer, plan, shapes, failed)
+            _fill(ogr, layer, plan, shapes, raise_error)
             data.CommitTransaction()
-            failed()
+            raise_error()
         line = data.CreateLayer("flight_line", _wgs84(), ogr.wkbMultiLineString25D)
-        failed()
+        raise_error()
         _draw(ogr, line, plan)
         place = takeoff_deg(plan)
         if place is not None:
             _mark(ogr, data.CreateLayer("takeoff", _wgs84(), ogr.wkbPoint), place)
-            failed()
+            raise_error()
     finally:
         # Close before the file is renamed or removed; older bindings lack Close.
         (data.Close if hasattr(data, "Close") else data.Destroy)()
@@ -148,7 +151,7 @@ def _wgs84() -> Any:
 
 
 def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
-    """Add the flight line: one feature, or one per sortie where the path has more than captures."""
+    """Add the flight line: one feature, or one per sortie of a path that has other points than captures."""
     for name in ("length_m", "flight_s"):
         layer.CreateField(ogr.FieldDefn(name, ogr.OFTReal))
     path = plan.path
@@ -185,7 +188,7 @@ def _add_fields(ogr: Any, layer: Any) -> None:
     layer.CreateField(ogr.FieldDefn("time", ogr.OFTDateTime))
 
 
-def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Callable[[], None]) -> None:
+def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], raise_error: Callable[[], None]) -> None:
     """Add a feature for each capture, with its geometry in well-known binary."""
     definition = layer.GetLayerDefn()
     columns = list(enumerate(POSE_COLUMNS))
@@ -199,7 +202,7 @@ def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Cal
             feature.SetField(at_time, row[at_time])
             feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(shape))
             layer.CreateFeature(feature)
-        failed()
+        raise_error()
 
 
 def _footprints(plan: Plan) -> Iterator[bytes]:

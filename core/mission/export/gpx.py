@@ -17,7 +17,7 @@ from .waypoints import Waypoint, takeoff_deg, waypoint_notes, waypoints
 
 def gpx_text(plan: Plan) -> Iterator[str]:
     """Text of the route, in blocks."""
-    # The namespace of the extensions is not a page.
+    # The namespace of the extensions is a name: no page has this address.
     yield (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
@@ -47,12 +47,12 @@ def gpx_notes(plan: Plan) -> tuple[str, ...]:
 
 
 def _point(one: Waypoint) -> str:
-    about = "".join(f"<terrainav:{name}>{value}</terrainav:{name}>" for name, value in one.details.items())
+    details = "".join(f"<terrainav:{name}>{value}</terrainav:{name}>" for name, value in one.details.items())
     # Decimals of XML Schema have no exponent; nine decimals of a degree are a tenth of a millimetre.
     return (
         f'<rtept lat="{one.lat_deg:.9f}" lon="{_lon(one.lon_deg)}"><time>{one.time}</time>'
         f"<name>{html.escape(one.name)}</name><desc>{one.agl_m:.2f} m above ground, heading {one.heading_deg:.2f} deg, "
-        f"gimbal {one.gimbal_pitch_deg:.2f} deg</desc><extensions>{about}</extensions></rtept>\n"
+        f"gimbal {one.gimbal_pitch_deg:.2f} deg</desc><extensions>{details}</extensions></rtept>\n"
     )
 
 

@@ -10,7 +10,7 @@ from ..plan import Plan
 from .rows import Corners, closed_rings, parts
 from .waypoints import Waypoint, flight_line, takeoff_deg, waypoints
 
-#: Captures up to which the file holds footprints and waypoints: 40 MB, about the most that Google Earth opens.
+#: Most captures whose footprints and waypoints a file holds: 40 MB, about as much as Google Earth opens.
 MAX_PLACEMARKS = 50_000
 
 _HEAD = (
@@ -77,12 +77,12 @@ def _footprint(name: str, rings: list[Corners]) -> str:
 
 
 def _waypoint(one: Waypoint) -> str:
-    about = "".join(
+    data = "".join(
         f'<Data name="{name}"><value>{value}</value></Data>'
         for name, value in {**one.details, "time": one.time}.items()
     )
     return (
-        f"<Placemark><name>{html.escape(one.name)}</name><ExtendedData>{about}</ExtendedData>"
+        f"<Placemark><name>{html.escape(one.name)}</name><ExtendedData>{data}</ExtendedData>"
         "<Point><altitudeMode>relativeToGround</altitudeMode>"
         f"<coordinates>{one.lon_deg},{one.lat_deg},{one.agl_m}</coordinates></Point></Placemark>\n"
     )

@@ -18,18 +18,23 @@ from ..plan import Plan
 from .sorties import sorties
 from .waypoints import Waypoint, waypoint_notes, waypoints
 
-#: Actions of a waypoint.
+#: Greatest number of actions of a waypoint.
 ACTIONS = 15
+#: Columns of the file.
 COLUMNS = (
     *("latitude", "longitude", "altitude(m)", "heading(deg)", "curvesize(m)", "rotationdir"),
     *("gimbalmode", "gimbalpitchangle"),
-    *(f"action{what}{number}" for number in range(1, ACTIONS + 1) for what in ("type", "param")),
+    *(f"action{field}{number}" for number in range(1, ACTIONS + 1) for field in ("type", "param")),
     *("altitudemode", "speed(m/s)", "poi_latitude", "poi_longitude", "poi_altitude(m)", "poi_altitudemode"),
     *("photo_timeinterval", "photo_distinterval"),
 )
-#: Limits of DJI's SDK: waypoints of one mission, height and speed.
-MAX_WAYPOINTS, MAX_HEIGHT_M, MAX_SPEED_M_PER_S = 99, 500.0, 15.0
-#: Limit of the files of one flight: Litchi holds about 10,000 waypoints.
+#: Limit of DJI's SDK on the waypoints of one mission.
+MAX_WAYPOINTS = 99
+#: Limit of DJI's SDK on heights.
+MAX_HEIGHT_M = 500.0
+#: Limit of DJI's SDK on the speed.
+MAX_SPEED_M_PER_S = 15.0
+#: Limit on the files of one flight: Litchi holds about 10,000 waypoints.
 MAX_PARTS = 101
 #: Codes of actions.
 _STAY, _TAKE_PHOTO, _NONE = 0, 1, -1
@@ -83,7 +88,7 @@ def _files(waypoints: int) -> int:
 
 
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
-    """Waypoints of a sortie in the air, with the actions there and the distance between images from there on.
+    """Waypoints of a sortie in the air, with the actions at each, and the distance between images from each on.
 
     If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends.
     """

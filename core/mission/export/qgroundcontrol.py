@@ -28,10 +28,14 @@ MAX_HEIGHT_M = 83_000.0
 #: MAVLink commands.
 NAV_WAYPOINT, NAV_RETURN_TO_LAUNCH, NAV_TAKEOFF = 16, 20, 22
 DO_CHANGE_SPEED, DO_MOUNT_CONTROL, DO_SET_CAM_TRIGG_DIST, IMAGE_START_CAPTURE = 178, 205, 206, 2000
-#: MAVLink frames: no position; latitude, longitude and height above the take-off.
-FRAME_MISSION, FRAME_RELATIVE = 2, 3
-#: Items before and after those of the captures, and per capture.
-_AROUND, _EACH = 4, 2
+#: MAVLink frame of commands without a position.
+FRAME_MISSION = 2
+#: MAVLink frame of latitude, longitude and height above the take-off.
+FRAME_RELATIVE = 3
+#: Number of items before and after the items of captures.
+_AROUND = 4
+#: Greatest number of items of a capture.
+_EACH = 2
 
 Number = Union[float, int, None]
 
@@ -185,7 +189,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     is_waypoint = sortie.waypoints(plan) if by_distance else np.ones(len(sortie), bool)
     # Hovering for an image takes 1 s.
     hold = 1.0 if trigger == HOVER else 0
-    last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])
+    last, previous_pitch = -1, float(sortie.gimbal_pitch_deg[0])
     points = zip(
         sortie.lat_deg.tolist(),
         sortie.lon_deg.tolist(),
@@ -197,9 +201,9 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     for at, (lat, lon, height, heading, pitch, capture) in enumerate(points):
         if not is_waypoint[at]:
             continue
-        if pitch != pitch_was:
+        if pitch != previous_pitch:
             yield _gimbal(pitch)
-            pitch_was = pitch
+            previous_pitch = pitch
         yield Command(NAV_WAYPOINT, FRAME_RELATIVE, (hold if capture >= 0 else 0, 0, 0, heading, lat, lon, height))
         if at == last:
             yield _trigger_distance(0)

@@ -1,4 +1,4 @@
-"""A plan as a table (CSV); batches of rows, times and rings as Python values, which keep a million captures small."""
+"""A plan as a table (CSV), and batches of rows, times and rings that bound the memory for a million captures."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..plan import Plan
 
 #: Longitudes and latitudes of a closed ring.
 Corners = list[tuple[float, float]]
+#: Columns of the table: poses, windows on the pixel grid, and ground corners.
 POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
 WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
 CORNER_COLUMNS = tuple(f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon"))
@@ -102,7 +103,7 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
 def csv_text(plan: Plan) -> Iterator[str]:
     """Text of the table, in blocks."""
     more = [
-        name for name, there in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level)) if there
+        name for name, known in (("time_utc", plan.direct.has_times), ("height_m", not plan.relief.is_level)) if known
     ]
     names = (*POSE_COLUMNS, *more, *WINDOW_COLUMNS, *CORNER_COLUMNS)
     yield ",".join(names) + "\n"

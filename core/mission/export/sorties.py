@@ -36,7 +36,8 @@ class Sortie:
     ground_m : array
         Heights of the ground below, above the WGS 84 ellipsoid.
     heading_deg : array
-        Heading of the aircraft, to which the top of the image points, in [0, 360); between captures that of the next.
+        Heading of the aircraft, to which the top of the image points, in [0, 360); between
+        captures, that of the next one.
     gimbal_pitch_deg : array
         -90 is straight down, 0 horizontal.
     capture : array of int64
@@ -60,7 +61,7 @@ class Sortie:
         return len(self.capture)
 
     def take(self, which: slice | NDArray[np.bool_]) -> Sortie:
-        """Some of its points."""
+        """Some of the points."""
         return replace(
             self,
             lat_deg=self.lat_deg[which],
@@ -74,7 +75,7 @@ class Sortie:
         )
 
     def part(self, which: slice) -> Sortie:
-        """Some of its points as a flight: if no take-off is set, with heights above the ground below the first."""
+        """Some of the points as a flight; without a take-off, heights count from the ground below the first of them."""
         part = self.take(which)
         if self.takeoff is not None:
             return part
@@ -112,8 +113,8 @@ class Sortie:
     def waypoints(self, plan: Plan) -> NDArray[np.bool_]:
         """Which points are waypoints if the camera is triggered by distance, (k,).
 
-        They are the ends of each run and, over relief, points that keep the flight no lower than planned and hardly
-        higher.
+        Waypoints are the ends of each run and, over relief, points that keep the flight no lower than planned, and
+        hardly higher.
         """
         found = self.capture < 0
         runs = self.runs(plan)
@@ -151,7 +152,7 @@ def continuous(lon_deg: Floats, near_deg: float) -> Floats:
 
 
 def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
-    """Indices (k,) of points of a run between which straight lines are nowhere lower, or higher by more than allowed.
+    """Indices (k,) of points of a run: lines between them are nowhere lower than the run, nor higher than allowed.
 
     From each point the line goes to the farthest point possible.
     """
@@ -171,7 +172,7 @@ def _bends(way_m: Floats, height_m: Floats, higher_m: Floats) -> Numbers:
 
 
 def sorties(plan: Plan) -> list[Sortie]:
-    """Sorties of a plan, in order; one without a take-off if the mission has no route.
+    """Sorties of a plan, in order; a single sortie without a take-off if the mission has no route.
 
     As a gimbal cannot look backwards, a view tilted to the rear becomes a view to the front of an aircraft that is
     turned around; see `waypoints`.
@@ -196,17 +197,17 @@ def sorties(plan: Plan) -> list[Sortie]:
         if not len(at):
             continue
         # Points after the last capture take its heading and pitch.
-        counts = capture[at[np.minimum(np.searchsorted(at, np.arange(len(flown))), len(at) - 1)]]
-        ground = np.flatnonzero(in_sortie & (path.kind == TAKEOFF))
+        captures_ahead = capture[at[np.minimum(np.searchsorted(at, np.arange(len(flown))), len(at) - 1)]]
+        on_ground = np.flatnonzero(in_sortie & (path.kind == TAKEOFF))
         whole = Sortie(
-            (float(path.lat_deg[ground[0]]), float(lon[ground[0]])) if len(ground) else None,
+            (float(path.lat_deg[on_ground[0]]), float(lon[on_ground[0]])) if len(on_ground) else None,
             path.base_m,
             path.lat_deg[flown],
             lon[flown],
             height[flown],
             path.ground_m[flown],
-            heading[counts],
-            pitch[counts],
+            heading[captures_ahead],
+            pitch[captures_ahead],
             capture,
             path.time_s[flown],
         )

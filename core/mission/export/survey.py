@@ -46,11 +46,11 @@ class _SurveyRows(NamedTuple):
     azimuth_deg : float
         Angle for QGroundControl, in (-90, 90].
     offset_m : array (r,)
-        Distances to the right of the origin, seen in that direction.
+        Distances to the right of the origin, seen in the direction of ``azimuth_deg``.
     low_m, high_m : array (r,)
-        Positions of the first and last captures along that direction.
+        Positions of the first and last captures along this direction.
     forward : bool
-        Whether the first row is flown in that direction.
+        Whether the first row is flown in this direction.
     spacing_m, interval_m : float
         Distance between rows, and between the captures of a row.
     """
@@ -195,7 +195,7 @@ def _corners(plan: Plan, sortie: Sortie) -> list[list[float]]:
 
 
 def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
-    """Rows of a sortie; of a crosshatch those in the first direction."""
+    """Rows of a sortie; for a crosshatch, only the rows in its first direction."""
     at = np.flatnonzero(sortie.capture >= 0)
     captures = sortie.capture[at]
     if len(plan.passes) > 1 and captures[0] < plan.passes[1].first:
@@ -242,12 +242,12 @@ def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
 
 
 def _misalignment_deg(plan: Plan, rows: _SurveyRows) -> float:
-    off = np.mod(plan.meant.yaw_deg - rows.azimuth_deg + 45.0, 90.0) - 45.0
-    return float(np.abs(off).max())
+    deviation = np.mod(plan.meant.yaw_deg - rows.azimuth_deg + 45.0, 90.0) - 45.0
+    return float(np.abs(deviation).max())
 
 
 def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, int]:
-    """Polygon, spacing and entry with which the rows of QGroundControl coincide with these.
+    """Polygon, spacing and entry with which the rows of QGroundControl coincide with the planned ones.
 
     The corners begin on the side where the first row is entered, from the lowest offset to the highest, as
     QGroundControl flies rows away from the first side.
@@ -274,11 +274,11 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
         sides = _capped(*near, *ends, margin), _capped(*far, *ends, margin)
         along = np.concatenate([sides[0][0], sides[1][0][::-1]])
         across = np.concatenate([sides[0][1], sides[1][1][::-1]])
-        spacing, off = _fitted(rows, along, across, offset)
-        if off < best[0]:
-            best = off, along, across, spacing
+        spacing, deviation = _fitted(rows, along, across, offset)
+        if deviation < best[0]:
+            best = deviation, along, across, spacing
         # Rows within 2 % of a spacing coincide.
-        if off < 0.02:
+        if deviation < 0.02:
             break
     _, along, across, spacing = best
     return rows.placed(along, across), spacing, entry
@@ -287,7 +287,7 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
 def _straightened(offset_m: Floats, along_m: Floats, tolerance_m: float, outward: float) -> tuple[Floats, Floats]:
     """Side of the polygon that leaves no end of a row outside, with few corners.
 
-    Over a slanting side the ends of rows step from image to image; nobody could edit a corner at each of them.
+    Over a slanting side the ends of rows step from image to image; a corner at each end would be tedious to edit.
     """
     kept = [0]
     while kept[-1] < len(offset_m) - 1:
@@ -320,7 +320,7 @@ def _capped(
 
 
 def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floats) -> tuple[float, float]:
-    """Spacing that centres QGroundControl's rows on the planned ones, and the greatest deviation in spacings."""
+    """Spacing that centres QGroundControl's rows on the planned ones, and their greatest deviation, in spacings."""
     east, north = rows.east_north(along_m, across_m)
     middle = (east.min() + east.max()) / 2.0, (north.min() + north.max()) / 2.0
     # The reach is the longer side of the extent plus 2,000 m.
@@ -332,8 +332,8 @@ def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floa
     half = 0.5 * (round(float(np.ptp(offset_m)) / rows.spacing_m) % 2)
     steps = max(round(centre / rows.spacing_m - half), 1) + half
     spacing = centre / steps
-    off = np.abs(from_first / spacing - np.round(from_first / spacing)).max()
-    return float(spacing), float(off)
+    deviation = np.abs(from_first / spacing - np.round(from_first / spacing)).max()
+    return float(spacing), float(deviation)
 
 
 def _camera(plan: Plan, rows: _SurveyRows, spacing_m: float) -> dict[str, Any]:

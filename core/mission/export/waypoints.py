@@ -40,8 +40,8 @@ class Waypoint(NamedTuple):
     lat_deg, lon_deg : float
         Longitude in [-180, 180).
     heading_deg : float
-        Heading of the aircraft, to which the top of the image points, in [0, 360); at other points that of the next
-        capture, and after the last capture that of the last.
+        Heading of the aircraft, to which the top of the image points, in [0, 360); other points have the heading of
+        the next capture, or of the last one if none follows.
     agl_m : float
         Height above ground; 0 at take-off and landing.
     gimbal_pitch_deg : float
@@ -76,7 +76,7 @@ class Waypoint(NamedTuple):
 
 
 def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
-    """Points of the path in flight order, of one sortie or of all; of a mission without a route only the captures.
+    """Points of the path in flight order, of one sortie or of all; without a route, only the captures.
 
     Positions are the planned ones, without the effect of wind. As a gimbal cannot look backwards, a view tilted to the
     rear becomes a view to the front of an aircraft that is turned around: it shows the same ground, upside down.
@@ -113,7 +113,7 @@ def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
 
 
 def _captures_ahead(capture: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Capture that each point of a path leads to, (m,): itself, the next one, or after the last one the last."""
+    """Capture that each point of a path leads to, (m,): itself, the next one, or the last one if none follows."""
     known = np.flatnonzero(capture >= 0)
     ahead: NDArray[np.int64] = capture[
         known[np.minimum(np.searchsorted(known, np.arange(len(capture))), len(known) - 1)]
@@ -130,9 +130,9 @@ def takeoff_deg(plan: Plan) -> tuple[float, float] | None:
 def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Floats, Floats]]:
     """Longitudes, latitudes and heights above ground of the flight line, cut at the antimeridian.
 
-    Over relief, or of a path with more than captures, the line has all points, of one sortie or of all. Otherwise, of
-    more than `LINE_POINTS` waypoints it has every k-th one and the ends of rows or, if these are too many, only every
-    k-th one.
+    Over relief, or for a path with other points than captures, the line has all points of one sortie or of all.
+    Otherwise, a line of more than `LINE_POINTS` waypoints is thinned out to every k-th one, and the ends of rows unless
+    these are too many.
     """
     if not plan.path.is_captures or not plan.relief.is_level:
         path = plan.path if sortie is None else plan.path.sortie_path(sortie)

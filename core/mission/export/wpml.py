@@ -24,7 +24,7 @@ from ..plan import Plan
 from .sorties import Sortie, continuous, sorties
 from .waypoints import waypoint_notes
 
-#: Limit of the files of one plan, for flights with more waypoints than a drone accepts.
+#: Limit on the files of one plan, for flights with more waypoints than a drone accepts.
 MAX_FILES = 100
 #: Speeds that all drones accept.
 MIN_SPEED_M_PER_S, MAX_SPEED_M_PER_S = 1.0, 15.0
@@ -35,7 +35,7 @@ _STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithCo
 
 
 class _Drone(NamedTuple):
-    """Codes of a drone and its camera; None for the camera of DJI Fly, which asks for none.
+    """Codes of a drone and its camera; ``camera`` is None for DJI Fly, which needs no code of a camera.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def wpml_files(plan: Plan) -> list[bytes]:
 
 
 def _parts(plan: Plan) -> list[Sortie]:
-    """Flights of the files in order: sorties, or parts of those with too many waypoints."""
+    """Flights of the files in order: sorties, or parts of sorties with too many waypoints."""
     most, found = _drone(plan).max_waypoints, []
     for sortie in _stops(plan):
         count = -(-len(sortie) // most)
@@ -198,13 +198,13 @@ def _kmz(plan: Plan, sortie: Sortie) -> bytes:
             ("wpmz/template.kml", _template(plan, sortie)),
             ("wpmz/waylines.wpml", _waylines(plan, sortie)),
         ):
-            about = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
-            about.compress_type, about.create_system, about.external_attr = (
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry.compress_type, entry.create_system, entry.external_attr = (
                 zipfile.ZIP_DEFLATED,
                 3,
                 0o644 << 16,
             )
-            with archive.open(about, "w") as file:
+            with archive.open(entry, "w") as file:
                 file.writelines(block.encode() for block in text)
     return packed.getvalue()
 
@@ -272,8 +272,8 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
     drone = _drone(plan)
     lat, lon = sortie.home
     # The aircraft departs and returns at 20 m, or higher where relief requires it.
-    there, back = (math.ceil(max(sortie.way_home_m(plan, at), 20.0)) for at in (0, -1))
-    back = max(back, math.ceil(sortie.height_m.max()))
+    departure_m, return_m = (math.ceil(max(sortie.way_home_m(plan, at), 20.0)) for at in (0, -1))
+    return_m = max(return_m, math.ceil(sortie.height_m.max()))
     place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
     camera = (
         f"<wpml:payloadInfo><wpml:payloadEnumValue>{drone.camera}</wpml:payloadEnumValue>"
@@ -284,10 +284,10 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
         "<wpml:missionConfig>\n<wpml:flyToWaylineMode>safely</wpml:flyToWaylineMode>\n"
         "<wpml:finishAction>goHome</wpml:finishAction>\n<wpml:exitOnRCLost>executeLostAction</wpml:exitOnRCLost>\n"
         "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
-        f"<wpml:takeOffSecurityHeight>{there}</wpml:takeOffSecurityHeight>\n"
+        f"<wpml:takeOffSecurityHeight>{departure_m}</wpml:takeOffSecurityHeight>\n"
         f"{place if reference and not drone.is_dji_fly else ''}"
         f"<wpml:globalTransitionalSpeed>{_speed(plan)}</wpml:globalTransitionalSpeed>\n"
-        f"<wpml:globalRTHHeight>{back}</wpml:globalRTHHeight>\n"
+        f"<wpml:globalRTHHeight>{return_m}</wpml:globalRTHHeight>\n"
         f"<wpml:droneInfo><wpml:droneEnumValue>{drone.kind}</wpml:droneEnumValue>"
         f"<wpml:droneSubEnumValue>{drone.variant}</wpml:droneSubEnumValue></wpml:droneInfo>\n"
         f"{'' if drone.is_dji_fly else camera}</wpml:missionConfig>\n"
@@ -343,11 +343,11 @@ def _rounding_m(plan: Plan, sortie: Sortie) -> list[float]:
     passed = np.append(False, level >= _SHORT_LEG_M) & np.append(level >= _SHORT_LEG_M, False)
     if _is_distance_triggered(plan):
         passed &= _triggered_rows(plan, sortie).between
-    # Enough for a smooth turn, and little for images.
+    # Enough for a smooth turn, and too little to matter for images.
     found[passed] = 0.2
     if not plan.relief.is_level:
-        way = leg / np.maximum(length, _SHORT_LEG_M)[:, np.newaxis]
-        turn = np.linalg.norm(np.diff(way, axis=0), axis=1)
+        direction = leg / np.maximum(length, _SHORT_LEG_M)[:, np.newaxis]
+        turn = np.linalg.norm(np.diff(direction, axis=0), axis=1)
         # Over relief, cut corners must hardly lower the flight.
         cut_m = 0.005
         most = np.floor(2000.0 * cut_m / np.maximum(turn, cut_m)) / 1000.0
@@ -359,12 +359,12 @@ def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
     """Action groups of each waypoint: gimbal turns where the pitch changes, and images."""
     drone, hovers = _drone(plan), plan.mission.trigger == HOVER
     rows = _triggered_rows(plan, sortie)
-    number, pitch_was = 0, math.nan
+    number, previous_pitch = 0, math.nan
     for at, (pitch, capture) in enumerate(zip(sortie.gimbal_pitch_deg.tolist(), sortie.capture.tolist())):
         actions = []
-        if pitch != pitch_was:
+        if pitch != previous_pitch:
             actions.append(_gimbal(drone, pitch))
-            pitch_was = pitch
+            previous_pitch = pitch
         shot = capture >= 0 and at not in rows.inside
         if shot and hovers:
             # The aircraft comes to rest within 1 s.
@@ -391,7 +391,7 @@ class _TriggeredRows(NamedTuple):
     spacing_m : dict
         Last waypoint of each row and distance between its images, by the first waypoint.
     inside : set
-        Waypoints of rows, which have no action of taking an image.
+        Waypoints of rows, at which no action takes an image.
     between : array of bool
         Waypoints of rows other than the ends.
     """

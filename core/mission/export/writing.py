@@ -34,7 +34,7 @@ class PlanFiles(NamedTuple):
     notes : tuple of str
         Notes on what the format cannot express, one line each.
     replaced : tuple of Path
-        Existing files that parts of the flight have replaced, without a choice of their names by the user.
+        Existing files that parts of the flight have replaced; users do not choose the names of parts.
     """
 
     files: tuple[Path, ...]
@@ -56,7 +56,7 @@ class PartsAlreadyThere(OutputError):
 
 
 class _Format(NamedTuple):
-    """Format of one text, with a function that reads points of its flight lines from a block, if it has any."""
+    """Format of one text; ``points`` reads the points of flight lines from a block, if the format has such lines."""
 
     text: Callable[[Plan], Iterator[str]]
     notes: Callable[[Plan], tuple[str, ...]] | None = None
@@ -121,7 +121,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     Parameters
     ----------
     replace_parts : bool
-        Whether such parts may replace existing files, as the user has not chosen their names.
+        Whether parts may replace existing files; users do not choose the names of parts.
 
     Raises
     ------
@@ -177,15 +177,15 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
         contents = _checked(plan, target.name, contents, form.read)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
     parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))
-    files, there = [target], tuple[Path, ...]()
+    files, existing = [target], tuple[Path, ...]()
     if len(contents) > 1:
         files = list(islice(parts, len(contents)))
-        there = tuple(file for file in files if file.exists())
-        if there and not replace_parts:
-            raise PartsAlreadyThere(there)
-    # Files of an earlier flight with fewer parts, or more.
-    left = [file for file in [target] if file not in files and file.exists()]
-    left += takewhile(Path.exists, parts)
+        existing = tuple(file for file in files if file.exists())
+        if existing and not replace_parts:
+            raise PartsAlreadyThere(existing)
+    # Files of an earlier flight that had more parts, or only one.
+    leftover = [file for file in [target] if file not in files and file.exists()]
+    leftover += takewhile(Path.exists, parts)
     written: list[Path] = []
     try:
         for file, blocks in zip(files, contents):
@@ -203,7 +203,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
             Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),
             *notes,
         )
-    if left:
-        names = ", ".join(file.name for file in left)
+    if leftover:
+        names = ", ".join(file.name for file in leftover)
         notes = (*notes, Message("not of this flight, and left as they were: {0}", names))
-    return PlanFiles(tuple(files), notes, there)
+    return PlanFiles(tuple(files), notes, existing)

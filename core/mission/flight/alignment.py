@@ -22,14 +22,14 @@ from ..plan import Plan, plan
 from ..relief.ground import Heights
 from .legs import legs
 
-#: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.
+#: Steps of the search for an azimuth, degrees; each step refines the two best azimuths so far.
 _STEPS_DEG = (5.0, 1.25, 0.4, 0.1)
 #: Called with the progress of a search, 0 to 1; returning False cancels it.
 GoOn = Callable[[float], bool]
 
 
 class Alignment(NamedTuple):
-    """Flight at a new row azimuth, and the flight before; both in still air."""
+    """Flight at the row azimuth that was found, and at the previous one; both in still air."""
 
     mission: Mission
     made: Plan
@@ -142,7 +142,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
     if not len(side):
         return [EASTWARD_DEG]
     heading = np.degrees(arctan2(side[:, 0], side[:, 1]))
-    # Consecutive sides within a degree count as one.
+    # Consecutive sides whose directions differ by a degree or less count as one.
     bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > 1.0
     first = int(np.argmax(bends))
     whole = np.cumsum(np.roll(bends, -first)) - 1
@@ -154,7 +154,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
 
 
 def _rounded(azimuth_deg: float) -> float:
-    """Azimuth in [0, 180), rounded to 0.01 degrees: 2 cm to the side for each 100 m of a row."""
+    """Azimuth in [0, 180), rounded to 0.01 degrees, which moves a row sideways by 2 cm in 100 m."""
     return round(azimuth_deg % 180.0, 2) % 180.0
 
 
@@ -174,7 +174,7 @@ class _Flights:
         return made
 
     def shortest(self, before: Plan, go_on: GoOn) -> Plan:
-        """Shortest flight; the flight before where none is shorter."""
+        """Plan the shortest flight; return the flight before if none is shorter by a thousandth."""
         # Without a route and no-fly areas, the positions of the captures give the length.
         self._from_positions = before.path.is_captures and not self._mission.no_fly
         tried = [

@@ -39,14 +39,14 @@ class DirectFlight:
     def distance_m(self) -> float:
         """Geodesic length of the flight from the first capture to the last, without climbs."""
         is_moved = self.flown is not self.meant
-        way = legs(self.flown.lat_deg, self.flown.lon_deg) if is_moved else self.legs
-        return float(np.sum(way.distance_m))
+        flown_legs = legs(self.flown.lat_deg, self.flown.lon_deg) if is_moved else self.legs
+        return float(np.sum(flown_legs.distance_m))
 
     @cached_property
     def exposures_s(self) -> Floats:
         """Seconds of each exposure after the first one, (n,).
 
-        Times are those of points, or of the legs, see `legs.intervals_s`.
+        Points may state times; otherwise times follow from the legs, see `legs.intervals_s`.
         """
         mission = self.mission
         stated = stated_times_s(mission, self.column)

@@ -9,7 +9,7 @@ position, and its rotors turn it to the tilt demanded. The position hold has an 
 leaves no offset, and the camera's mount trims out the steady tilt and crab: every error has mean zero.
 
 A linear system, dx = A x dt + dw with ``w`` a Wiener process of covariance rate N, is discretised exactly for any
-step: over one x(t + dt) = (I + E) x(t) + v, where E = exp(A dt) - I and v is normal with covariance
+step dt: x(t + dt) = (I + E) x(t) + v, where E = exp(A dt) - I and v is normal with covariance
 Q = ∫ exp(A s) N exp(A s)ᵀ ds from 0 to dt (Van Loan 1978, "Computing integrals involving the matrix exponential", IEEE
 Trans. Automatic Control 23(3)). Van Loan's block exponential in a single step fails where dt is long compared with the
 fastest time constant, and Q from the stationary P, as P - exp(A dt) P exp(A dt)ᵀ, cancels where dt is short. Here the
@@ -28,9 +28,13 @@ from ...errors import InvalidInput
 from ...units import M_PER_FT
 
 GRAVITY_M_PER_S2 = 9.80665
-#: Heights in feet: of the ground layer, whose values hold below, and of the top of the low-altitude model; from
-#: `HIGH_FT` on the scale length is the same at every height.
-LOW_FT, MIDDLE_FT, HIGH_FT = 10.0, 1000.0, 2000.0
+#: Least height of the model in feet; below, its values are the same.
+LOW_FT = 10.0
+#: Top of the low-altitude model in feet.
+MIDDLE_FT = 1000.0
+#: Height in feet from which the scale length is constant.
+HIGH_FT = 2000.0
+#: Names of the states of `flight_system`.
 STATES = tuple(
     "along_gust along_speed along_lean along_m along_rate along_rate_slope along_integral "
     "across_gust across_gust_lagged across_speed across_lean yaw yaw_rate across_m across_rate across_rate_slope "
@@ -48,8 +52,8 @@ class Multirotor:
     Parameters
     ----------
     drag_s, heave_s : float
-        Time in which drag takes the aircraft to the speed of the air, horizontally and vertically, where its rotors
-        resist more.
+        Time constants with which drag takes the aircraft to the speed of the air: horizontally, and vertically, where
+        its rotors resist more.
     rate_lag_s : float
         Each of two equal lags of the rate loop and its actuators.
     attitude_s, heading_s : float
@@ -267,7 +271,7 @@ class LinearSystem:
         # 64 doublings outlast the slowest time constant that float64 can hold beside the fastest.
         for _ in range(64):
             transition = float(np.abs(change + unit).max())
-            # It enters the covariance squared, with room for states whose sigmas are up to 1e6 apart.
+            # The transition enters the covariance squared; sigmas of states may still differ by a factor of 1e6.
             if transition < 1e-14:
                 settled: Floats = covariance[0]
                 return settled
@@ -317,9 +321,9 @@ def factor(covariance: Floats) -> Floats:
 
     Cholesky's method with pivoting on the correlation matrix, so that states whose variances are many orders apart
     weigh the same; pivots within rounding are taken as zero. LAPACK's Cholesky rejects semidefinite matrices, and the
-    signs of eigenvectors, the usual alternative, differ between machines. For the same reason the pivot is not the
-    largest one but the first of more than half its size: all first pivots are 1, and rounding must not choose among
-    equals. Gusts have pivots of exactly a half, so the limit is a little more.
+    signs of eigenvectors, the usual alternative, differ between machines. So that machines agree, the pivot is not the
+    largest candidate but the first of more than half the largest: at first all candidates are 1, and rounding must not
+    choose among equals. Gusts have pivots of exactly a half, so the limit is a little more.
 
     Parameters
     ----------
@@ -335,22 +339,22 @@ def factor(covariance: Floats) -> Floats:
     rounding = 4.0 * size * float(np.finfo(np.float64).eps)
     sigma = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 0.0))
     scale = np.where(sigma > 0.0, sigma, 1.0)
-    left = covariance / scale[:, :, np.newaxis] / scale[:, np.newaxis, :]
-    columns = np.zeros_like(left)
+    residual = covariance / scale[:, :, np.newaxis] / scale[:, np.newaxis, :]
+    columns = np.zeros_like(residual)
     for step in range(size):
-        pivots = np.diagonal(left, axis1=1, axis2=2)
+        pivots = np.diagonal(residual, axis1=1, axis2=2)
         largest = pivots.max(axis=1)
         chosen = np.argmax(pivots >= 0.5001 * largest[:, np.newaxis], axis=1)
-        pivot = left[every, chosen, chosen]
-        sound = pivot > rounding
-        if not bool(sound.any()):
+        pivot = residual[every, chosen, chosen]
+        is_positive = pivot > rounding
+        if not bool(is_positive.any()):
             break
-        root = np.sqrt(np.where(sound, pivot, 1.0))
-        column = np.where(sound[:, np.newaxis], left[every, :, chosen] / root[:, np.newaxis], 0.0)
+        root = np.sqrt(np.where(is_positive, pivot, 1.0))
+        column = np.where(is_positive[:, np.newaxis], residual[every, :, chosen] / root[:, np.newaxis], 0.0)
         columns[:, :, step] = column
-        left = left - column[:, :, np.newaxis] * column[:, np.newaxis, :]
-        # An explained state has no variance left: rounding must not bring it back as a pivot.
-        left[every, chosen, :] = 0.0
-        left[every, :, chosen] = 0.0
+        residual = residual - column[:, :, np.newaxis] * column[:, np.newaxis, :]
+        # An explained state has no variance residual: rounding must not bring it back as a pivot.
+        residual[every, chosen, :] = 0.0
+        residual[every, :, chosen] = 0.0
     factored: Floats = columns * scale[:, :, np.newaxis]
     return factored

@@ -19,7 +19,7 @@ class Legs(NamedTuple):
     distance_m: Floats
 
     def headings_deg(self) -> Floats:
-        """Track over ground at each exposure, (n,): azimuth of the leg ahead, at the last one of the leg behind."""
+        """Track over ground at each exposure, (n,): azimuth of the leg ahead, at the end of the leg behind."""
         if not len(self.azimuth_deg):
             return np.zeros(1)
         return np.append(self.azimuth_deg, self.azimuth_deg[-1:])
@@ -49,6 +49,7 @@ def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | 
     if wind is not None:
         speed = wind.ground_speed_m_per_s(way.azimuth_deg, airspeed_m_per_s)
     along = way.distance_m / speed
+    # A height that is broadcast from one number needs no climbs.
     if not any(agl_m.strides):
         return np.asarray(along, np.float64)
     seconds: Floats = np.hypot(along, np.diff(agl_m) / airspeed_m_per_s)

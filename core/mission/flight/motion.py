@@ -14,10 +14,10 @@ from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, output_matrix
 from .wind import Wind
 
 Ints = NDArray[np.intp]
-#: Discretisations for one flight, of 8 KB and half a millisecond each.
+#: Greatest number of discretisations for one flight; each takes 8 KB and half a millisecond.
 MOST_STEPS = 2048
-#: Relative resolutions of intervals and heights, and the number of different pairs after which the next one applies.
-#: The first is coarser than the differences along parallels; few pairs are left for the last.
+#: Relative resolutions of intervals and heights, and the number of different pairs after which the next
+#: resolution applies. The first is coarser than the differences along parallels; few pairs are left for the last.
 RESOLUTIONS = ((1e-6, 480), (4e-3, 800), (0.016, 200), (0.064, 200), (0.256, 100), (1.0, MOST_STEPS))
 #: Exposures sampled at a time: 1.5 MB of states and noise, which stay in the processor's cache.
 CHUNK = 4096
@@ -149,14 +149,14 @@ def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Flo
 
 
 def _steps(sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> tuple[Floats, Ints]:
-    """Matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
+    """Matrices (m, d, 2 d) that step the state, one for each kind of step, and the kind of each exposure (n,).
 
     The first matrix starts the flight: it ignores the state and draws from the stationary distribution. Rounding
     intervals and heights, where there are too many, leaves the distribution at each exposure exact; only the
     correlation between neighbours is that of the rounded interval.
     """
     heights_m = np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT)
-    # By then even the slowest gusts, of 533 m at 0.1 m/s, have decayed to 1e-80.
+    # After 1e6 s even the slowest gusts, of 533 m at 0.1 m/s, have decayed to 1e-80.
     interval_s = np.minimum(interval_s, 1e6)
     kinds, which = _kinds(heights_m[1:], interval_s)
     size = len(STATES)
@@ -186,7 +186,7 @@ def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
     which : array (n,)
         Kind of each pair.
     """
-    # Shorter intervals differ from 0 in nothing: the fastest time constant is 5 ms.
+    # Intervals below 1 ns act like 0, as the fastest time constant is 5 ms.
     places = np.log(np.stack([height_m, np.maximum(interval_s, 1e-9)]))
     kinds: list[Ints] = []
     which = np.empty(len(height_m), np.intp)
@@ -208,12 +208,12 @@ def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
 def normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
     """Independent standard normal deviates (count, size), by Box and Muller's method.
 
-    They are made from the generator's raw words, which never change between numpy's versions as its normal deviates
-    may. Every row takes the same number of words, so that a flight does not depend on how it is divided.
+    Made from the generator's raw words, which are the same in every version of numpy; its normal deviates may change.
+    Every row takes the same number of words, so that a flight does not depend on how it is divided.
     """
     pairs = (size + 1) // 2
     even = uniform(bits, 2 * count * pairs).reshape(count, 2, pairs)
-    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # of 2^-53 to 1, exactly
+    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # logarithms of 2^-53 to 1, exactly
     angle = (2.0 * np.pi) * even[:, 1]
     normal: Floats = np.concatenate([radius * np.cos(angle), radius * np.sin(angle)], axis=1)[:, :size]
     return normal

@@ -37,7 +37,7 @@ SAG_SHARE = 0.1
 MOST_SORTIES = 999
 #: Distance kept from no-fly areas: about the position error of an aircraft.
 _NO_FLY_M = 5.0
-#: Height by which a leg may be too low, which is noise.
+#: Height by which a leg may be too low: less is noise.
 _NOISE_M = 1e-3
 
 
@@ -162,14 +162,14 @@ def flight_path(plan: Planned) -> FlightPath:
         The take-off is inside a no-fly area or has no ground height, or a capture is beyond the range of the battery.
     """
     route = plan.mission.route
-    further = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
-    if further or plan.mission.no_fly:
+    is_routed = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
+    if is_routed or plan.mission.no_fly:
         return _Maker(plan).path()
     alone = _captures_alone(plan)
     if plan.relief.is_level:
         return alone
-    lifted = _Maker(plan).path()
-    return alone if len(lifted) == len(alone) else lifted
+    raised = _Maker(plan).path()
+    return alone if len(raised) == len(alone) else raised
 
 
 def _captures_alone(plan: Planned) -> FlightPath:
@@ -213,7 +213,7 @@ class _Points(NamedTuple):
 
 
 class _Maker:
-    """Computes a path that has more than captures."""
+    """Computes a path that also has points other than captures."""
 
     def __init__(self, plan: Planned) -> None:
         self._mission, self._route = plan.mission, plan.mission.route
@@ -245,7 +245,7 @@ class _Maker:
         self._into_deg, self._out_deg = self._directions()
         self._ways: dict[tuple[int, bool], tuple[_Points, float]] = {}
         self._track = self._made_track()
-        self._at = np.flatnonzero(self._track.kind == CAPTURE)
+        self._at_capture = np.flatnonzero(self._track.kind == CAPTURE)
         self._track_s = np.append(0.0, np.cumsum(self._legs_s(self._track)))
 
     def path(self) -> FlightPath:
@@ -260,11 +260,11 @@ class _Maker:
             seconds[end:] -= seconds[end] - seconds[end - 1]
         taken = points.capture >= 0
         if self._own_times:
-            own, known = seconds[taken], self._exposures_s
-            before, after = seconds < own[0], seconds > own[-1]
-            moved = np.interp(seconds, own, known)
+            computed, stated = seconds[taken], self._exposures_s
+            before, after = seconds < computed[0], seconds > computed[-1]
+            moved = np.interp(seconds, computed, stated)
             seconds = np.where(
-                before, seconds - own[0] + known[0], np.where(after, seconds - own[-1] + known[-1], moved)
+                before, seconds - computed[0] + stated[0], np.where(after, seconds - computed[-1] + stated[-1], moved)
             )
         seconds = seconds - seconds[np.argmax(taken)]
         ground = np.empty(len(points.kind))
@@ -285,7 +285,7 @@ class _Maker:
     # --- the ground
 
     def _takeoff(self, lon_deg: float) -> tuple[float, float] | None:
-        """Position of the take-off, with its longitude within 180 degrees of another."""
+        """Position of the take-off, with its longitude within 180 degrees of ``lon_deg``."""
         if self._route.takeoff is None:
             return None
         lat, lon = self._route.takeoff
@@ -317,16 +317,16 @@ class _Maker:
         return found
 
     def _ground_m(self, lat: Floats, lon: Floats) -> Floats:
-        """Heights of the ground below points; that of the take-off where unknown."""
+        """Heights of the ground below points; the base of heights where unknown."""
         found = self._relief.ground_m(lat, lon)
         return np.where(np.isnan(found), self._base_m, found)
 
     def _least_m(self, lat: Floats, lon: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
-        """Least heights of legs at positions, and heights given to new points there."""
+        """Least heights that legs may have at positions, and heights to give to new points there."""
         return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
 
     def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
-        """Least and given heights from the greatest height nearby and the ground below."""
+        """Heights as of `_least_m`, from the greatest height nearby and the ground below."""
         least = highest_m + self._mission.terrain.clearance_m
         # Half a metre more, so that a round hill does not need a point every few metres.
         given = least + 0.5
@@ -337,7 +337,7 @@ class _Maker:
     # --- rows and the legs between them
 
     def _directions(self) -> tuple[Floats, Floats]:
-        """Azimuths of arrival at captures as the first of a row, and of departure as the last, (n,) each."""
+        """Azimuths of arrival at each capture as first of a row, and of departure as last of a row, (n,) each."""
         lat, lon, row = self._captures.lat, wrap_lon_deg(self._captures.lon), self._row
         count = len(lat)
         into, out = np.full(count, np.nan), np.full(count, np.nan)
@@ -396,15 +396,15 @@ class _Maker:
             near |= ((high >= corners.min(axis=0) - _NO_FLY_M) & (low <= corners.max(axis=0) + _NO_FLY_M)).all(axis=1)
         added: list[tuple[int, _Points]] = []
         for leg in np.flatnonzero(near).tolist():
-            way = way_around(place[leg], place[leg + 1], self._rings, _NO_FLY_M)[1:-1]
-            if len(way):
-                lat, lon = self._plane.inverse(*way.T)
-                height = np.full(len(way), max(points.height[leg], points.height[leg + 1]))
+            detour = way_around(place[leg], place[leg + 1], self._rings, _NO_FLY_M)[1:-1]
+            if len(detour):
+                lat, lon = self._plane.inverse(*detour.T)
+                height = np.full(len(detour), max(points.height[leg], points.height[leg + 1]))
                 added.append((leg, _Points.create(TRANSIT, lat, lon, height)))
         return _inserted(points, added)
 
     def _raise_legs(self, points: _Points) -> _Points:
-        """Points with further ones where a leg is too low over the relief."""
+        """Points, with more of them inserted where a leg is too low over the relief."""
         if self._is_level or len(points.kind) < 2:
             return points
         agl = self._leg_agl_m(points)
@@ -478,40 +478,40 @@ class _Maker:
             )
         if self._sortie_s(first, last) <= limit_s:
             return last
-        fits, not_ = first, last
-        while not_ - fits > 1:
-            middle = (fits + not_) // 2
-            fits, not_ = (middle, not_) if self._sortie_s(first, middle) <= limit_s else (fits, middle)
+        fits, exceeds = first, last
+        while exceeds - fits > 1:
+            middle = (fits + exceeds) // 2
+            fits, exceeds = (middle, exceeds) if self._sortie_s(first, middle) <= limit_s else (fits, middle)
         return fits
 
     def _sortie(self, first: int, last: int) -> _Points:
         """Points of one sortie."""
-        own = self._track.take(slice(self._at[first], self._at[last] + 1))
+        own = self._track.take(slice(self._at_capture[first], self._at_capture[last] + 1))
         return _Points.joined([self._way(first, True)[0], own, self._way(last, False)[0]])
 
     def _sortie_s(self, first: int, last: int) -> float:
         """Seconds of one sortie."""
-        own = float(self._track_s[self._at[last]] - self._track_s[self._at[first]])
+        own = float(self._track_s[self._at_capture[last]] - self._track_s[self._at_capture[first]])
         return self._way(first, True)[1] + own + self._way(last, False)[1]
 
-    def _way(self, capture: int, there: bool) -> tuple[_Points, float]:
-        """Way from take-off to a capture (excluded), or back, and its duration with the leg at the capture."""
-        key = capture, there
+    def _way(self, capture: int, outward: bool) -> tuple[_Points, float]:
+        """Way from take-off to a capture (excluded), or back, and its duration including the leg at the capture."""
+        key = capture, outward
         if key not in self._ways:
-            end, _ = self._extensions(np.array([capture]), LEAD_IN if there else TURNAROUND)
+            end, _ = self._extensions(np.array([capture]), LEAD_IN if outward else TURNAROUND)
             own = self._captures.take(slice(capture, capture + 1))
             # Lead-ins and turnarounds are flown like rows, the rest at one safe height.
-            both = [end, own] if there else [own, end]
+            both = [end, own] if outward else [own, end]
             near = self._raise_legs(self._around(_Points.joined(both)))
-            near = near.take(slice(0, -1) if there else slice(1, None))
+            near = near.take(slice(0, -1) if outward else slice(1, None))
             outer = near if len(near.kind) else own
-            place = outer.take(slice(0, 1) if there else slice(-1, None))
+            place = outer.take(slice(0, 1) if outward else slice(-1, None))
             home = self._transit(place, capture) if self._home is not None else near.take(slice(0, 0))
-            if not there:
+            if not outward:
                 home = home.take(slice(None, None, -1))
                 home = home._replace(kind=np.where(home.kind == TAKEOFF, LANDING, home.kind).astype(np.int8))
-            way = _Points.joined([home, near] if there else [near, home])
-            timed = _Points.joined([way, own] if there else [own, way])
+            way = _Points.joined([home, near] if outward else [near, home])
+            timed = _Points.joined([way, own] if outward else [own, way])
             seconds = self._legs_s(timed)
             self._ways[key] = way, float(seconds.sum())
         return self._ways[key]
@@ -589,9 +589,9 @@ def _inserted(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
 
 
 def _lifted(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
-    """Nodes (k,) of a leg, by index, that a path must pass, and heights there, so that it is nowhere below the least.
+    """Nodes of a leg that a path must pass to be nowhere below ``least``: indices and heights, (k,) each.
 
-    The lowest node is raised, then the same is done on both sides of it.
+    The node that lies lowest is raised, and the same is repeated on both sides of it.
     """
     height = {0: ends[0], len(share) - 1: ends[1]}
     waiting = [(0, len(share) - 1)]

@@ -60,7 +60,7 @@ def _stands(height_deg: float, azimuth_deg: float) -> Message:
 
 def area_sun(plan: Plan) -> Sun | None:
     """Position of the sun during the flight; None where the mission has no start time."""
-    # The times of a line are relative to the mission's start, so they state no date.
+    # The default start states no date, nor do times that count from it.
     if plan.mission.flight.start == Flight.start and (
         not plan.direct.has_times or utc_time(plan.direct.start) == utc_time(Flight.start)
     ):

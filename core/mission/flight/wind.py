@@ -48,8 +48,8 @@ class Wind(CheckedFields):
         Raises
         ------
         InvalidInput
-            The mean wind, or the standard deviation of the gusts, is not below the airspeed: against the one no
-            aircraft advances, and the other does not stay frozen while the aircraft flies through it; or the airspeed
+            The mean wind is not below the airspeed, so that no aircraft advances against it; or the standard deviation
+            of the gusts is not, so that they do not stay frozen while the aircraft flies through them; or the airspeed
             is invalid.
         """
         field_named(Flight, "airspeed_m_per_s").settled(airspeed_m_per_s)
@@ -99,7 +99,7 @@ class Wind(CheckedFields):
         return speed
 
     def _against_rad(self, heading_deg: Floats | float) -> Floats:
-        """Angle from a track to the direction the wind comes from, which may be any number."""
+        """Angle from a track to the direction the wind comes from, not reduced to one turn."""
         import numpy as np
 
         against: Floats = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))

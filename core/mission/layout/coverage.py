@@ -39,7 +39,7 @@ class Coverage:
     area_m2 : float
         Ground of the area outside no-fly areas.
     uncovered_m2 : float
-        Ground of that shown by no picture.
+        Part of this ground that no picture shows.
     complete : bool
     no_fly_m2 : float
         Ground of the area inside no-fly areas, whether pictures show it or not.
@@ -51,7 +51,7 @@ class Coverage:
     no_fly_m2: float = 0.0
 
     def without(self, held: Sequence[Coverage]) -> Coverage:
-        """Coverage without disjoint parts ``held`` by no-fly areas."""
+        """Coverage without the disjoint parts ``held`` that lie in no-fly areas."""
         if not held:
             return self
         inside = summed(held)
@@ -87,7 +87,7 @@ def summed(found: Sequence[Coverage]) -> Coverage:
 
 @dataclass(frozen=True)
 class Overlap:
-    """Shared parts of neighbours, negative for gaps; None without neighbours.
+    """Shares of pictures that their neighbours also show, negative for gaps; None without neighbours.
 
     Along: from picture to picture in a row; across: from row to row.
     """
@@ -247,10 +247,9 @@ class _Cells(NamedTuple):
             some = slice(*np.searchsorted(cell, [start, stop]).tolist())
             cells = start + np.flatnonzero(~hidden[start:stop])
             if len(cells):
-                these, around = (
-                    Rectangles(*(edge[at] for edge in all_)) for all_, at in ((parts, some), (bounds, cells))
-                )
-                yield _gaps_in_cells(these, cell[some], around, cells)
+                some_parts = Rectangles(*(edge[some] for edge in parts))
+                some_bounds = Rectangles(*(edge[cells] for edge in bounds))
+                yield _gaps_in_cells(some_parts, cell[some], some_bounds, cells)
             start = stop
 
 
@@ -455,7 +454,7 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
     shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(left[neighbours], left[neighbours + 1])
     along = _smaller_shares(shared, width[neighbours], width[neighbours + 1])
 
-    # Position in the row: the column, or the middle as a share of the span of all.
+    # Position in the row, scaled to 0.5 or less: by column, or by the middle of the rectangle.
     place = column.astype(np.float64)
     if rows_are_level:
         place = left + right
@@ -477,8 +476,8 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
 def _smaller_shares(shared: Floats, one: Floats, other: Floats) -> Floats:
     """Shares of the smaller of two extents, (n,).
 
-    Gusts may turn an image so far that it holds no rectangle: the gap is then a share of the other one, or -1 if
-    neither holds one.
+    Gusts may turn an image so far that it contains no rectangle: the share is then of the neighbour's extent, or -1 if
+    neither contains a rectangle.
     """
     smaller, larger = np.minimum(one, other), np.maximum(one, other)
     extent = np.where(smaller > 0.0, smaller, larger)
@@ -546,7 +545,7 @@ def _outside_counts(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int
         held = np.ones(len(left), bool)
         meets = (left < east - room) & (right > west + room) & (top < south - room) & (bottom > north + room)
         for (u, v), (next_u, next_v) in zip(corners, np.roll(corners, -1, axis=0)):
-            # Inward distances from a side of the corners farthest in and farthest out.
+            # Inward distance, from a side, of each picture's outermost corner, then of its innermost.
             inward_u, inward_v = np.array([v - next_v, next_u - u]) / max(np.hypot(next_u - u, next_v - v), 1e-300)
             ends_u = np.sort([inward_u * (left - u), inward_u * (right - u)], axis=0)
             ends_v = np.sort([inward_v * (top - v), inward_v * (bottom - v)], axis=0)
@@ -577,10 +576,10 @@ def clip_ring(ring: Floats, convex: Floats) -> Floats:
     for corner, following in zip(convex, np.roll(convex, -1, axis=0)):
         along = following - corner
         depth = along[0] * (ring[:, 1] - corner[1]) - along[1] * (ring[:, 0] - corner[0])
-        after, there = np.roll(ring, -1, axis=0), np.roll(depth, -1)
-        cross = (depth >= 0.0) != (there >= 0.0)
-        share = np.where(cross, depth / np.where(cross, depth - there, 1.0), 0.0)
-        both = np.stack([ring, ring + share[:, np.newaxis] * (after - ring)], axis=1).reshape(-1, 2)
+        next_corners, next_depth = np.roll(ring, -1, axis=0), np.roll(depth, -1)
+        cross = (depth >= 0.0) != (next_depth >= 0.0)
+        share = np.where(cross, depth / np.where(cross, depth - next_depth, 1.0), 0.0)
+        both = np.stack([ring, ring + share[:, np.newaxis] * (next_corners - ring)], axis=1).reshape(-1, 2)
         ring = both[np.stack([depth >= 0.0, cross], axis=1).ravel()]
         if len(ring) < 3:
             return ring[:0]

@@ -12,18 +12,15 @@ from ...arrays import Floats, Numbers
 from ...geodesy.mercator import wrap_lon_deg
 from ..mission import Mission
 from ..parts import COMPASS_CORNERS, FIRST, NEAREST, ONE_WAY, TRACK
-from .rows import (
-    Layout,
-    picked,
-)
+from .rows import Layout, picked
 
 
 def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
     """Captures in the order of a flight that enters the rows at the corner which the route of the mission names.
 
     Rows are flown as laid out, from the other end, in reverse order, or both. The four possible first captures are
-    assigned to the corners of the compass so that the sum of squared distances is least. A further pass begins nearest
-    to the end of the previous one. Points keep their order.
+    assigned to the corners of the compass so that the sum of squared distances is least. Each further pass begins at
+    the first capture nearest to the end of the previous pass. Points keep their order.
 
     Parameters
     ----------
@@ -40,11 +37,11 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
     orders: list[Numbers] = []
     yaw = layout.yaw_deg
     for start, end in zip(starts, [*starts[1:], len(layout.row)]):
-        found = _ways(layout, slice(start, end), mission.flight.order)
+        candidates = _ways(layout, slice(start, end), mission.flight.order)
         # Oblique views along the track were placed for the direction of flight.
-        found = [one for one in found if not (one.turned and keeps_ways(mission))]
-        ways = [one.order + start for one in found]
-        begins = place[[one[0] for one in ways]]
+        candidates = [one for one in candidates if not (one.turned and keeps_ways(mission))]
+        sequences = [one.order + start for one in candidates]
+        begins = place[[one[0] for one in sequences]]
         if orders:
             chosen = _nearest(begins, place[orders[-1][-1]])
         elif route.entry == NEAREST and route.takeoff is not None:
@@ -55,9 +52,9 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
             chosen = _nearest(begins, home)
         else:
             chosen = _corner_pass(begins, place[start:end], route.entry)
-        if found[chosen].turned:
+        if candidates[chosen].turned:
             yaw = turned_yaws_deg(mission, yaw, slice(start, end))
-        orders.append(ways[chosen])
+        orders.append(sequences[chosen])
     return picked(layout._replace(yaw_deg=yaw), np.concatenate(orders))
 
 
@@ -102,7 +99,7 @@ def _nearest(places: Floats, to: Floats) -> int:
 
 
 def _corner_pass(begins: Floats, places: Floats, entry: str) -> int:
-    """Index of the first capture (v, 2) that belongs to a corner of the box around captures (n, 2).
+    """Index of the first capture, of ``begins`` (v, 2), for a corner of the box around ``places`` (n, 2).
 
     Four first captures are assigned to the four corners so that the sum of squared distances is least.
     """

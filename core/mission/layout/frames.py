@@ -206,7 +206,7 @@ class MapFrames:
 
 @dataclass(frozen=True, eq=False)
 class CameraFrames:
-    """Pictures as the camera sees them, resampled; for coverage they count as a rectangle inside."""
+    """Pictures as the camera sees them, resampled; for coverage, each counts as a rectangle inside it."""
 
     on_map: ClassVar[bool] = False
     is_north_up: ClassVar[bool] = False
@@ -300,7 +300,7 @@ class CameraFrames:
         """Rectangles of ground inside the pictures of a pass, in the plane of its rows."""
         poses, moved = plan.poses, plan.nominal is not None or plan.flown is not None
         if plan.flown is not None:
-            # From this height cameras see as much level ground as they see of the relief at least.
+            # From this height, cameras see as much level ground as they at least see of the relief.
             poses = poses._replace(agl_m=plan.flown.seen_agl_m)
         return rotated_rectangles(plan.mission, part, poses.take(at), plan.row[at], plan.ground, moved=moved)
 

@@ -42,7 +42,7 @@ from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, bounds_with_margin, lay_out_points, point_angles_deg, row_yaws_deg, sees_below
 
-#: Flown poses of captures, from their layout and nominal poses.
+#: Computes the flown poses of captures from their layout and nominal poses.
 Disturbed = Callable[[Layout, Poses], Poses]
 
 #: Greatest change of the side of a picture when its edges are rounded.
@@ -52,7 +52,7 @@ _ROUNDED_PX = 1.0
 class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
-    ``passes`` are those of rows in a plane, and ``flown`` has the heights of captures over relief. ``parts`` are the
+    ``passes`` describe rows in a plane, and ``flown`` has the heights of captures over relief. ``parts`` are the
     indices of the first captures of several polygons, and ``left_out`` counts captures removed by no-fly areas.
     """
 
@@ -72,7 +72,7 @@ class Framing(Protocol):
 
     @property
     def resamples(self) -> bool:
-        """Whether pictures are resampled: their windows are then rectangles inside."""
+        """Whether pictures are resampled: windows are then rectangles inside the pictures."""
         ...
 
     def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
@@ -102,7 +102,7 @@ def framed(
 ) -> Framed:
     """Lay a mission out in frames of one kind.
 
-    Over relief, frames are those over the highest ground that each capture sees: rows are closer where the ground is
+    Over relief, frames are computed for the highest ground that each capture sees: rows are closer where the ground is
     higher, and images overlap no less than requested.
 
     Raises
@@ -127,9 +127,8 @@ def framed(
     if flown is not None:
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    still = mission.wind is None and grid.plane.wraps and flown is None
-    alike = passes and still and framing.resamples
-    windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
+    share_frames = passes and framing.resamples and grid.plane.wraps and mission.wind is None and flown is None
+    windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if share_frames else None)
     frames = framing.frames(relief.lone(layout, flown), windows, poses)
     return Framed(layout, poses, zoom, windows, frames, passes, flown, parts, lost)
 
@@ -209,6 +208,7 @@ class _RowsAlongParallels:
         placed = PlacedCaptures(*lay_out_polygons(self.mission, lay_out_part))
         if relief.covers(placed.layout.lat_deg, placed.layout.lon_deg):
             return placed
+        # The heights around these captures have been read just now, and may move the captures.
         return PlacedCaptures(*lay_out_polygons(self.mission, lay_out_part))
 
     def _common_frames(self, pixel: float, lat_deg: Floats, agl_m: Floats) -> FrameEdges:
@@ -275,11 +275,11 @@ def _laid_out_first(mission: Mission, layout: Layout) -> int:
     return 0 if mission.route.entry == FIRST else int(np.lexsort((layout.column, layout.row))[0])
 
 
-def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: int | None) -> Windows:
-    """Windows of captures; if ``alike`` is the index of a reference, nearly equal poses share theirs."""
+def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, reference: int | None) -> Windows:
+    """Windows of captures; with the index of a ``reference`` capture, nearly equal poses share a frame."""
     pixel = 1.0 / grid.world_px(zoom)
-    if alike is not None:
-        edges, run = _rounded_edges(framing, poses, pixel, alike), np.arange(len(poses.lat_deg))
+    if reference is not None:
+        edges, run = _rounded_edges(framing, poses, pixel, reference), np.arange(len(poses.lat_deg))
     else:
         first, run = plane_runs(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
@@ -287,7 +287,7 @@ def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: 
 
 
 def _grid_north_yaws(mission: Mission, plane: Plane, layout: Layout) -> Layout:
-    """Points with the mission's yaw from grid north, as in rows; yaws of a table or track are from true north."""
+    """Points with the mission's yaw from grid north, as in rows; yaws of a table or the track are from true north."""
     north_deg = plane.north_deg(layout.lat_deg, layout.lon_deg)
     with np.errstate(invalid="ignore"):
         beyond = ~np.isfinite(north_deg + plane.forward(layout.lat_deg, layout.lon_deg)[0])
@@ -315,7 +315,7 @@ def _highest_mission(mission: Mission, relief: Relief) -> Mission:
 
 
 def _deepest_share(least: Mission, relief: Relief) -> float:
-    """Ratio of the greatest to the least height above ground that oblique views see; 1 for other views."""
+    """Ratio of the greatest to the least height above the ground that oblique views see; 1 for other views."""
     if sees_below(least):
         return 1.0
     return max(relief.deepest_m / least.flight.agl_m, 1.0)
@@ -417,17 +417,17 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
 
 def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
     """Zoom with the pixel size closest in ratio to ``px_m``, that of images straight below each capture."""
-    stretch = (
+    world_m = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
         if grid.plane.wraps
         else float(np.median(grid.plane.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
     )
-    span = float(np.median(px_m / np.maximum(stretch, 1.0)))
+    span = float(np.median(px_m / np.maximum(world_m, 1.0)))
     return fitting_detail(span, grid, (grid.min_zoom, highest_zoom(mission, grid)))
 
 
 def _some(*values: Floats) -> tuple[Floats, ...]:
-    """Every k-th value of arrays (n,), at most 1000, which hardly changes the median."""
+    """Every k-th value of arrays (n,), at most 1000 values, whose median hardly differs."""
     return tuple(value[:: -(-len(value) // 1000)] for value in values)
 
 
@@ -499,7 +499,7 @@ class MapFraming:
 
 @dataclass(frozen=True)
 class CameraFraming:
-    """Framing of pictures as the camera sees them, which count as the north-up rectangle inside."""
+    """Framing of pictures as the camera sees them, each of which counts as the north-up rectangle inside it."""
 
     resamples: ClassVar[bool] = True
 
@@ -507,7 +507,7 @@ class CameraFraming:
     grid: PixelGrid
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
-        """Edges of the rectangles inside, with room for rounding."""
+        """Edges of the rectangles inside the pictures, with room for rounding."""
         return inscribed_edges(self.mission.camera, poses, ground_ellipsoid(self.mission), pixel, self.grid.plane)
 
     def frames(self, layout: Layout, _windows: Windows, _poses: Poses, /) -> CameraFrames:
@@ -517,7 +517,7 @@ class CameraFraming:
     def sizes(self, layout: Layout) -> Sizes:
         """Sizes of images: for the requested zoom or ground sample distance, else the camera's, within limits.
 
-        Images of an area are all of one size; that of a point depends on no other points.
+        All images of an area have one size; the size at a point does not depend on other points.
         """
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
@@ -602,7 +602,7 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest:
     """
     for zoom in range(grid.min_zoom, highest + 1):
         pixel_m = grid.pixel_size(zoom)[0] * grid.plane.unit_m
-        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + 1e-9):  # files round it
+        if not grid.plane.wraps and pixel_m <= gsd_m_per_px * (1.0 + 1e-9):  # files round the size
             return zoom
         if float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom).max()) <= gsd_m_per_px:
             return zoom

@@ -22,7 +22,7 @@ def in_no_fly(polygons: tuple[Polygon, ...], lat_deg: Floats, lon_deg: Floats) -
 def remove_no_fly(
     polygons: tuple[Polygon, ...], layout: Layout, passes: tuple[Pass, ...], parts: tuple[int, ...]
 ) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...], int]:
-    """Captures outside all polygons, in order and with their indices.
+    """Remove the captures inside any of the polygons; the others keep their order and indices.
 
     Parameters
     ----------

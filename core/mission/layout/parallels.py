@@ -33,17 +33,21 @@ from .rows import (
     sees_below,
 )
 
-#: Overlap of neighbours, far above the noise of float64 positions at zoom 22 (1e-7 px), so that rounding never opens a
-#: gap, and far below anything that costs a picture.
+#: Overlap of neighbours: far above the noise of float64 positions at zoom 22 (1e-7 px), so that rounding never opens a
+#: gap, and too small to cost a picture.
 _MEETING_PX = 1e-3
 #: Rows have converged when no centre moves by more than this share of the world in a pass: 0.4 µm of ground.
 _CONVERGED = 1e-14
 #: Latitudes tried for cameras that look far aside.
 _TRIED = 257
-#: Share and number of rows by which their count may be off.
-_COUNT_SHARE, _COUNT_MORE = 1e-3, 3
-#: From this number of rows on, images are estimated before rows are placed; the share is certain to be needed.
-_MANY_ROWS, _CERTAIN_SHARE = 1000, 0.95
+#: Share by which the estimated number of rows may be off.
+_COUNT_SHARE = 1e-3
+#: Number of rows by which the estimate may be off besides that share.
+_COUNT_MORE = 3
+#: Number of rows above which images are estimated before rows are placed.
+_MANY_ROWS = 1000
+#: Share of the estimated images that is certain to be needed.
+_CERTAIN_SHARE = 0.95
 #: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
 Frames = Callable[[Floats, Floats], FrameEdges]
 
@@ -70,7 +74,7 @@ class Below(Protocol):
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
         ...
 
     @property
@@ -141,7 +145,7 @@ def _cover(
 ) -> Layout:
     """Rows whose frames cover an area, and still reach its edges over the lowest ground (``deepest``).
 
-    Frames over ground between are between both.
+    Frames over ground of other heights lie between the two.
     """
     box = bounds_with_margin(mission, area)
     if deepest is not None:
@@ -149,10 +153,10 @@ def _cover(
     rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
     rounding = ROUNDING_PX * pixel
     lower = edges if deepest is None else deepest(v_to_lat(rows_v))
-    either = _united(edges, lower)
-    top_v, bottom_v, beside_deg = edges_with_margin(mission, either.top_v - rounding, either.bottom_v + rounding)
+    united = _united(edges, lower)
+    top_v, bottom_v, beside_deg = edges_with_margin(mission, united.top_v - rounding, united.bottom_v + rounding)
     if along is None and len(rows_v) > _MANY_ROWS:
-        # Spans of many rows take a while: images need at least the area of the polygon.
+        # Spans of many rows take long to find, so refuse early: images show at least the area of the polygon.
         one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
         most_m2 = float(np.max(one_m2 * 360.0 * edges.size[0]))
         refuse_too_many(_CERTAIN_SHARE * area.area_m2() / most_m2, mission.output.max_images)
@@ -161,7 +165,7 @@ def _cover(
         spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])
     used = ~np.isnan(spans[:, 0])
     lat, spans = v_to_lat(rows_v[used]), spans[used]
-    edges, lower, either = (FrameEdges(*(edge[used] for edge in some)) for some in (edges, lower, either))
+    edges, lower, united = (FrameEdges(*(edge[used] for edge in some)) for some in (edges, lower, united))
 
     width, _ = edges.size
     step = width * (1.0 - mission.flight.overlap_along) - _MEETING_PX * pixel
@@ -174,7 +178,7 @@ def _cover(
         if float(counts.sum()) > 20.0 * mission.output.max_images:
             refuse_too_many(float(counts.sum()), mission.output.max_images)
         row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
-        either = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
+        united = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
     else:
         refuse_too_many(float(counts.sum()), mission.output.max_images)
         per_row = counts.astype(np.int64)
@@ -182,13 +186,13 @@ def _cover(
         column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
         middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
         u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
-        either = FrameEdges(*(edge[row] for edge in either))
+        united = FrameEdges(*(edge[row] for edge in united))
     layout = level_layout(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(images_touching(mission, area, layout, either, rounding), mission.flight.order)
+    return in_order(images_touching(mission, area, layout, united, rounding), mission.flight.order)
 
 
 def _enlarged(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
-    """Box enlarged north and south so that rows that cover it also cover the area on the lowest ground."""
+    """Box enlarged north and south so that rows that cover the box also cover the area over the lowest ground."""
     ends = np.array([box.north_deg, box.south_deg])
     high, low = frames(ends), deepest(ends)
     north = np.maximum(low.top_v - high.top_v, 0.0).max()
@@ -199,7 +203,7 @@ def _enlarged(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
 
 
 def _united(frames: FrameEdges, others: FrameEdges) -> FrameEdges:
-    """Smallest frames around two frames each."""
+    """Smallest frames around pairs of frames."""
     return FrameEdges(
         np.minimum(frames.west_u, others.west_u),
         np.maximum(frames.east_u, others.east_u),
@@ -241,7 +245,7 @@ class _ParallelRows:
         self.first_top = max(self._north - ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + ROUNDING_PX * pixel, 1.0)
         self._least, self._most = self._cameras()
-        # Centring tries rows that are placed afterwards, at the cost of all other steps together.
+        # Placing rows costs as much as all other steps together, and centring tries the rows that are then placed.
         self._settled: dict[tuple[float, int], tuple[Floats, FrameEdges]] = {}
 
     def _cameras(self) -> tuple[float, float]:
@@ -321,7 +325,7 @@ class _ParallelRows:
         return steps
 
     def most(self) -> int:
-        """Number of rows that certainly reach from north to south: the integral of rows per height, and some."""
+        """Number of rows that certainly reach from north to south: the integral of rows per height, and a few more."""
         nodes, weights = gauss_legendre(64)
         half = (self._south - self._north) / 2.0
         edges = self._edges(self._north + half * (1.0 + nodes))
@@ -396,7 +400,7 @@ class _ParallelRows:
         return shift if below(shift) >= 0.0 else 0.0
 
     def lean(self, centres: Floats, edges: FrameEdges) -> tuple[Floats, FrameEdges]:
-        """Rows with the last one moved back to the end of the map."""
+        """Rows, with the last one moved back if it extends beyond the end of the map."""
         if edges.bottom_v[-1] <= 1.0:
             return centres, edges
         inside, outside = 0.5, float(centres[-1])
@@ -411,7 +415,7 @@ class _ParallelRows:
 
 
 class _Placed(NamedTuple):
-    """Captures along rows, arrays (n,) sorted by row: indices, world fractions, and frame edges relative to these."""
+    """Captures along rows, arrays (n,) sorted by row: indices, world fractions ``u``, and frame edges from there."""
 
     row: Numbers
     column: Numbers
@@ -447,11 +451,11 @@ class _Stretches(NamedTuple):
     def measure(
         cls, lat_deg: Floats, first_u: Floats, size_u: Floats, count: int, frames: Frames, relief: Below
     ) -> _Stretches:
-        """Stretches of rows, with frames for the least height above the ground that is seen from a stretch."""
+        """Stretches of rows, each with frames for the least height above the ground seen from it."""
         u = first_u[:, np.newaxis] + (np.arange(count) + 0.5) * size_u[:, np.newaxis]
         seen = relief.seen_agl_m(np.repeat(lat_deg, count), u_to_lon(u.ravel())).reshape(u.shape)
         seen = np.fmax(seen, relief.least_seen_agl_m(lat_deg)[:, np.newaxis])
-        # Frames are almost proportional to height, so a few heights are enough, with the smaller ratio between two.
+        # Frames are almost proportional to height, so a few heights suffice; between two, the smaller ratio holds.
         heights_count = 5
         lowest, ratio = seen.min(axis=1), seen.max(axis=1) / seen.min(axis=1)
         heights = lowest[:, np.newaxis] * ratio[:, np.newaxis] ** np.linspace(0.0, 1.0, heights_count)
@@ -487,9 +491,9 @@ class _Stretches(NamedTuple):
             u = np.minimum(farthest, begin + size)[:, 0]
             west, east = self.west[rows, at[:, 0]], self.east[rows, at[:, 0]]
             found.append(_Placed(rows, np.full(len(rows), len(found)), u, west, east))
-            on = u + east < east_u[rows]
-            rows, u, share = rows[on], u[on], not_shared
-            limit = u + not_shared * east[on] - meeting
+            unfinished = u + east < east_u[rows]
+            rows, u, share = rows[unfinished], u[unfinished], not_shared
+            limit = u + not_shared * east[unfinished] - meeting
         return _Placed.joined(found)
 
 

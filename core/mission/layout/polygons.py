@@ -21,8 +21,10 @@ from .rows import Layout, picked, refuse_too_many
 #: Lays out the rows of one polygon; passes are those of rows in a plane.
 LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]
 
-#: Polygons up to which the shortest order is found exactly, and up to which 2-opt improves an order.
-_MAX_EXACT, _MAX_IMPROVED = 8, 400
+#: Greatest number of polygons whose shortest order is found exactly.
+_MAX_EXACT = 8
+#: Greatest number of polygons whose order 2-opt improves.
+_MAX_IMPROVED = 400
 
 
 class _Ways(NamedTuple):
@@ -44,8 +46,8 @@ class _Ways(NamedTuple):
     turns: tuple[tuple[int, ...], ...]
 
 
-#: Ways to fly a pass: whether captures are reversed, and whether rows are reversed after that. They are: as laid out,
-#: from the other end of the first row, and from either end of the last row.
+#: Ways to fly a pass: whether the order of all captures is reversed, and whether captures are reversed within each row.
+#: In turn: as laid out, from the other end of the first row, and from either end of the last row.
 _TURNS = ((False, False), (False, True), (True, False), (True, True))
 
 
@@ -83,9 +85,9 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
         )
     found = list(_laid_out(mission, area, laid_out))
     # Oblique views along the track were placed for the direction of flight.
-    kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
+    keeps_direction = mission.flight.order == ONE_WAY or keeps_ways(mission)
     # Ways 0 and 3 fly each row in the direction of the layout.
-    ways = [_ways(layout, passes, (0, 3) if kept else tuple(range(len(_TURNS)))) for layout, passes in found]
+    ways = [_ways(layout, passes, (0, 3) if keeps_direction else tuple(range(len(_TURNS)))) for layout, passes in found]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
     for part, way in chosen:
@@ -151,17 +153,17 @@ def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _
             ends[turn] = begin[0], end[-1], int(_steps(end[:-1], begin[1:]).sum())
         each.append(ends)
     starts: list[Floats] = []
-    ends_: list[Floats] = []
+    stops: list[Floats] = []
     lengths: list[int] = []
     turns: list[tuple[int, ...]] = []
     for chosen in product(which, repeat=len(each)):
         flown = [ends[turn] for ends, turn in zip(each, chosen)]
         between = (int(_steps(one[1], next_[0])) for one, next_ in zip(flown, flown[1:]))
         starts.append(flown[0][0])
-        ends_.append(flown[-1][1])
+        stops.append(flown[-1][1])
         lengths.append(sum(one[2] for one in flown) + sum(between))
         turns.append(chosen)
-    return _Ways(np.stack(starts), np.stack(ends_), np.array(lengths, np.int64), tuple(turns))
+    return _Ways(np.stack(starts), np.stack(stops), np.array(lengths, np.int64), tuple(turns))
 
 
 def _places(lat_deg: Floats, lon_deg: Floats) -> Floats:
@@ -264,7 +266,7 @@ def _improved(gaps: Numbers) -> list[int]:
 def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
     """Order improved by reversing stretches (2-opt)."""
     count = len(order)
-    # Nothing is flown before the first polygon and after the last.
+    # No distance is flown before the first polygon or after the last.
     wide = np.zeros((count + 1, count + 1), np.int64)
     wide[:count, :count] = gaps
     way = np.array([count, *order, count])

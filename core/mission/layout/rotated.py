@@ -1,4 +1,4 @@
-"""Rows in a plane: rotated or crossed ones, and those in the CRS of a source."""
+"""Rows in a plane: rotated or crosshatched rows, and rows in the CRS of a source."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Pass(NamedTuple):
     first : int
         Index of the first capture.
     back : Sides or None
-        The same for rows flown back, if their images look in the other direction.
+        The same rectangle for rows flown back, if their images look in the other direction.
     first_row : int
         Number of the first row.
     area : Polygon or None
@@ -109,7 +109,7 @@ def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are rotated or crossed, or look to both sides."""
     if not mission.area.covers_ground:
         return False
-    # Rows along parallels differ only in latitude, which rows with oblique views to both sides do not.
+    # Rows along parallels must differ only in latitude; oblique views that alternate sides differ more.
     sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
     return (
         mission.flight.row_azimuth_deg != EASTWARD_DEG
@@ -190,18 +190,18 @@ def lay_out_rotated(
 
 
 def _plane_middle(plane: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
-    """Latitude and longitude of the middle of an area's extent in a plane; around a pole, that is the pole."""
+    """Latitude and longitude of the middle of an area's extent in a plane; around a pole, the middle is the pole."""
     lon, lat = (np.concatenate(values) for values in zip(*area.arrays()))
     ends = np.linspace(0.0, 1.0, 8, endpoint=False)
     lon, lat = ((part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel() for part in (lon, lat))
     u, v = plane.forward(lat, lon)
-    there = np.isfinite(u)
-    if not there.all():
+    reached = np.isfinite(u)
+    if not reached.all():
         raise InvalidInput(
             "area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}",
             plane.name,
-            float(lat[~there][0]),
-            float(lon[~there][0]),
+            float(lat[~reached][0]),
+            float(lon[~reached][0]),
             remedy="choose an area that the source shows",
         )
     middle = plane.inverse(*(np.array((float(part.min()) + float(part.max())) / 2.0) for part in (u, v)))
@@ -218,13 +218,14 @@ def _laid_out(
     lower: float,
 ) -> tuple[Layout, Sides, Sides | None]:
     """One pass, after ``flown`` captures, and the common rectangles of images of rows flown out and back."""
-    extent, out, back = _shape(area, plane, _EXTENT_M), False, None
+    extent = _shape(area, plane, _EXTENT_M)
+    back: Sides | None = None
     # The margin is part of the extent of captures.
     extent = extent._replace(bend_m=extent.bend_m + _plane_margin(mission, area, plane))
-    sides = _common(mission, extent, plane, ground, out)
+    sides = _common(mission, extent, plane, ground, is_back=False)
     room_m, narrowed_m = rooms_m
     if mission.flight.alternates_facing:
-        sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
+        sides, back = _alike(sides, _common(mission, extent, plane, ground, is_back=True))
     if narrowed_m:
         sides, back = _narrower(sides, narrowed_m), None if back is None else _narrower(back, narrowed_m)
     (width,), (height,) = sides.size_m
@@ -291,14 +292,14 @@ def _narrower(sides: Sides, by_m: float) -> Sides:
 
 def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
     """Rectangles of captures (n,), some of which are in rows flown back."""
-    return Sides(*(np.where(is_back, there, here) for here, there in zip(sides, back)))
+    return Sides(*(np.where(is_back, flown_back, flown_out) for flown_out, flown_back in zip(sides, back)))
 
 
 def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
-    """Common part of the rectangles of rows flown out and, turned by 180 degrees, back; and that part turned."""
+    """Common part of the rectangles of rows flown out and, turned by 180 degrees, of rows flown back; and its turn."""
     left, bottom, right, top = (
-        pick(here, -there)
-        for pick, here, there in (
+        pick(flown_out, -flown_back)
+        for pick, flown_out, flown_back in (
             (np.maximum, sides.left_m, back.right_m),
             (np.maximum, sides.bottom_m, back.top_m),
             (np.minimum, sides.right_m, back.left_m),
@@ -412,21 +413,21 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> t
     most_halvings = 12
     for halvings in range(most_halvings + 1):
         x, y = plane.forward(lat_deg, lon_deg)
-        off = np.zeros(len(x))
+        deviation = np.zeros(len(x))
         for share in (0.25, 0.5, 0.75):  # an S-shaped side does not deviate in its middle
             lon, lat, *chord = (part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y))
-            on = plane.forward(lat, lon)
-            off = np.maximum(off, np.hypot(on[0] - chord[0], on[1] - chord[1]))
-        bent = np.flatnonzero(off > bend_m)
+            on_side = plane.forward(lat, lon)
+            deviation = np.maximum(deviation, np.hypot(on_side[0] - chord[0], on_side[1] - chord[1]))
+        bent = np.flatnonzero(deviation > bend_m)
         if halvings == most_halvings or not len(bent):
             break
         lon_deg, lat_deg = (
             np.insert(part, bent + 1, ((part + np.roll(part, -1)) / 2.0)[bent]) for part in (lon_deg, lat_deg)
         )
-    return x, y, float(off.max())
+    return x, y, float(deviation.max())
 
 
-# --- what the images show
+# --- ground that images show
 
 
 def rotated_rectangles(
@@ -491,7 +492,7 @@ def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequ
     shown: tuple[Rectangles, ...] = ()
     missing = Rectangles(*np.empty((4, 0)))
     for one in rectangles:
-        # A second pass is turned by a quarter turn.
+        # Rows of a second pass cross those of the first at a right angle.
         shown = (*shown, Rectangles(one.y0, -one.x1, one.y1, -one.x0) if shown else joined(one))
         missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
         missing = _candidates(shape, missing)
@@ -528,6 +529,7 @@ def _part_share(area: Box | Polygon, source: ProjectedPlane, extent: tuple[tuple
 
 
 def _around(points: Floats) -> Floats:
+    """Corners (4, 2) of the rectangle around points (n, 2)."""
     (west, south), (east, north) = points.min(axis=0), points.max(axis=0)
     return np.array([[west, south], [east, south], [east, north], [west, north]])
 

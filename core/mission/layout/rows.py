@@ -96,15 +96,15 @@ def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
 
 
 def _headings_deg(area: Points) -> Floats:
-    """Azimuth from each point to the next at another position, (n,); at the end that of the last leg."""
+    """Azimuth from each point to the next at another position, (n,); at the end, the azimuth of the last leg."""
     lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
-    way = legs(lat, lon)
+    flown_legs = legs(lat, lon)
     # Points within a micrometre are one position, without a heading to the next.
-    moving = np.flatnonzero(way.distance_m > 1e-6)
+    moving = np.flatnonzero(flown_legs.distance_m > 1e-6)
     if not len(moving):
         return np.zeros(len(lat))
     ahead = np.searchsorted(moving, np.arange(len(lat)))
-    headings: Floats = way.azimuth_deg[moving[np.minimum(ahead, len(moving) - 1)]]
+    headings: Floats = flown_legs.azimuth_deg[moving[np.minimum(ahead, len(moving) - 1)]]
     return headings
 
 
@@ -115,8 +115,8 @@ def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
         return (yaw,)
     if faced is not None:
         return (_wrapped(faced + yaw),)
-    ways = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.alternates_facing]
-    return tuple(_wrapped(way + yaw) for way in ways)
+    tracks = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.alternates_facing]
+    return tuple(_wrapped(track + yaw) for track in tracks)
 
 
 def _wrapped(angle_deg: float) -> float:

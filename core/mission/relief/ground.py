@@ -38,10 +38,10 @@ class Flown(NamedTuple):
     height_m : array
         Heights of the cameras above the WGS 84 ellipsoid.
     ground_m : array
-        Heights of the ground below them.
+        Heights of the ground below the cameras.
     seen_agl_m : array
-        Heights above the highest ground that they may see. Images show at least as much as from this height above level
-        ground.
+        Heights above the highest ground that the cameras may see. Images show at least as much as from this height
+        above level ground.
     """
 
     height_m: Floats
@@ -186,7 +186,7 @@ class Relief(Protocol):
         """Ground within ``room_m`` around positions (n,), at the finest resolution."""
         ...
 
-    # --- what captures see
+    # --- ground that captures see
 
     def seen(self, poses: Poses, height_m: Floats, points: ImagePoints, /) -> tuple[Corners, Floats]:
         """Ground that captures see at image points (k,), and its heights, (n, k) each."""
@@ -225,7 +225,7 @@ class Relief(Protocol):
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
         ...
 
     # --- captures
@@ -267,7 +267,7 @@ class LevelGround:
     lowest_m : float
         Height of the ground.
     agl_m : float
-        Height of the flight above it.
+        Height of the flight above the ground.
     """
 
     camera: Camera

@@ -121,8 +121,8 @@ class ModelledRelief:
         """Relief within ``room_m`` around positions (n,), at the finest resolution."""
         around = _widened(lat_deg, lon_deg, room_m + self.mission.terrain.clearance_distance_m)
         # Unpickled relief has no ground.
-        known = hasattr(self, "_ground")
-        if known and all(_is_finest(surface, *around) for surface in (self._ground, self._surface)):
+        has_ground = hasattr(self, "_ground")
+        if has_ground and all(_is_finest(surface, *around) for surface in (self._ground, self._surface)):
             return self._whole
         lat, lon = around
         high_m = math.radians(float(np.ptp(lat))) * WGS84.b_m
@@ -171,16 +171,16 @@ class ModelledRelief:
         return True
 
     def _path_extent(self) -> tuple[Floats, Floats] | None:
-        """Positions around all that a path may cross; None where it only leads from capture to capture."""
+        """Positions around all ground that a path may cross; None for a path that has only captures."""
         route = self.mission.route
         (lat, lon), middle = self._enclosing, float(self._enclosing[1].min() + self._enclosing[1].max()) / 2.0
-        further = route.turnaround_m + route.lead_in_m
+        extension_m = route.turnaround_m + route.lead_in_m
         if route.takeoff is not None:
             lat, lon = (
                 np.append(lat, route.takeoff[0]),
                 np.append(lon, middle + wrap_lon_deg(np.asarray(route.takeoff[1] - middle))),
             )
-        elif not (further or self.mission.no_fly):
+        elif not (extension_m or self.mission.no_fly):
             return None
         south, north, west, east = (float(f(at)) for at in (lat, lon) for f in (np.min, np.max))
         for polygon in self.mission.no_fly:
@@ -188,10 +188,10 @@ class ModelledRelief:
             box_west = middle + float(wrap_lon_deg(np.asarray(box.west_deg - middle)))
             box_east = box_west + box.span_deg
             if box.south_deg < north and box.north_deg > south and box_west < east and box_east > west:
-                # The detour leads along its edges.
+                # The detour leads along the edges of the box.
                 lat = np.append(lat, (box.south_deg, box.north_deg))
                 lon = np.append(lon, (box_west, box_east))
-        room_m = self.radius_m + further + self.mission.terrain.clearance_distance_m
+        room_m = self.radius_m + extension_m + self.mission.terrain.clearance_distance_m
         return _widened(np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()]), room_m)
 
     @cached_property
@@ -202,10 +202,10 @@ class ModelledRelief:
             pixels = self._area_pixels(surface)
             heights = surface.heights_m[pixels]
             count += heights.size
-            made = 0 if surface.interpolated is None else int(np.count_nonzero(surface.interpolated[pixels]))
-            interpolated += made
+            invented = 0 if surface.interpolated is None else int(np.count_nonzero(surface.interpolated[pixels]))
+            interpolated += invented
             if surface.holes is not None:
-                filled += int(np.count_nonzero(surface.holes[pixels] & ~np.isnan(heights))) - made
+                filled += int(np.count_nonzero(surface.holes[pixels] & ~np.isnan(heights))) - invented
         return filled, interpolated, count
 
     def _area_pixels(self, surface: Surface) -> tuple[slice, slice]:
@@ -215,7 +215,7 @@ class ModelledRelief:
         return _pixel_range(row, rows), _pixel_range(column, columns)
 
     def _check_whole(self, surface: Surface) -> None:
-        """Refuse an area with heights that the first source does not have."""
+        """Refuse an area in which the first source of heights has holes."""
         if surface.holes is None:
             return
         high, wide = self._area_pixels(surface)
@@ -279,7 +279,7 @@ class ModelledRelief:
         return self.seen(poses, height_m, CORNERS)[0]
 
     def image_centres(self, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes of the ground in the middle of images, (n,) each, as `footprint.image_centres`."""
+        """Latitudes and longitudes of the ground in the middle of images, (n,) each; see `footprint.image_centres`."""
         seen, _ = self.seen(poses, height_m, ((0.0, 0.0),))
         lat, lon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
         beyond = np.flatnonzero(~seen.hit[:, 0])
@@ -369,7 +369,7 @@ class ModelledRelief:
         return highest_around(self._surface, self.radius_m + self.merge_distance_m)
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Least height above what they see of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
         if self.mission.terrain.height_above == GROUND:
             wanted = self._merged_low(lat_deg, lon_deg) + self.mission.flight.agl_m
         else:
@@ -382,7 +382,10 @@ class ModelledRelief:
         return np.interp(lat_deg, at_lat, least)
 
     def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """Greatest such height; for far-looking images, the least."""
+        """Greatest height of captures at latitudes (n,) above the highest ground that they see.
+
+        For images that look very far, the least height.
+        """
         at_lat, least, most, _ = self._seen_by_latitude
         return np.interp(lat_deg, at_lat, most if self._reach < _MAX_TANGENT else least)
 
@@ -413,7 +416,7 @@ class ModelledRelief:
         if mission.terrain.height_above == GROUND:
             # Between the centres of cells the ground may be lower or higher than at these.
             low, high = (
-                near(at_lat, at_lon) + mission.flight.agl_m for near in (self._low, highest_around(self._ground, 0.0))
+                find(at_lat, at_lon) + mission.flight.agl_m for find in (self._low, highest_around(self._ground, 0.0))
             )
         tops = np.where(np.isnan(ground), np.nan, self._tops(at_lat, at_lon))
         edges = np.linspace(south - room, north + room, 2048 + 1)
@@ -423,7 +426,7 @@ class ModelledRelief:
         least, most = _lower_bound(low - tops, bins, metres), -_lower_bound(tops - high, bins, metres)
         if not np.isfinite(least).all():
             refuse_hole(south, west)
-        # Flights below this are refused.
+        # Lower flights are refused.
         least, most = (np.maximum(over, _MIN_SEEN_SHARE * mission.flight.agl_m) for over in (least, most))
         if sees_below(mission):
             return centres, least, most, float(most.max())
@@ -432,7 +435,7 @@ class ModelledRelief:
 
     @property
     def deepest_m(self) -> float:
-        """Greatest height of a capture above the lowest ground it sees, or the highest if it sees straight down."""
+        """Greatest height of a capture above the lowest ground that it sees, or above the highest for views below."""
         return self._seen_by_latitude[3]
 
     def flown(self, layout: Layout) -> Flown:
@@ -443,15 +446,15 @@ class ModelledRelief:
         ground = self.ground_m(lat, lon)
         agl = np.full(len(lat), mission.flight.agl_m) if mission.area.covers_ground else layout.agl_m
         wanted, _ = self.wanted_m(lat, lon, agl)
-        least, what = self._least_m(lat, lon)
+        least, near = self._least_m(lat, lon)
         height = wanted
         if terrain.height_above == GROUND:
             height = np.maximum(wanted, least)
             if terrain.climb_m_per_s is not None and len(lat) > 1:
-                way = np.append(0.0, np.cumsum(legs(lat, lon).distance_m))
-                height = _no_steeper(height, way, terrain.climb_m_per_s / mission.flight.airspeed_m_per_s)
+                way_m = np.append(0.0, np.cumsum(legs(lat, lon).distance_m))
+                height = _no_steeper(height, way_m, terrain.climb_m_per_s / mission.flight.airspeed_m_per_s)
         else:
-            self._check_kept(lat, lon, height, least, what)
+            self._check_kept(lat, lon, height, least, near)
         seen = height - self._tops(lat, lon)
         low = np.flatnonzero(seen < _MIN_SEEN_SHARE * agl)
         if len(low):
@@ -477,7 +480,7 @@ class ModelledRelief:
     def lone(self, layout: Layout, flown: Flown | None) -> Layout:
         """Captures with heights above the highest ground that each may see; each point as if it were flown alone.
 
-        The reach of other points would otherwise lower a point's height, and so change its image.
+        Otherwise, how far other points see would lower a point's height, and so change its image.
         """
         if flown is None or self.mission.area.covers_ground:
             return layout
@@ -513,23 +516,23 @@ class ModelledRelief:
         point, camera, vectors = self._containing(poses, height_m, corners, (lat, lon, height))
         dlon = lon[point] - poses.lon_deg[camera]
         held = np.arange(len(point))
-        # The camera with the steepest view of a point usually sees it, so it is tried first.
+        # The camera with the steepest view of a point usually sees the point, so try this camera first.
         steep = np.hypot(vectors[held, 0], vectors[held, 1]) / -vectors[held, 2]
         held = held[np.lexsort((steep, point[held]))]
         first = np.append(True, np.diff(point[held]) > 0) if len(held) else np.zeros(0, bool)
         seen = np.zeros(len(lat), bool)
         for pairs in (held[first], held[~first]):
             some = pairs[~seen[point[pairs]]]
-            at, by = point[some], camera[some]
+            at, viewer = point[some], camera[some]
             found = self._surface.first_points(
-                poses.lat_deg[by], poses.lon_deg[by], height_m[by], vectors[some], self.lowest_m
+                poses.lat_deg[viewer], poses.lon_deg[viewer], height_m[viewer], vectors[some], self.lowest_m
             )
             off_m = np.linalg.norm(sight_lines(lat[at], np.zeros(len(at)), found[0], found[1] - dlon[some]), axis=-1)
             # A ray that meets the surface within a hundredth of a cell of the point has met the point.
             seen[at[~(off_m > 0.01 * cell_size_m(self._surface))]] = True
-        held_at_all = np.zeros(len(lat), bool)
-        held_at_all[point[held]] = True
-        return float((held_at_all & ~seen).sum() / max(len(lat), 1))
+        contained = np.zeros(len(lat), bool)
+        contained[point[held]] = True
+        return float((contained & ~seen).sum() / max(len(lat), 1))
 
     def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
         """Share of the area's ground, without no-fly areas, that lies outside all images, whether hidden or not.
@@ -553,7 +556,7 @@ class ModelledRelief:
         """Pairs of a surface point and a capture whose image contains it, by index, and vectors to the point (m, 3)."""
         lat, lon, height = points
         point, camera = _candidate_pairs(lat, lon, poses, corners)
-        # Sight lines lead to the ellipsoid; the points are higher, along its normals there.
+        # Sight lines lead to the ellipsoid; points lie above it, along its normals.
         dlon = lon[point] - poses.lon_deg[camera]
         vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
         vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
@@ -659,7 +662,7 @@ def _reach(mission: Mission) -> float:
 def _reaches(mission: Mission) -> Floats:
     """Distance, per metre of height, to which images see level ground: of each point (n,), or for an area (1,).
 
-    It counts from the point below the camera, and is at most `_MAX_TANGENT`.
+    The distance is measured from the point below the camera, and is at most `_MAX_TANGENT`.
     """
     area = mission.area
     if isinstance(area, Points):
@@ -703,8 +706,8 @@ def _edge_points(area: Area) -> tuple[Floats, Floats]:
     rings = [ring for part in area.parts for ring in part.arrays()]
     share = np.linspace(0.0, 1.0, max(_SAMPLES // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
     lon, lat = (
-        np.concatenate([(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in ways])
-        for ways in zip(*rings)
+        np.concatenate([(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in axis])
+        for axis in zip(*rings)
     )
     return lat, lon
 
@@ -787,7 +790,7 @@ def _extremes(
 def _lower_bound(values: Floats, bins: Numbers, metres: Floats) -> Floats:
     """Greatest function of ``metres`` (b,) that is below all values (m,) in their bins and changes slowly.
 
-    NaN values are ignored; infinite where there are no others.
+    NaN values are ignored; the function is infinite if all values are NaN.
     """
     least = np.full(len(metres), np.inf)
     known = np.flatnonzero(np.isfinite(values))

@@ -141,7 +141,7 @@ class TiledPathGround(ReliefPathGround):
     def _read(self, row: int, column: int) -> ReliefPathGround:
         lat = self._side_deg * np.array([row, row + 1.0])
         lon = float(self._width_deg(np.array(row))) * np.array([column, column + 1.0])
-        # Pieces of legs whose midpoint is in the tile lie inside.
+        # With this room, the relief contains every piece of a leg whose midpoint is in the tile.
         return self._relief(np.clip(lat, -90.0, 90.0), lon, _PIECE_M)
 
     def _width_deg(self, row: Numbers) -> Floats:
@@ -197,7 +197,7 @@ class TiledPathGround(ReliefPathGround):
 
 
 def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
-    """Pieces of legs between points (n,) of a plane: leg of each, share of the leg before it, and count per leg."""
+    """Pieces of legs between points (n,) of a plane: leg and start (share of the leg) of each, and count per leg."""
     pieces = np.maximum(np.ceil(np.hypot(np.diff(x), np.diff(y)) / _PIECE_M), 1.0).astype(np.int64)
     leg = np.repeat(np.arange(len(pieces)), pieces)
     begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
@@ -205,7 +205,7 @@ def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
 
 
 def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
-    """Crossings of straight pieces, from point to point (n,), with whole columns and rows: piece, and share of it.
+    """Crossings of straight pieces, from point to point (n,), with whole columns and rows: piece, share of the piece.
 
     The ends of each piece are included.
     """
