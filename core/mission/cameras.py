@@ -251,7 +251,7 @@ def remove_camera(name: str) -> str:
     """
     path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
-    found = name if name in known else next((own for own in known if key(own) == key(name)), None)
+    found = name if name in known else next((stored for stored in known if key(stored) == key(name)), None)
     if found is None:
         if any(key(preset.name) == key(name) for preset in shipped_cameras()):
             raise InvalidInput("camera {0!r}: comes with TerrAInav, and stays as it is", name)

@@ -432,7 +432,7 @@ def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
     if mission.output.img_size is not None:
         width, height, _ = mission.output.img_size
         written_m *= float(min(np.median(plan.frames.width_px) / width, np.median(plan.frames.height_px) / height))
-    # Camera frames read zooms up to the one that suits them.
+    # Camera frames read every zoom up to the zoom that suits them.
     zoom = min(grid.native_zoom, plan.frames.finest_zoom(plan))
     source_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
     factor = source_m / written_m

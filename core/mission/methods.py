@@ -75,7 +75,7 @@ class ChosenMethods:
     Attributes
     ----------
     footprint, picture : Choice
-        Footprints are always those of the exact camera.
+        The method of footprints is always the exact camera.
     pixels : Choice or None
         Method that finds the ground under each pixel of a camera frame; None for map frames.
     condition : float
@@ -191,7 +191,7 @@ def bound_text(bound_px: float) -> Message:
 
 
 def exact_footprint(scene: ImageGeometry) -> Method:
-    """Method of footprints: those of the exact camera."""
+    """Method of footprints: as the exact camera sees them."""
     bound_px = float(np.max(accuracy.exact_px(scene)))
     return Method(Message("footprint"), "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
@@ -319,7 +319,7 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: Relief) -> str:
 
 
 def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
-    """Whether images of turned rows may be map frames: at quarter turns, apart from a plane's convergence.
+    """Whether images of rotated rows may be map frames: at quarter turns, apart from a plane's convergence.
 
     On the map, cameras that face north and turn with their rows always make camera frames.
     """

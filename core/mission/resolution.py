@@ -34,7 +34,7 @@ class Resolution:
 
     @cached_property
     def requested_m_per_px(self) -> float:
-        """Distance that the mission requests, else that of the camera's image looking straight down."""
+        """Distance that the mission requests, else the distance of the camera's image looking straight down."""
         pixels = self.mission.pixels
         if pixels.gsd_m_per_px is not None:
             return pixels.gsd_m_per_px

@@ -129,9 +129,9 @@ def _settled_options(name: str) -> set[str]:
         (("camera",), ("fov",), ("hfov",), ("vfov",), ("sensor", "focal_length")),
         (("zoom",), ("gsd",)),
     )
-    for ways in alternatives:
-        if any(name in way for way in ways):
-            found.update(other for way in ways if name not in way for other in way)
+    for options in alternatives:
+        if any(name in names for names in options):
+            found.update(other for names in options if name not in names for other in names)
     return found
 
 

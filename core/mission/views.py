@@ -159,7 +159,7 @@ class CameraViews:
         """Number of distinct tiles, of all zooms, that the camera frames see.
 
         Exact where captures of a row share a view. Where wind or a grid in UTM gives each of many captures a different
-        view, some views stand for those of their neighbours.
+        view, some views are also used for neighbouring captures.
         """
         first, _ = self._runs
         # In still air, views of rotated rows differ only by convergence and latitude, so that fewer suffice.
@@ -199,7 +199,7 @@ class CameraViews:
         return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)
 
     def _outline_on_relief(self, index: int) -> Outline | None:
-        """Outline of a capture over relief, computed and kept with those of its neighbours."""
+        """Outline of a capture over relief, computed and kept together with its neighbours' outlines."""
         block = index // _BLOCK
         kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
         if block not in kept:

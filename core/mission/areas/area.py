@@ -76,7 +76,7 @@ class _Covered:
     times_s: ClassVar[tuple[float, ...]] = ()
 
     def stated_deg(self, _name: str) -> tuple[float, ...]:
-        """Return no angles: those of the mission apply to all captures."""
+        """Return no angles: the mission's angles apply to all captures."""
         return ()
 
 
@@ -184,7 +184,7 @@ class Polygon(_Covered):
 def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
     """Drop a ring's closing corner and make its longitudes continuous."""
     corners = [(float(lon), float(lat)) for lon, lat in ring]
-    # Repeated closing corners go as well, so that a ring read back equals the one written.
+    # Drop repeated closing corners as well, so that a ring read back equals the written ring.
     while len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < 3:
@@ -193,7 +193,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
         check_lat_lon(lat, lon)
     tidy = [corners[0]]
     for lon, lat in corners[1:]:
-        # Sides along a pole may span any longitudes.
+        # Sides along a pole may span any number of degrees.
         along_pole = abs(lat) == 90.0 and lat == tidy[-1][1]
         turns = 0 if along_pole else round((lon - tidy[-1][0]) / 360.0)
         tidy.append((lon - 360.0 * turns, lat))
@@ -223,7 +223,7 @@ class Polygons(_Covered):
         object.__setattr__(self, "parts", parts)
 
     def placed(self) -> tuple[PlacedRings, ...]:
-        """Return the parts with longitudes within those of the bounds, which continue beyond 180."""
+        """Return the parts with longitudes within the bounds, whose longitudes continue beyond 180."""
         west = self.bounds.west_deg
         return tuple(PlacedRings.from_polygon(part, west) for part in self.parts)
 
@@ -658,7 +658,7 @@ def _crossing(edges: Edges, lat: Floats | float) -> Floats:
 def crossed_and_held(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> tuple[Flags, Flags]:
     """Which rectangles an edge of a polygon crosses, and which have their middle inside it, (n,) each.
 
-    `touching` is true where either of the two is; unlike there, rectangles need not lie in rows.
+    `touching` is true where either of the two is; here, rectangles need not lie in rows.
     """
     edges = polygon_edges(polygon)
     crossed = np.zeros(len(west), bool)

@@ -179,25 +179,25 @@ def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
 def _read_rings(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
     """Read the rings of each Polygon, the outer one first, and each LinearRing outside a Polygon."""
     found: list[_Rings] = []
-    open_: list[str] = []
+    path: list[str] = []
     ring: list[tuple[float, float]] = []
     rings: dict[str, list[tuple[tuple[float, float], ...]]] = {}
     for name, text in elements:
         if name:
-            open_.append(name)
+            path.append(name)
             if name == "Polygon":
                 rings = {boundary: [] for boundary in _BOUNDARIES}
             elif name == "LinearRing":
                 ring = []
-            elif open_[-2:] == ["LinearRing", "coordinates"]:
+            elif path[-2:] == ["LinearRing", "coordinates"]:
                 # Allow spaces after the commas of a corner.
                 corners = ",".join(part.strip() for part in text.split(",")).split()
                 ring += [_corner(corner, where) for corner in corners]
             continue
-        ended, parent = open_.pop(), open_[-1] if open_ else ""
+        ended, parent = path.pop(), path[-1] if path else ""
         if ended == "LinearRing" and parent not in _BOUNDARIES:
             found.append((tuple(ring),))
-        elif ended == "LinearRing" and open_[-2:-1] == ["Polygon"]:
+        elif ended == "LinearRing" and path[-2:-1] == ["Polygon"]:
             rings[parent].append(tuple(ring))
         elif ended == "Polygon":
             outer, inner = rings.values()

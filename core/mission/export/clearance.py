@@ -178,26 +178,26 @@ class Reader:
         InvalidInput
             The message names the position, the leg and the missing height.
         """
-        for way in map(_without_climbs, ways):
-            if len(way.waypoint) < 2:
+        for path in map(_without_climbs, ways):
+            if len(path.waypoint) < 2:
                 continue
-            ground = self._ground(way.lat_deg, way.lon_deg)
+            ground = self._ground(path.lat_deg, path.lon_deg)
             worst, at = -np.inf, (0, 0.0, 0.0)
-            for leg, lat, lon, height in _samples(way):
+            for leg, lat, lon, height in _samples(path):
                 short = ground.highest_within_m(lat, lon) + self._clearance_m - height
                 most = int(np.argmax(short))
                 if short[most] > worst:
                     worst, at = float(short[most]), (int(leg[most]), float(lat[most]), float(lon[most]))
             # Rounded coordinates beside a wall may reduce the clearance by up to 5 cm.
             if worst > 0.05:
-                raise self._refusal(name, way, at, worst)
+                raise self._refusal(name, path, at, worst)
 
-    def _refusal(self, name: str, way: FlownPath, at: tuple[int, float, float], short_m: float) -> InvalidInput:
+    def _refusal(self, name: str, path: FlownPath, at: tuple[int, float, float], short_m: float) -> InvalidInput:
         leg, lat, lon = at
         values = (
             name,
-            way.waypoint[leg],
-            way.waypoint[leg + 1],
+            path.waypoint[leg],
+            path.waypoint[leg + 1],
             lat,
             float(wrap_lon_deg(np.array(lon))),
             short_m,
@@ -270,27 +270,27 @@ def _cut_corners(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
         yield (place[0], *next(ends))
 
 
-def _without_climbs(way: FlownPath) -> FlownPath:
+def _without_climbs(path: FlownPath) -> FlownPath:
     """Path without a vertical climb at the beginning and a vertical descent at the end."""
-    plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
-    x, y = plane.forward(way.lat_deg, way.lon_deg)
+    plane = LocalPlane(float(path.lat_deg[0]), float(path.lon_deg[0]))
+    x, y = plane.forward(path.lat_deg, path.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
     some = slice(int(length[0] < _SAME_M), len(x) - int(length[-1] < _SAME_M))
-    return FlownPath._make(column[some] for column in way)
+    return FlownPath._make(column[some] for column in path)
 
 
-def _samples(way: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
+def _samples(path: FlownPath) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
     """Samples along a path, in blocks: number of the leg, latitude, longitude and height."""
-    plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
-    x, y = plane.forward(way.lat_deg, way.lon_deg)
+    plane = LocalPlane(float(path.lat_deg[0]), float(path.lon_deg[0]))
+    x, y = plane.forward(path.lat_deg, path.lon_deg)
     length = np.hypot(np.diff(x), np.diff(y))
     # Pieces of 100 m are straight in longitude and latitude to half a millimetre at 60 degrees of latitude.
     pieces = np.maximum(np.ceil(length / 100.0), 1.0).astype(np.int64)
     leg = np.repeat(np.arange(len(length)), pieces)
     share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
-    x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, way.height_m))
+    x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, path.height_m))
     lat, lon = plane.inverse(x, y)
-    ends = [np.append(a, b[-1]) for a, b in zip((lat, lon, height), way[1:])]
+    ends = [np.append(a, b[-1]) for a, b in zip((lat, lon, height), path[1:])]
     steps = np.maximum(np.ceil(length / pieces / 0.5), 1.0).astype(np.int64)[leg]
     for some in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(np.cumsum(steps) // (1 << 20))) + 1):
         count = steps[some] + 1

@@ -210,11 +210,11 @@ def _rows(plan: Plan, sortie: Sortie) -> _SurveyRows:
     lon = plane.lon_deg + np.mod(sortie.lon_deg - plane.lon_deg + 180.0, 360.0) - 180.0
     east, north = plane.forward(sortie.lat_deg, lon)
     starts, ends = (np.array([run[which] for run in runs]) for which in (0, 1))
-    way = np.stack([east[ends] - east[starts], north[ends] - north[starts]], axis=1)
-    longest = int(np.argmax(np.hypot(*way.T)))
+    extent = np.stack([east[ends] - east[starts], north[ends] - north[starts]], axis=1)
+    longest = int(np.argmax(np.hypot(*extent.T)))
     azimuth = plan.mission.flight.row_azimuth_deg
-    if np.hypot(*way[longest]) > 0.0:
-        azimuth = float(np.degrees(np.arctan2(*way[longest])))
+    if np.hypot(*extent[longest]) > 0.0:
+        azimuth = float(np.degrees(np.arctan2(*extent[longest])))
     # QGroundControl reverses angles beyond 90 degrees.
     azimuth = 90.0 - (90.0 - azimuth) % 180.0
     sine, cosine = np.sin(np.radians(azimuth)), np.cos(np.radians(azimuth))
@@ -338,10 +338,10 @@ def _fitted(rows: _SurveyRows, along_m: Floats, across_m: Floats, offset_m: Floa
 
 def _camera(plan: Plan, rows: _SurveyRows, spacing_m: float) -> dict[str, Any]:
     """CameraCalc of QGroundControl: sensor and focal length of a 35 mm film with the camera's field of view."""
-    camera, flight_ = plan.mission.camera, plan.mission.flight
+    camera, flight_part = plan.mission.camera, plan.mission.flight
     height_m = float(np.median(plan.meant.agl_m))
     if _follows_terrain(plan):
-        height_m = flight_.agl_m
+        height_m = flight_part.agl_m
     wide_m, high_m = camera.ground_size_m(1.0)
     aspect = wide_m / high_m
     diagonal_mm = float(np.hypot(36.0, 24.0))

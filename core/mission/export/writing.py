@@ -101,7 +101,7 @@ ENDINGS = (".csv", ".geojson", ".kml", ".gpkg", ".gpx", *_PARTED)
 
 
 def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
-    """Return the ending of a plan file; refuse any but those of plan formats and of ``more``."""
+    """Return the ending of a plan file; refuse endings other than of plan formats and ``more``."""
     name, known = store_path(path).name.lower(), (*ENDINGS, *more)
     # The longest match, as .litchi.csv also ends in .csv.
     ending = max((one for one in known if name.endswith(one)), key=len, default=name)

@@ -99,7 +99,7 @@ def scale_lengths_m(agl_m: float) -> tuple[float, float]:
 
 
 def vertical_share(agl_m: float) -> float:
-    """Sigma of the vertical gusts over that of the horizontal ones: (0.177 + 0.000823 h)^0.4, h in 10..1000 ft."""
+    """Sigma of the vertical gusts over sigma of the horizontal: (0.177 + 0.000823 h)^0.4, h in 10..1000 ft."""
     height_ft = min(max(agl_m / M_PER_FT, LOW_FT), MIDDLE_FT)
     return float((0.177 + 0.000823 * height_ft) ** 0.4)
 
@@ -139,7 +139,7 @@ class _Equations:
         self.rate(speed, **{name: share / self.craft.drag_s for name, share in gust.items()})
         self.rate(place, **{speed: 1.0})
         self.rate(integral, **{place: 1.0 / self.craft.integral_s})
-        # Tilt rate in units of the attitude loop's time constant: the norm of A stays that of the fastest lag.
+        # Tilt rate in units of the attitude loop's time constant: the fastest lag still determines the norm of A.
         self.rate(lean, **{rate: 1.0 / self.craft.attitude_s})
         self.rate(lean, **{name: share * self.craft.lean_rad_per_m for name, share in gust.items()})
         self.rate(rate, **{slope: 1.0 / self.craft.rate_lag_s})
@@ -215,7 +215,7 @@ def output_matrix() -> Floats:
     return picked
 
 
-#: Largest ‖A‖ dt at which series are summed: every term is at most half the one before.
+#: Largest ‖A‖ dt at which series are summed: every term is at most half the previous term.
 _SERIES_NORM = 0.5
 
 

@@ -367,12 +367,12 @@ class _Maker:
         if not length_m or not len(which):
             return _Points.create(kind, *np.empty((3, 0))), which[:0]
         azimuth = self._into_deg[which] + 180.0 if lead_in else self._out_deg[which]
-        own = self._captures.take(which)
-        lat, lon, _ = geodesic_ends(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
-        lon = own.lon + wrap_lon_deg(lon - own.lon)
+        row_ends = self._captures.take(which)
+        lat, lon, _ = geodesic_ends(row_ends.lat, wrap_lon_deg(row_ends.lon), azimuth, np.full(len(which), length_m))
+        lon = row_ends.lon + wrap_lon_deg(lon - row_ends.lon)
         least, _ = self._least_m(lat, lon, self._asked_agl[which])
         free = ~in_no_fly(self._mission.no_fly, lat, lon)
-        points = _Points.create(kind, lat, lon, np.fmax(own.height, least))
+        points = _Points.create(kind, lat, lon, np.fmax(row_ends.height, least))
         return points.take(free), which[free]
 
     def _made_track(self) -> _Points:
@@ -486,32 +486,32 @@ class _Maker:
 
     def _sortie(self, first: int, last: int) -> _Points:
         """Points of one sortie."""
-        own = self._track.take(slice(self._at_capture[first], self._at_capture[last] + 1))
-        return _Points.joined([self._way(first, True)[0], own, self._way(last, False)[0]])
+        track = self._track.take(slice(self._at_capture[first], self._at_capture[last] + 1))
+        return _Points.joined([self._way(first, True)[0], track, self._way(last, False)[0]])
 
     def _sortie_s(self, first: int, last: int) -> float:
         """Seconds of one sortie."""
-        own = float(self._track_s[self._at_capture[last]] - self._track_s[self._at_capture[first]])
-        return self._way(first, True)[1] + own + self._way(last, False)[1]
+        track_s = float(self._track_s[self._at_capture[last]] - self._track_s[self._at_capture[first]])
+        return self._way(first, True)[1] + track_s + self._way(last, False)[1]
 
     def _way(self, capture: int, outward: bool) -> tuple[_Points, float]:
         """Way from take-off to a capture (excluded), or back, and its duration including the leg at the capture."""
         key = capture, outward
         if key not in self._ways:
             end, _ = self._extensions(np.array([capture]), LEAD_IN if outward else TURNAROUND)
-            own = self._captures.take(slice(capture, capture + 1))
+            point = self._captures.take(slice(capture, capture + 1))
             # Lead-ins and turnarounds are flown like rows, the rest at one safe height.
-            both = [end, own] if outward else [own, end]
+            both = [end, point] if outward else [point, end]
             near = self._raise_legs(self._around(_Points.joined(both)))
             near = near.take(slice(0, -1) if outward else slice(1, None))
-            outer = near if len(near.kind) else own
+            outer = near if len(near.kind) else point
             place = outer.take(slice(0, 1) if outward else slice(-1, None))
             home = self._transit(place, capture) if self._home is not None else near.take(slice(0, 0))
             if not outward:
                 home = home.take(slice(None, None, -1))
                 home = home._replace(kind=np.where(home.kind == TAKEOFF, LANDING, home.kind).astype(np.int8))
             way = _Points.joined([home, near] if outward else [near, home])
-            timed = _Points.joined([way, own] if outward else [own, way])
+            timed = _Points.joined([way, point] if outward else [point, way])
             seconds = self._legs_s(timed)
             self._ways[key] = way, float(seconds.sum())
         return self._ways[key]
@@ -549,13 +549,13 @@ class _Maker:
 
     def _legs_s(self, points: _Points) -> Floats:
         """Seconds of each leg, (m - 1,), with hovering at the capture where it begins."""
-        way = legs(points.lat, points.lon)
+        flown_legs = legs(points.lat, points.lon)
         flight, wind = self._mission.flight, self._mission.wind
         speed: Floats | float = flight.airspeed_m_per_s
         if wind is not None:
-            speed = wind.ground_speed_m_per_s(way.azimuth_deg, flight.airspeed_m_per_s)
+            speed = wind.ground_speed_m_per_s(flown_legs.azimuth_deg, flight.airspeed_m_per_s)
         climb = self._mission.terrain.climb_m_per_s or CLIMB_M_PER_S
-        seconds = np.maximum(way.distance_m / speed, np.abs(np.diff(points.height)) / climb)
+        seconds = np.maximum(flown_legs.distance_m / speed, np.abs(np.diff(points.height)) / climb)
         hovered: Floats = seconds + self._hover_s * (points.capture[:-1] >= 0)
         return hovered
 

@@ -90,13 +90,13 @@ class _Shots(NamedTuple):
 
 
 def _shots(plan: Plan) -> _Shots:
-    way = plan.direct.legs
-    along = way.distance_m > 0.0 if len(plan) > 1 else np.zeros(0, bool)
+    flown_legs = plan.direct.legs
+    along = flown_legs.distance_m > 0.0 if len(plan) > 1 else np.zeros(0, bool)
     along &= np.diff(plan.row) == 0
-    azimuth = np.radians(way.azimuth_deg[along])
+    azimuth = np.radians(flown_legs.azimuth_deg[along])
     wind = plan.mission.wind
     speed, origin = (0.0, 0.0) if wind is None else (wind.speed_m_per_s, math.radians(wind.from_deg))
-    return _Shots(way.distance_m[along], speed * np.cos(origin - azimuth), speed * np.sin(origin - azimuth))
+    return _Shots(flown_legs.distance_m[along], speed * np.cos(origin - azimuth), speed * np.sin(origin - azimuth))
 
 
 def interval_s(plan: Plan) -> float | None:

@@ -43,7 +43,7 @@ class Wind(CheckedFields):
     seed: int = declared(Imagery.seed, title="seed of the wind", help="seed of the gusts", least=0)
 
     def checked(self, airspeed_m_per_s: float) -> Wind:
-        """Return this wind if an aircraft of that airspeed can fly in it.
+        """Return this wind if an aircraft of this airspeed can fly in it.
 
         Raises
         ------

@@ -58,7 +58,7 @@ class Coverage:
         area_m2 = max(self.area_m2 - inside.area_m2, 0.0)
         uncovered_m2 = min(self.uncovered_m2 - inside.uncovered_m2, area_m2)
         complete = self.complete or uncovered_m2 <= _NOTHING_MISSING * self.area_m2
-        # In a plane, sides of the parts bend differently from those of the whole area.
+        # In a plane, sides of the parts bend differently from sides of the whole area.
         complete |= area_m2 <= 1e-8 * self.area_m2
         return Coverage(area_m2, 0.0 if complete else uncovered_m2, complete, inside.area_m2)
 
@@ -150,8 +150,8 @@ def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]
 def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
     """Gaps that rectangles leave in ``within`` (x0, y0, x1, y1), as rectangles.
 
-    They are found cell by cell in a grid of about the rectangles' average size, so that the work is linear in their
-    number unless many overlap. Nothing is rounded: edges of cells are additional cuts.
+    Gaps are found cell by cell in a grid of about the rectangles' average size, so that the work is linear in the
+    number of rectangles unless many overlap. Nothing is rounded: edges of cells are additional cuts.
     """
     west, north, east, south = within
     x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
@@ -230,14 +230,14 @@ class _Cells(NamedTuple):
         whole = (x0 <= left) & (y0 <= top) & (x1 >= right) & (y1 >= bottom)
         hidden = np.zeros(len(column), bool)
         hidden[cell[whole]] = True
-        open_ = ~hidden[cell]
+        not_hidden = ~hidden[cell]
         parts = Rectangles(
-            np.maximum(x0, left)[open_],
-            np.maximum(y0, top)[open_],
-            np.minimum(x1, right)[open_],
-            np.minimum(y1, bottom)[open_],
+            np.maximum(x0, left)[not_hidden],
+            np.maximum(y0, top)[not_hidden],
+            np.minimum(x1, right)[not_hidden],
+            np.minimum(y1, bottom)[not_hidden],
         )
-        cell = cell[open_]
+        cell = cell[not_hidden]
         counts = np.bincount(cell, minlength=len(column))
         # A cell of k parts has up to 2 k + 1 strips, each of which may hold all of them.
         size = np.cumsum(counts * (2 * counts + 1))
@@ -296,8 +296,8 @@ def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: 
     west, east, below = bounds.x0[at], bounds.x1[at], np.append(y[1:], np.inf)
     count = len(parts.y0)
     strip, begin, end = _pieces(parts, rank[:count], rank[count : 2 * count])
-    sorted_ = np.lexsort((begin, strip))
-    strip, begin, end = strip[sorted_], begin[sorted_], end[sorted_]
+    by_start = np.lexsort((begin, strip))
+    strip, begin, end = strip[by_start], begin[by_start], end[by_start]
     reached = np.maximum(_reached(strip, end), west[strip])
     between = begin > reached
     last = np.append(strip[1:] != strip[:-1], True) if len(strip) else np.empty(0, bool)
@@ -361,9 +361,9 @@ def _polygon_coverage(
     *,
     others: bool = False,
 ) -> Coverage:
-    """Coverage of a box or polygon, in longitudes continuous with those of the windows, by rectangles of pixels.
+    """Coverage of a box or polygon, in longitudes continuous with the windows', by rectangles of pixels.
 
-    ``others`` states that most rectangles may be elsewhere.
+    ``others`` states that most rectangles may show other polygons.
     """
     west_deg, south_deg, east_deg, north_deg = edges_deg
     west, east = (lon_to_u(np.array([west_deg, east_deg])) * world).tolist()

@@ -65,7 +65,7 @@ def keeps_ways(mission: Mission) -> bool:
 
 
 def turned_yaws_deg(mission: Mission, yaw_deg: Floats, which: slice) -> Floats:
-    """Yaws of captures (n,), with those of ``which`` flown in the other direction."""
+    """Yaws of captures (n,), with the captures ``which`` flown in the other direction."""
     if mission.flight.facing != TRACK:
         return yaw_deg
     turned = np.array(yaw_deg)

@@ -185,7 +185,7 @@ class MapFrames:
         return plan.zoom
 
     def gsd_m_per_px(self, _mission: Mission, poses: Poses, grid: PixelGrid, zoom: int, /) -> float:
-        """Median ground sample distance of the pictures: that of the pixels at the zoom."""
+        """Median ground sample distance of the pictures: of the pixels at the zoom."""
         return float(np.median(grid.ground_m_per_px(poses.lat_deg, poses.lon_deg, zoom)))
 
     def tile_count(self, plan: FramedPlan) -> int:
@@ -272,9 +272,9 @@ class CameraFrames:
         return plan.views.centres()
 
     def named_zooms(self, plan: FramedPlan) -> Numbers:
-        """Zooms in the names of the pictures, (n,): the requested one, or that of the camera's pixels on the map.
+        """Zooms in the names of the pictures, (n,): the requested zoom, or the zoom of the camera's pixels on the map.
 
-        They do not depend on the source, so a pose has the same name in all imageries.
+        These zooms do not depend on the source, so a pose has the same name in all imageries.
         """
         pixels = plan.mission.pixels
         if pixels.zoom is not None:
@@ -316,7 +316,7 @@ def camera_gsd_m_per_px(mission: Mission, poses: Poses, frames: Frames) -> float
 
 
 def highest_zoom(mission: Mission, grid: PixelGrid) -> int:
-    """Highest zoom of a mission: that of the native pixels, unless upsampling is allowed."""
+    """Highest zoom of a mission: the zoom of the native pixels, unless upsampling is allowed."""
     return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
 
 

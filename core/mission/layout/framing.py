@@ -416,7 +416,7 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
 
 
 def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
-    """Zoom with the pixel size closest in ratio to ``px_m``, that of images straight below each capture."""
+    """Zoom with the pixel size closest in ratio to ``px_m``, the pixel size of images straight below each capture."""
     world_m = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
         if grid.plane.wraps

@@ -18,7 +18,7 @@ from .entry import keeps_ways, turned_yaws_deg
 from .rotated import Pass
 from .rows import Layout, picked, refuse_too_many
 
-#: Lays out the rows of one polygon; passes are those of rows in a plane.
+#: Lays out the rows of one polygon; only rows in a plane have passes.
 LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]
 
 #: Greatest number of polygons whose shortest order is found exactly.
@@ -37,7 +37,7 @@ class _Ways(NamedTuple):
     length : array (v,)
         Length of the flight between rows, in millimetres.
     turns : tuple of tuples
-        For each way, the index in `_TURNS` of each pass.
+        Index in `_TURNS` of each pass, for each way.
     """
 
     start: Floats
@@ -102,7 +102,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
 
 
 def _laid_out(mission: Mission, area: Polygons, laid_out: LaidOut) -> Iterator[tuple[Layout, tuple[Pass, ...]]]:
-    """Rows of each polygon, with longitudes continuous with those of the whole area."""
+    """Rows of each polygon, with longitudes continuous over the whole area."""
     count = 0
     for polygon, placed in zip(area.parts, area.placed()):
         layout, passes = laid_out(mission.replace(area=polygon))
@@ -158,7 +158,7 @@ def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _
     turns: list[tuple[int, ...]] = []
     for chosen in product(which, repeat=len(each)):
         flown = [ends[turn] for ends, turn in zip(each, chosen)]
-        between = (int(_steps(one[1], next_[0])) for one, next_ in zip(flown, flown[1:]))
+        between = (int(_steps(before[1], after[0])) for before, after in zip(flown, flown[1:]))
         starts.append(flown[0][0])
         stops.append(flown[-1][1])
         lengths.append(sum(one[2] for one in flown) + sum(between))
@@ -269,21 +269,21 @@ def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
     # No distance is flown before the first polygon or after the last.
     wide = np.zeros((count + 1, count + 1), np.int64)
     wide[:count, :count] = gaps
-    way = np.array([count, *order, count])
+    sequence = np.array([count, *order, count])
     # 50 rounds bound the time.
     for _ in range(50):
         shorter = False
         for first in range(1, count):
             last = np.arange(first + 1, count + 1)
-            a, b, c, d = way[first - 1], way[first], way[last], way[last + 1]
+            a, b, c, d = sequence[first - 1], sequence[first], sequence[last], sequence[last + 1]
             saved = wide[a, b] + wide[c, d] - wide[a, c] - wide[b, d]
             best = int(saved.argmax())
             if saved[best] > 0:
-                way[first : last[best] + 1] = way[first : last[best] + 1][::-1]
+                sequence[first : last[best] + 1] = sequence[first : last[best] + 1][::-1]
                 shorter = True
         if not shorter:
             break
-    return [int(part) for part in way[1:-1]]
+    return [int(part) for part in sequence[1:-1]]
 
 
 def _nearest_next(ways: Sequence[_Ways]) -> list[int]:
@@ -303,10 +303,10 @@ def _nearest_next(ways: Sequence[_Ways]) -> list[int]:
 def _best_ways(ways: Sequence[_Ways], order: Sequence[int]) -> list[tuple[int, int]]:
     """Ways of the shortest flight over polygons in an order."""
     length, before = ways[order[0]].length, []
-    for part, next_ in zip(order, order[1:]):
-        through = length[:, np.newaxis] + _steps(ways[part].end[:, np.newaxis], ways[next_].start[np.newaxis])
+    for part, following in zip(order, order[1:]):
+        through = length[:, np.newaxis] + _steps(ways[part].end[:, np.newaxis], ways[following].start[np.newaxis])
         before.append(through.argmin(axis=0))
-        length = through.min(axis=0) + ways[next_].length
+        length = through.min(axis=0) + ways[following].length
     at = [int(length.argmin())]
     for nearest in reversed(before):
         at.append(int(nearest[at[-1]]))

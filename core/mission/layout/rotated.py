@@ -249,7 +249,7 @@ def _laid_out(
     spans = [band_spans(edges, float(top - height) - margin, float(top) + margin) for top in tops]
     held = np.array([len(low) > 0 for low, _ in spans])
     low, high = (
-        np.array([pick(span[side]) for span, any_ in zip(spans, held) if any_])
+        np.array([pick(span[side]) for span, is_held in zip(spans, held) if is_held])
         for side, pick in ((0, np.min), (1, np.max))
     )
     tops = tops[held]
@@ -492,7 +492,7 @@ def _pass_coverage(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequ
     shown: tuple[Rectangles, ...] = ()
     missing = Rectangles(*np.empty((4, 0)))
     for one in rectangles:
-        # Rows of a second pass cross those of the first at a right angle.
+        # Rows of a second pass cross the first rows at a right angle.
         shown = (*shown, Rectangles(one.y0, -one.x1, one.y1, -one.x0) if shown else joined(one))
         missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
         missing = _candidates(shape, missing)

@@ -158,9 +158,9 @@ def edges_with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tupl
     angle = _margin_angle(mission)
     north, south = v_to_lat(top_v) + math.degrees(angle), v_to_lat(bottom_v) - math.degrees(angle)
     farthest = np.minimum(np.maximum(np.abs(north), np.abs(south)), MAX_LAT_DEG)
-    beside = np.degrees(np.arcsin(np.minimum(math.sin(angle) / np.cos(np.radians(farthest)), 1.0)))
+    beside_deg = np.degrees(np.arcsin(np.minimum(math.sin(angle) / np.cos(np.radians(farthest)), 1.0)))
     top, bottom = (lat_to_v(np.clip(lat, -MAX_LAT_DEG, MAX_LAT_DEG)) for lat in (north, south))
-    return np.minimum(top, top_v), np.maximum(bottom, bottom_v), beside
+    return np.minimum(top, top_v), np.maximum(bottom, bottom_v), beside_deg
 
 
 def level_layout(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
@@ -212,6 +212,6 @@ def images_touching(
         return layout
     u = lon_to_u(layout.lon_deg)
     west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
-    top_v, bottom_v, beside = edges_with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
-    keep = touching(area, west - beside, v_to_lat(bottom_v), east + beside, v_to_lat(top_v))
+    top_v, bottom_v, beside_deg = edges_with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    keep = touching(area, west - beside_deg, v_to_lat(bottom_v), east + beside_deg, v_to_lat(top_v))
     return picked(layout, keep)

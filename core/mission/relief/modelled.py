@@ -806,9 +806,9 @@ def _lower_bound(values: Floats, bins: Numbers, metres: Floats) -> Floats:
     return found
 
 
-def _no_steeper(height: Floats, way: Floats, slope: float) -> Floats:
-    """Lowest profile above heights along a way, with slopes up to ``slope``."""
-    up = np.maximum.accumulate(height + slope * way) - slope * way
-    down = np.maximum.accumulate((height - slope * way)[::-1])[::-1] + slope * way
+def _no_steeper(height: Floats, way_m: Floats, slope: float) -> Floats:
+    """Lowest profile above heights along a way_m, with slopes up to ``slope``."""
+    up = np.maximum.accumulate(height + slope * way_m) - slope * way_m
+    down = np.maximum.accumulate((height - slope * way_m)[::-1])[::-1] + slope * way_m
     found: Floats = np.maximum(up, down)
     return found
