@@ -6,9 +6,9 @@ In reading order:
 - `views`: camera frames of a dataset with their poses in one local frame
 - `formats`: COLMAP models, nerfstudio's transforms, trajectories of TUM and KITTI
 - `tables`: tables of any dataset as Parquet, with footprints
-- `huggingface`: folders of images with a card, for Hugging Face's library datasets
+- `huggingface`: folders of images with a card, for Hugging Face's library ``datasets``
 - `croissant`: a description of a dataset's files and records
 - `stac`: images as STAC items in one GeoParquet table, and their collection
-- `scenes`: ground of a benchmark in metres: points that queries see, and the reference with heights
+- `scenes`: ground of a benchmark in metres: points seen by queries, and the reference with heights
 - `localisers`: benchmarks in the layouts of published sets for visual localisation
 """

@@ -1,4 +1,4 @@
-"""Datasets described in Croissant of MLCommons: files, and records with typed fields."""
+"""Describe the files of a dataset, and records with typed fields, in MLCommons' format Croissant."""
 
 from __future__ import annotations
 
@@ -70,14 +70,14 @@ _MEDIA = {
 }
 #: Media type of shards.
 TAR = "application/x-tar"
-#: Glob pattern of the keys of members of shards, as in WebDataset.
+#: Glob pattern of the keys in shards: file names up to the first dot, as in WebDataset.
 _KEYS = "[0-9]" * 9
 
 
 def write_croissant(
     folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
 ) -> list[Path]:
-    """Write ``croissant.json``, which describes the files of a dataset, into the dataset's folder; return it.
+    """Write ``croissant.json``, which describes the files of a dataset, into the dataset's folder; return its path.
 
     Each map type is a record set of images and columns of ``meta_data.csv``. An earlier description is replaced.
 
@@ -86,12 +86,12 @@ def write_croissant(
     target : path
         The dataset's folder.
     map_type : str or None
-        None for all.
+        Map type to describe; None for all.
 
     Raises
     ------
     InvalidInput
-        The folder is not a dataset, lacks the map type, or is not the target.
+        The folder is not a dataset, lacks the map type, or differs from ``target``.
     OutputError
         The folder cannot be written.
     """
@@ -99,7 +99,7 @@ def write_croissant(
 
 
 def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
-    """Return the dataset if ``target`` is its folder; raises InvalidInput otherwise, naming the ``file``."""
+    """Return the dataset if ``target`` is its folder; otherwise raises InvalidInput naming the ``file`` to write."""
     if not is_same(dataset.folder, target):
         raise InvalidInput(
             "folder {0}: a {1} describes the files beside it",
@@ -111,17 +111,17 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
 
 
 def dataset_name(dataset: Dataset) -> str:
-    """Name of a dataset: that of its folder."""
+    """Name of a dataset, which is the name of its folder."""
     return writable(resolved(dataset.folder).name) or "dataset"
 
 
 def media_type(name: str) -> str:
-    """Media type of an image by its file name."""
+    """Media type of an image, by the ending of its file name."""
     return _MEDIA.get(PurePosixPath(name).suffix.lower(), "application/octet-stream")
 
 
 def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
-    """Write the description of a dataset, see `write_croissant`; return it."""
+    """Write the description of a dataset (see `write_croissant`); return its path."""
     sets = chosen_sets(dataset, map_type)
     files: list[dict[str, Any]] = []
     records = []
@@ -182,7 +182,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         "encodingFormat": "application/json",
         "includes": f"{_KEYS}.json",
     }
-    # The patterns leave out products, whose names have two endings.
+    # Products, whose names have two endings, do not match the patterns.
     return [
         table,
         shards,
@@ -192,7 +192,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
 
 
 def _samples(name: str) -> dict[str, Any]:
-    """Record set of the shards of a map type: each image with its row of the table, by key."""
+    """Record set of a map type's shards: each image with its row of the table, joined by key."""
     keys = {"extract": {"fileProperty": "filename"}, "transform": {"regex": r"^(\d{9})\."}}
     files, rows = ({"fileSet": {"@id": f"{name}/{one}"}} for one in ("files", "json"))
     content = {"extract": {"fileProperty": "content"}}
@@ -211,7 +211,7 @@ def _samples(name: str) -> dict[str, Any]:
 
 
 def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
-    """Record set of a map type: the table and, unless they are in shards, the images."""
+    """Record set of a map type: the table and, unless images are in shards, the images."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
     types = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
     # Foreign tables may lack columns.

@@ -1,6 +1,6 @@
 """Formats of photogrammetry, radiance fields and trajectories.
 
-All are in metres east, north and up of an origin, which ``origin.json`` beside them describes.
+Coordinates are in metres east, north and up of an origin, which ``origin.json`` in the same folder describes.
 """
 
 from __future__ import annotations
@@ -46,19 +46,19 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
 def colmap(views: Views, _: Path) -> dict[str, str]:
     """COLMAP model as text in ``sparse/0``: cameras and images, without points.
 
-    Poses lead from world to camera, with OpenCV's axes. There is one camera per image size.
+    Poses transform world to camera coordinates, with OpenCV's axes. There is one camera for each image size.
     """
     sizes: dict[tuple[float, ...], int] = {}
     lines = []
     quaternions = quaternions_from_matrices(views.rotations)
-    # COLMAP's database numbers images by name, too.
+    # Numbered in the order of names, as in COLMAP's database.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
         size = tuple(float(one[at]) for one in (views.width_px, views.height_px, views.fx_px, views.fy_px))
         camera = sizes.setdefault(size, len(sizes) + 1)
         shift = -views.rotations[at] @ views.centres_m[at]
         numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
-        # The second line of an image, for its points, is empty.
+        # Each image has a second line, for points, which is empty.
         lines.append(f"{number} {numbers} {camera} {name}\n\n")
     cameras = [
         f"{number} PINHOLE {width:.0f} {height:.0f} {fx!r} {fy!r} {width / 2.0!r} {height / 2.0!r}\n"
@@ -99,7 +99,7 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
 def tum(views: Views, _: Path) -> dict[str, str]:
     """TUM trajectory: time, position, and quaternion (x, y, z, w) from camera to world with OpenCV's axes.
 
-    Times are Unix seconds; if the table has none, numbers of images from 0, in the order of the table.
+    Times are Unix seconds; if the table has no times, images are numbered from 0 in the table's order instead.
     """
     quaternions = quaternions_from_matrices(np.swapaxes(views.rotations, 1, 2))
     first, times = ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
@@ -115,10 +115,10 @@ def tum(views: Views, _: Path) -> dict[str, str]:
 def kitti(views: Views, _: Path) -> dict[str, str]:
     """KITTI trajectory: each line has the upper three rows of a pose from camera to world, with OpenCV's axes.
 
-    If the table has times, ``times.txt`` has the seconds since the first.
+    If the table has times, ``times.txt`` has the seconds since the first time.
     """
-    turned, places = np.swapaxes(views.rotations, 1, 2), views.centres_m[:, :, np.newaxis]
-    rows = np.concatenate([turned, places], axis=2).reshape(-1, 12)
+    rotations, centres = np.swapaxes(views.rotations, 1, 2), views.centres_m[:, :, np.newaxis]
+    rows = np.concatenate([rotations, centres], axis=2).reshape(-1, 12)
     files = {"poses.txt": "".join(" ".join(map(repr, row)) + "\n" for row in rows.tolist())}
     if views.times_s is not None:
         since = views.times_s - views.times_s[0]

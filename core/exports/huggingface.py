@@ -1,4 +1,4 @@
-"""Folders of images with a card, for the library ``datasets`` of Hugging Face."""
+"""Write folders of images with a card, for Hugging Face's library ``datasets``."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def write_huggingface(
     map_type: str | None = None,
     progress: Report | None = None,
 ) -> list[Path]:
-    """Write a dataset as a folder for ``datasets.load_dataset``; return the card and the tables.
+    """Write a dataset as a folder for ``datasets.load_dataset``; return the paths of the card and the tables.
 
     Each map type is a configuration: a folder with the parts ``train``, ``validation`` and ``test`` of a split dataset,
     or with all images. Each part has a ``metadata.jsonl`` with the non-empty columns of ``meta_data.csv``. Images are
-    hard links to the dataset's files, or copies where the file system has no links. Images that failed, are rejected or
+    hard links to the dataset's files, or copies if the file system has no links. Images that failed, are rejected or
     are in the gap between parts are left out.
 
     Parameters
@@ -41,7 +41,7 @@ def write_huggingface(
     target : path
         A new or empty folder.
     map_type : str or None
-        None for all.
+        Map type to export; None for all.
     progress : callable
         Called with the share done, 0 to 1, after each image; returning False cancels, and removes the export.
 
@@ -50,7 +50,7 @@ def write_huggingface(
     Cancelled
         ``progress`` returned False.
     InvalidInput
-        The folder is not a dataset, lacks the map type, or has no images of it.
+        The folder is not a dataset, lacks the map type, or has no images to export.
     OutputError
         The folder cannot be written or is not empty.
     """
@@ -78,7 +78,7 @@ def write_huggingface(
 
 
 def _parts(name: str, images: ImageSet) -> dict[str, Any]:
-    """Rows of each non-empty part; without a split, of all images, with an empty name."""
+    """Rows of each non-empty part; without a split, rows of all images under an empty name."""
     rows, part = np.flatnonzero(usable_rows(images.table)), image_parts(images.table)
     if part is None:
         found = {"": rows} if len(rows) else {}
@@ -91,11 +91,11 @@ def _parts(name: str, images: ImageSet) -> dict[str, Any]:
 
 
 def _columns(images: ImageSet, rows: Any) -> list[Column]:
-    """Columns, without image names, that have values in some rows."""
+    """Columns, except image names, that have a value in any of the rows."""
     _, *columns = written_columns(images.table)
     found = []
     for one in columns:
-        # All versions of the library read times as texts in the same way.
+        # Times are exported as text, which all versions of the library read in the same way.
         values = images.table.time_utc if one.header == "time_utc" else one.values
         if any(values[row] for row in rows.tolist()) if isinstance(values, tuple) else np.isfinite(values[rows]).any():
             found.append(one._replace(values=values))
@@ -114,7 +114,7 @@ def _card(
     parts: Mapping[str, Mapping[str, Any]],
     features: Mapping[str, Mapping[str, str]],
 ) -> str:
-    """Card: YAML, then Markdown."""
+    """Text of the card: YAML, then Markdown."""
     count = sum(len(rows) for one in parts.values() for rows in one.values())
     limits = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<1M", 10**7: "1M<n<10M"}
     size = next((text for limit, text in limits.items() if count < limit), "n>10M")
@@ -160,5 +160,5 @@ def credit_line(images: ImageSet) -> str:
 
 
 def _quoted(text: str) -> str:
-    """YAML string, for which JSON will do."""
+    """YAML string: any JSON string is one."""
     return json.dumps(text, ensure_ascii=False)

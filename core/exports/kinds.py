@@ -1,4 +1,4 @@
-"""Formats by name, and export to any of them. The names are imported without numpy."""
+"""Formats by name, and export to any format. The names can be imported without numpy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..dataset.entropy import Report
 
-#: Titles of formats by name: of camera frames, of datasets and of benchmarks.
+#: Titles of formats by name, for camera frames, for datasets and for benchmarks.
 VIEWS = {
     "colmap": "COLMAP",
     "nerfstudio": "nerfstudio",
@@ -46,9 +46,9 @@ class Exported(NamedTuple):
     Parameters
     ----------
     written : int
-        Images of camera frames, files of a dataset, or queries of a benchmark.
+        Number of camera frames, of files of a dataset, or of queries of a benchmark.
     paths : tuple of Path
-        The files, or the folder.
+        The files written, or the folder that holds them.
     """
 
     written: int
@@ -67,11 +67,11 @@ def export_as(
     Parameters
     ----------
     target : path or None
-        Folder to write to; None, for formats in `BESIDE_TABLES`, for the dataset's folder.
+        Folder to write to; formats in `BESIDE_TABLES` also take None, for the dataset's folder.
     kind : str
         One of `KINDS`.
     map_type : str or None
-        None for all or, of camera frames, the first.
+        Map type to export; None for all map types or, for camera frames, for the first.
     progress : callable
         Called with the share done, 0 to 1, after each image; returning False cancels, and removes the export.
 
@@ -107,7 +107,7 @@ def export_as(
 
 
 def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]:
-    """Reasons why a folder cannot be exported, by format; None where it can. Reads tables, but no image.
+    """Reasons why a folder cannot be exported, by format; None if it can. Reads tables but no images.
 
     An export may still fail for other reasons, such as a target folder that is not empty.
     """
@@ -148,7 +148,7 @@ def _export_dataset(
 
     if kind == "huggingface":
         paths = tuple(write_huggingface(folder, target, map_type, progress))
-        # The folder was empty before, so all files in it are exported.
+        # The folder was empty before, so the export wrote all files in it.
         return Exported(sum(one.is_file() for one in Path(target).rglob("*")), paths)
     write = {"parquet": write_parquet, "croissant": write_croissant, "stac": write_stac}
     paths = tuple(write[kind](folder, target, map_type))

@@ -1,7 +1,7 @@
-"""Benchmarks in the layouts of published sets for visual localisation.
+"""Write benchmarks in the layouts of published sets for visual localisation.
 
-Files and names are those read by University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and
-AnyVisLoc.
+Files and names are those that University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and AnyVisLoc
+read.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from .views import ORIGIN_FILE, origin_record
 
 #: Pillow's formats by file ending.
 _FORMATS = {".jpg": "JPEG", ".jpeg": "JPEG", ".png": "PNG"}
-#: Limits of AnyVisLoc's names: scenes, and samples of a scene.
+#: Most scenes, and most samples of a scene, that AnyVisLoc's names can number.
 _SCENES, _SAMPLES = 99, 9999
 
 _STREET = (
@@ -53,7 +53,7 @@ _STREET = (
 
 @dataclass
 class _Export:
-    """An export in progress, with the file that each query has become."""
+    """An export in progress; ``files`` has the file of each exported query, by row."""
 
     benchmark: Benchmark
     folder: Path
@@ -62,11 +62,11 @@ class _Export:
     progress: Report | None = None
 
     def rows(self, *parts: str) -> list[int]:
-        """Queries of parts; without parts, all queries are for tests."""
+        """Rows of the queries of parts; in a benchmark without a split, all queries belong to the test part."""
         return [at for at, part in enumerate(self.benchmark.queries.part) if (part or TEST) in parts]
 
     def scenes(self) -> list[tuple[str, list[int]]]:
-        """Titles of scenes and their queries, of one imagery and part each, without those in gaps between parts."""
+        """Title and rows of queries for each scene: one imagery and one part; queries in gaps have no scene."""
         queries = self.benchmark.queries
         found = []
         for name in dict.fromkeys(queries.imagery):
@@ -77,12 +77,12 @@ class _Export:
         return found
 
     def picture(self, row: int, file: str) -> None:
-        """Export the image of a query under a name."""
+        """Export the image of a query as ``file``."""
         self.image(self.benchmark.queries.file[row], file)
         self.files.setdefault(row, file)
 
     def image(self, stored: str, file: str) -> None:
-        """Export an image of the benchmark under a name, in the format of its ending."""
+        """Export an image of the benchmark as ``file``, whose ending states the format."""
         share = min(len(self.files) / max(len(self.benchmark.queries), 1), 1.0)
         if self.progress is not None and not self.progress(share):
             raise Cancelled("stopped while images were exported: nothing is left of the export")
@@ -100,7 +100,7 @@ class _Export:
         write_whole(self.folder / file, data)
 
     def finish(self) -> None:
-        """Write the table of queries and their files, and the notes for readers."""
+        """Write the table of queries and their files, and a README with notes."""
         rows = sorted(self.files)
         queries = self.benchmark.queries
         columns = {"query": queries.id, "part": queries.part}
@@ -123,10 +123,10 @@ class _Export:
 def export_benchmark(
     benchmark: Benchmark, folder: str | os.PathLike[str], kind: str, progress: Report | None = None
 ) -> int:
-    """Write a benchmark in the layout of another set; return the number of queries in it.
+    """Write a benchmark in the layout of a published set; return the number of exported queries.
 
-    Until all is written, the name of the folder ends in ``.part``. Images in the format of the layout are hard links or
-    copies; others are encoded again. The same benchmark gives the same bytes.
+    Until everything is written, the name of the folder ends in ``.part``. Images that already have the layout's format
+    become hard links or copies; other images are encoded again. The same benchmark gives the same bytes.
 
     Parameters
     ----------
@@ -150,11 +150,11 @@ def export_benchmark(
     partial = path.with_name(path.name + PARTIAL_ENDING)
     if partial.exists():
         raise OutputError("folder {0}: left over from an interrupted export", partial, remedy="remove it")
-    under_way = _Export(benchmark, partial, progress=progress)
+    export = _Export(benchmark, partial, progress=progress)
     try:
         make_folder(partial)
-        LAYOUTS[kind](under_way)
-        under_way.finish()
+        LAYOUTS[kind](export)
+        export.finish()
         try:
             path.rmdir()
             os.replace(partial, path)
@@ -163,7 +163,7 @@ def export_benchmark(
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
         raise
-    return len(under_way.files)
+    return len(export.files)
 
 
 # --- Places: folders of images whose names are labels
@@ -176,11 +176,11 @@ class _QueryGroup(NamedTuple):
     rows: list[int]
 
 
-def _places(under_way: _Export) -> list[_QueryGroup]:
-    """Places in the order of their first query: queries whose centres agree to 0.1 m."""
-    queries = under_way.benchmark.queries
+def _places(export: _Export) -> list[_QueryGroup]:
+    """Groups of queries whose centres agree to 0.1 m, in the order of first queries."""
+    queries = export.benchmark.queries
     found: dict[tuple[str, float, float], list[int]] = {}
-    for at in under_way.rows(TRAIN, VALIDATION, TEST):
+    for at in export.rows(TRAIN, VALIDATION, TEST):
         lat, lon = (float(angle[at]) for angle in (queries.centre_lat_deg, queries.centre_lon_deg))
         key = queries.part[at] or TEST, round(lat, 6), round(lon, 6)
         found.setdefault(key, []).append(at)
@@ -188,14 +188,14 @@ def _places(under_way: _Export) -> list[_QueryGroup]:
 
 
 def _folders(part: str, view: str, label: str) -> list[str]:
-    """Folders of the images of a place; in tests, queries are in the gallery, too."""
+    """Folders of the images of a place; except in training, queries are in the gallery, too."""
     if part == TRAIN:
         return [f"{TRAIN}/{view}/{label}"]
     return [f"{part}/{kind}_{view}/{label}" for kind in ("query", "gallery")]
 
 
 def _aerial_crop(ground: SceneGround, row: int) -> Image.Image:
-    """Crop of the reference around the middle of a query, as wide as the tiles; black outside it."""
+    """Crop of the reference around the middle of a query, as wide as a tile; black outside the reference."""
     benchmark = ground.benchmark
     mosaic, queries, tiles = benchmark.mosaic, benchmark.queries, benchmark.references
     side = round(float(tiles.east[0] - tiles.west[0]) / mosaic.pixel_width)
@@ -204,23 +204,23 @@ def _aerial_crop(ground: SceneGround, row: int) -> Image.Image:
     return Image.fromarray(ground.crop(left, top, side))
 
 
-def _university(under_way: _Export) -> None:
+def _university(export: _Export) -> None:
     """University-1652: a folder for each place, with satellite and drone views."""
-    ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
-    for number, place in enumerate(_places(under_way)):
+    ground, queries = SceneGround(export.benchmark, None), export.benchmark.queries
+    for number, place in enumerate(_places(export)):
         label = f"{number:04d}"
-        above = _encoded(_aerial_crop(ground, place.rows[0]), "JPEG")
+        aerial = _encoded(_aerial_crop(ground, place.rows[0]), "JPEG")
         for inside in _folders(place.part, "satellite", label):
-            under_way.write(f"{inside}/{label}.jpg", above)
+            export.write(f"{inside}/{label}.jpg", aerial)
         names = {row: f"image-{at:02d}.jpeg" for at, row in enumerate(place.rows, 1)}
         for row, name in names.items():
             for inside in _folders(place.part, "drone", label):
-                under_way.picture(row, f"{inside}/{name}")
+                export.picture(row, f"{inside}/{name}")
         oblique = max(place.rows, key=lambda row: (_off_nadir(queries, row), -row))
         for view in ("street", "google") if place.part == TRAIN else ("street",):
             for inside in _folders(place.part, view, label):
-                under_way.picture(oblique, f"{inside}/{names[oblique]}")
-    under_way.notes.append(_STREET)
+                export.picture(oblique, f"{inside}/{names[oblique]}")
+    export.notes.append(_STREET)
 
 
 def _off_nadir(queries: Queries, row: int) -> float:
@@ -229,32 +229,32 @@ def _off_nadir(queries: Queries, row: int) -> float:
     return math.degrees(math.acos(min(math.cos(tilt) * math.cos(roll), 1.0)))
 
 
-def _denseuav(under_way: _Export) -> None:
+def _denseuav(export: _Export) -> None:
     """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` lists file, longitude, latitude and height."""
-    ground, queries = SceneGround(under_way.benchmark, None), under_way.benchmark.queries
+    ground, queries = SceneGround(export.benchmark, None), export.benchmark.queries
     heights_m = queries.poses.agl_m
     lines: dict[str, list[str]] = {TRAIN: [], VALIDATION: [], TEST: []}
-    for number, place in enumerate(_places(under_way)):
+    for number, place in enumerate(_places(export)):
         label = f"{number:06d}"
         names = _names_by_height(heights_m, place.rows)
-        above = _encoded(_aerial_crop(ground, place.rows[0]), "TIFF")
+        aerial = _encoded(_aerial_crop(ground, place.rows[0]), "TIFF")
         for row, name in names.items():
             for view in ("drone", "satellite"):
                 for inside in _folders(place.part, view, label):
                     file = f"{inside}/{name}"
                     if view == "drone":
-                        under_way.picture(row, f"{file}.JPG")
+                        export.picture(row, f"{file}.JPG")
                     else:
-                        under_way.write(f"{file}.tif", above)
+                        export.write(f"{file}.tif", aerial)
             first = _folders(place.part, "drone", label)[0]
             lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
             lines[place.part].append(f"{first}/{name}.JPG E{lon:.9f} N{lat:.9f} {heights_m[row]:.3f}\n")
     for ending, parts in (("ALL", tuple(lines)), ("train", (TRAIN,)), ("test", (TEST,))):
-        under_way.write(f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode())
+        export.write(f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode())
 
 
 def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
-    """Names of the images of a place: H and the height in metres, with a number if it is not unique."""
+    """Names of the images of a place: H and the height in metres, then a number if another image has this height."""
     found: dict[int, str] = {}
     for row in rows:
         name = f"H{heights_m[row]:.0f}"
@@ -266,16 +266,16 @@ def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
 # --- Pairs and flights
 
 
-def _gta(under_way: _Export) -> None:
+def _gta(export: _Export) -> None:
     """GTA-UAV: drone images, tiles with their position in the name, and JSON of matching tiles."""
-    benchmark = under_way.benchmark
+    benchmark = export.benchmark
     queries, tiles, mosaic = benchmark.queries, benchmark.references, benchmark.mosaic
     corner = mosaic.ground(np.zeros(1), np.zeros(1))
     frame = LocalFrame(*(round(float(angle[0]), 6) for angle in corner))
     middles = frame.enu(tiles.lat_deg, tiles.lon_deg, np.zeros(len(tiles)))[:, :2] * (1.0, -1.0)
     names, places = [], []
-    # The map of GTA-UAV has 24576 pixels of 0.45 m per side, divided into 2^zoom tiles, which are named by zoom,
-    # offset, column and row. At zoom 20 columns are 1.05 cm wide, so names state middles to 8 mm.
+    # Each side of GTA-UAV's map has 24576 pixels of 0.45 m and is divided into 2^zoom tiles. Names of tiles have zoom,
+    # offset, column and row. At zoom 20, columns are 1.05 cm wide, so names state the middles of tiles to 8 mm.
     widths = list(dict.fromkeys(tiles.width_m.tolist()))
     for middle, width in zip(middles.tolist(), tiles.width_m.tolist()):
         zoom = 20 + widths.index(width)
@@ -284,7 +284,7 @@ def _gta(under_way: _Export) -> None:
         names.append(f"{zoom}_0_{column}_{row}.png")
         places.append([(column + 0.5) * step, (row + 0.5) * step])
     for name, file in zip(names, tiles.file):
-        under_way.image(file, f"satellite/{name}")
+        export.image(file, f"satellite/{name}")
     right: dict[int, list[tuple[float, int, bool]]] = {}
     truth = benchmark.truth
     for query, tile, kind, iou in zip(truth.query, truth.reference, truth.kind, truth.iou.tolist()):
@@ -296,10 +296,10 @@ def _gta(under_way: _Export) -> None:
     numbers = {name: number for number, name in enumerate(dict.fromkeys(queries.imagery), 1)}
     for part in (TRAIN, VALIDATION, TEST):
         entries = []
-        for row in under_way.rows(part):
+        for row in export.rows(part):
             height = float(poses.agl_m[row])
             name = f"{height:.0f}_{numbers[queries.imagery[row]]:04d}_{row:010d}.png"
-            under_way.picture(row, f"drone/images/{name}")
+            export.picture(row, f"drone/images/{name}")
             entry: dict[str, Any] = {
                 "drone_img_dir": "drone/images",
                 "drone_img_name": name,
@@ -312,7 +312,7 @@ def _gta(under_way: _Export) -> None:
                 entry[f"pair_{key}_sate_weight_list"] = [-minus for minus, _, _ in some]
                 entry[f"pair_{key}_sate_loc_x_y_list"] = [places[at] for _, at, _ in some]
             yaw, tilt, roll = (float(angle[row]) for angle in poses.attitude)
-            # In GTA-UAV roll is about the wing, with -90 straight down, and yaw is anticlockwise.
+            # In GTA-UAV, roll is about the wing, with -90 straight down; pitch is our roll; yaw is anticlockwise.
             turns = {"pitch": roll, "yaw": -yaw}
             entry["drone_metadata"] = {
                 "height": height,
@@ -321,33 +321,33 @@ def _gta(under_way: _Export) -> None:
             }
             entries.append(entry)
         if entries:
-            under_way.write(f"{area}-area-drone2sate-{part}.json", json_bytes(entries))
-    under_way.write(ORIGIN_FILE, json_bytes({**origin_record(frame), "axes": ["east", "south"]}))
+            export.write(f"{area}-area-drone2sate-{part}.json", json_bytes(entries))
+    export.write(ORIGIN_FILE, json_bytes({**origin_record(frame), "axes": ["east", "south"]}))
 
 
-def _visloc(under_way: _Export) -> None:
-    """UAV-VisLoc: flights, each with a map in pixels of equal degrees, and a table of map corners."""
-    benchmark, queries = under_way.benchmark, under_way.benchmark.queries
+def _visloc(export: _Export) -> None:
+    """UAV-VisLoc: flights, each with a map in square pixels of degrees, and a table of the maps' corners."""
+    benchmark, queries = export.benchmark, export.benchmark.queries
     image, (north, west, south, east) = _resample_degrees(SceneGround(benchmark, None))
     whole = _encoded(Image.fromarray(image), "TIFF")
     poses = queries.poses
     headings_deg = wrap_lon_deg(poses.yaw_deg)
     ranges = []
     first = ""
-    for number, (title, rows) in enumerate(under_way.scenes(), 1):
+    for number, (title, rows) in enumerate(export.scenes(), 1):
         two = f"{number:02d}"
         name = f"satellite{two}.tif"
         if first:
-            make_folder(under_way.folder / two)
-            link_or_copy(under_way.folder / first, under_way.folder / two / name)
+            make_folder(export.folder / two)
+            link_or_copy(export.folder / first, export.folder / two / name)
         else:
             first = f"{two}/{name}"
-            under_way.write(first, whole)
+            export.write(first, whole)
         ranges.append([name, north, west, south, east, title])
         lines = []
         for at, row in enumerate(rows, 1):
             image_name = f"{two}_{at:04d}.JPG"
-            under_way.picture(row, f"{two}/drone/{image_name}")
+            export.picture(row, f"{two}/drone/{image_name}")
             height, tilt, roll, heading = (
                 float(values[row]) for values in (poses.agl_m, poses.tilt_deg, poses.roll_deg, headings_deg)
             )
@@ -355,24 +355,24 @@ def _visloc(under_way: _Export) -> None:
             date = _date(benchmark, queries.imagery[row])
             lines.append([at, image_name, date, lat, lon, height, tilt, roll, heading, heading])
         header = ["num", "filename", "date", "lat", "lon", "height", "Omega", "Kappa", "Phi1", "Phi2"]
-        under_way.write(f"{two}/{two}.csv", csv_bytes([header, *lines]))
+        export.write(f"{two}/{two}.csv", csv_bytes([header, *lines]))
     header = ["mapname", "LT_lat_map", "LT_lon_map", "RB_lat_map", "RB_lon_map", "region"]
-    under_way.write("satellite_coordinates_range.csv", csv_bytes([header, *ranges]))
+    export.write("satellite_coordinates_range.csv", csv_bytes([header, *ranges]))
 
 
 def _date(benchmark: Benchmark, imagery: str) -> str:
-    """Date of imagery; empty if unknown."""
+    """Date of an imagery; empty if unknown."""
     imageries = benchmark.about.get("imagery")
     one = imageries.get(imagery) if isinstance(imageries, dict) else None
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
 def _resample_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, float, float]]:
-    """Reference in square pixels in degrees, and its edges: north, west, south and east."""
+    """Reference resampled to square pixels in degrees, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]
     lat, lon = mosaic.rim()
-    # Continuous across the antimeridian.
+    # Make longitudes continuous across the antimeridian.
     lon = lon[0] + wrap_lon_deg(lon - lon[0])
     middle, _ = mosaic.ground(np.full(2, wide / 2.0), high / 2.0 + np.array([-0.5, 0.5]))
     pixel = abs(float(middle[0] - middle[1]))
@@ -388,9 +388,9 @@ def _resample_degrees(ground: SceneGround) -> tuple[Bytes, tuple[float, float, f
 # --- Samples with heights
 
 
-def _ortholoc(under_way: _Export) -> None:
+def _ortholoc(export: _Export) -> None:
     """OrthoLoC: a file for each query with its image, the ground of each pixel, and the reference with heights."""
-    benchmark, ground = under_way.benchmark, SceneGround.from_benchmark(under_way.benchmark)
+    benchmark, ground = export.benchmark, SceneGround.from_benchmark(export.benchmark)
     queries = benchmark.queries
     reference = str(benchmark.about.get("reference", "")).partition("=")[2]
     named = benchmark.about.get("imageries")
@@ -399,23 +399,23 @@ def _ortholoc(under_way: _Export) -> None:
     test = "test_outPlace" if benchmark.about.get("split") == CROSS_AREA else "test_inPlace"
     folders = {TRAIN: "train", VALIDATION: "val", TEST: test}
     origins = []
-    for row in under_way.rows(*folders):
+    for row in export.rows(*folders):
         lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
         frame = local_frame(lat, lon, float(queries.ground_m[row]))
         name = f"L01_{'R' if queries.imagery[row] in alike else 'xDOP'}{row:04d}"
         file = f"{folders[queries.part[row] or TEST]}/{name}.npz"
-        under_way.write(file, _npz({"sample_id": np.array(name), **_ortholoc_sample(ground, row, frame)}))
-        under_way.files[row] = file
+        export.write(file, _npz({"sample_id": np.array(name), **_ortholoc_sample(ground, row, frame)}))
+        export.files[row] = file
         origins.append([name, frame.lat_deg, frame.lon_deg, frame.height_m])
-    under_way.write("origins.csv", csv_bytes([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
+    export.write("origins.csv", csv_bytes([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
 
 
 def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
-    """Arrays of a sample, in metres of a frame."""
+    """Arrays of a sample, by name; coordinates are in metres in the frame."""
     points, camera = ground.points(row, frame), ground.camera(row, frame)
     seen = points[np.isfinite(points[..., 0])]
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
-    # References of OrthoLoC are squares of up to 1024 pixels, here with a margin of a tenth on each side.
+    # OrthoLoC's references are squares of up to 1024 pixels; here they have a margin of a tenth on each side.
     side = float((high - low).max()) * 1.2
     count = min(max(math.ceil(side / ground.pixel_m(frame)), 2), 1024)
     pixel = side / count
@@ -430,33 +430,33 @@ def _ortholoc_sample(ground: SceneGround, row: int, frame: LocalFrame) -> dict[s
         "point_map": points.astype(np.float32),
         "image_dop": above.image,
         "dsm": above.points_m.astype(np.float32),
-        # Rows go south.
+        # Rows run south.
         "scale": np.array([pixel, -pixel]),
         "extrinsics": pose,
         "intrinsics": camera.k.astype(np.float32),
         "keypoints": few[np.isfinite(few[:, 0])].astype(np.float32),
         "vertices": vertices,
         "faces": faces,
-        # OrthoLoC refines poses of a reconstruction; these are exact.
+        # OrthoLoC has refined poses of a reconstruction; here, the poses are exact and need no refinement.
         "extrinsics_refined": pose,
     }
 
 
 def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Vertices (m, 3) and triangles (l, 3) of the surface, at 33 by 33 of its pixels."""
+    """Vertices (m, 3) and triangles (l, 3) of the surface, from up to 33 by 33 of its pixels."""
     rows, columns = (np.linspace(0, length - 1, min(33, length)).astype(int) for length in above.image.shape[:2])
     vertices = above.points_m[np.ix_(rows, columns)].reshape(-1, 3).astype(np.float32)
     at = np.arange(len(vertices)).reshape(len(rows), len(columns))
     a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]))
     faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
-    there = np.isfinite(vertices).all(axis=1)
-    number = np.cumsum(there) - 1
-    return vertices[there], number[faces[there[faces].all(axis=1)]].astype(np.int32)
+    is_known = np.isfinite(vertices).all(axis=1)
+    number = np.cumsum(is_known) - 1
+    return vertices[is_known], number[faces[is_known[faces].all(axis=1)]].astype(np.int32)
 
 
-def _anyvisloc(under_way: _Export) -> None:
+def _anyvisloc(export: _Export) -> None:
     """AnyVisLoc: scenes of samples with a map and its heights, in metres east and south of the map's first pixel."""
-    benchmark, ground = under_way.benchmark, SceneGround.from_benchmark(under_way.benchmark)
+    benchmark, ground = export.benchmark, SceneGround.from_benchmark(export.benchmark)
     queries, mosaic = benchmark.queries, benchmark.mosaic
     middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
     lat, lon = (float(angle[0]) for angle in middle)
@@ -466,7 +466,7 @@ def _anyvisloc(under_way: _Export) -> None:
     size = (math.ceil(length / pixel - 1e-6) for length in (east - west, north - south))
     grid = OrthoGrid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
     above = ground.ortho(frame, grid)
-    # Heights are above the mean of the surface.
+    # Heights are stated above the mean height of the surface.
     base_m = round(float(np.nanmean(above.points_m[..., 2])), 3)
     first = np.array([grid.west_m, grid.north_m, base_m])
     maps = {
@@ -482,11 +482,11 @@ def _anyvisloc(under_way: _Export) -> None:
         "dsm_origin_local": [0.0, 0.0],
     }
     headings_deg = wrap_lon_deg(queries.yaw_deg)
-    for number, (title, rows) in _numbered(under_way):
+    for number, (title, rows) in _numbered(export):
         scene = f"Scene_{number:02d}"
         for name, data in maps.items():
-            under_way.write(f"{scene}/{name}", data)
-        about = {
+            export.write(f"{scene}/{name}", data)
+        scene_facts = {
             "scene_id": number,
             "title": title,
             "modes": {"satellite": mode, "aerial": mode},
@@ -494,7 +494,7 @@ def _anyvisloc(under_way: _Export) -> None:
             "origin": origin_record(frame),
             "first_pixel_m": first.tolist(),
         }
-        under_way.write(f"{scene}/L{number:02d}_reference.json", json_bytes(about))
+        export.write(f"{scene}/L{number:02d}_reference.json", json_bytes(scene_facts))
         for at, row in enumerate(rows, 1):
             name = f"L{number:02d}_{at:04d}"
             camera = ground.camera(row, frame)
@@ -518,15 +518,15 @@ def _anyvisloc(under_way: _Export) -> None:
                 "xyz": centre * (1.0, -1.0, 1.0),
                 "euler_deg": np.array([roll, tilt, float(headings_deg[row])]),
             }
-            under_way.write(f"{scene}/{name}.npz", _npz(arrays))
-            under_way.files[row] = f"{scene}/{name}.npz"
+            export.write(f"{scene}/{name}.npz", _npz(arrays))
+            export.files[row] = f"{scene}/{name}.npz"
 
 
-def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]:
-    """Scenes numbered from 1, divided where they have too many samples."""
+def _numbered(export: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]:
+    """Scenes numbered from 1; a scene with too many samples is divided."""
     cut = [
         (title, rows[start : start + _SAMPLES])
-        for title, rows in under_way.scenes()
+        for title, rows in export.scenes()
         for start in range(0, len(rows), _SAMPLES)
     ]
     if len(cut) > _SCENES:
@@ -540,7 +540,7 @@ def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]
 def _encoded(image: Image.Image, wanted: str) -> bytes:
     """Image encoded in one of Pillow's formats."""
     buffer = io.BytesIO()
-    # JPEGs as captures are written.
+    # JPEGs have the quality of captures.
     options: dict[str, Any] = {"quality": 95, "subsampling": 0} if wanted == "JPEG" else {}
     # Readers expect three channels.
     image.convert("RGB").save(buffer, wanted, **options)

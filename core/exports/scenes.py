@@ -1,4 +1,4 @@
-"""Ground of a benchmark in metres: points that pixels of queries see, and the reference with heights."""
+"""Ground of a benchmark in metres: points seen by pixels of queries, and the reference with heights."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Ortho(NamedTuple):
     image : array (h, w, 3) of uint8
         Black outside the reference.
     points_m : array (h, w, 3)
-        Pixel centres; heights are NaN where ground or imagery is unknown.
+        Ground at pixel centres in a local frame; heights are NaN where ground or imagery is unknown.
     """
 
     image: Bytes
@@ -56,7 +56,7 @@ class Ortho(NamedTuple):
 
 
 class OrthoGrid(NamedTuple):
-    """Square pixels in a local frame: centre of the first, size and counts; rows run south."""
+    """Square pixels in a local frame: centre of the first pixel, size, and counts; rows run south."""
 
     west_m: float
     north_m: float
@@ -81,7 +81,7 @@ class SceneGround:
 
     @classmethod
     def from_benchmark(cls, benchmark: Benchmark) -> SceneGround:
-        """Ground of a benchmark; opens its elevation, if it has one.
+        """Ground of a benchmark; opens the benchmark's elevation, if it has one.
 
         Raises
         ------
@@ -106,10 +106,10 @@ class SceneGround:
 
     @cached_property
     def lowest_m(self) -> float:
-        """Height of level ground, or a lower bound of the relief."""
+        """Height of level ground, or a lower bound of the relief's heights."""
         if self.relief is None:
             return float(self.benchmark.queries.ground_m.min())
-        # Cells may be coarser than the relief's, and hide ground up to 100 m lower.
+        # The surface's cells may be coarser than the relief's and hide ground up to 100 m lower.
         return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - 100.0
 
     def camera(self, index: int, frame: LocalFrame) -> QueryCamera:
@@ -136,7 +136,7 @@ class SceneGround:
             seen = ImageRays.from_scene(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
             lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
             return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
-        # Traced to a hundredth of a pixel.
+        # Trace to a hundredth of a pixel.
         found = Tracing(scene, up_m, self.relief, self.lowest_m, 0.01).sighting
         return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
 
@@ -145,7 +145,7 @@ class SceneGround:
         image = np.zeros((grid.height_px, grid.width_px, 3), np.uint8)
         points = np.empty((grid.height_px, grid.width_px, 3))
         x = grid.west_m + np.arange(grid.width_px) * grid.pixel_m
-        # 256 rows at a time bound the memory.
+        # Process 256 rows at a time to bound memory.
         for start in range(0, grid.height_px, 256):
             rows = np.arange(start, min(start + 256, grid.height_px))
             part = np.stack(np.meshgrid(x, grid.north_m - rows * grid.pixel_m), axis=-1)
@@ -155,7 +155,7 @@ class SceneGround:
         return Ortho(image, points)
 
     def sample(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Bytes, Flags]:
-        """Colours (..., 3) of the reference at positions (...), black outside it, and whether they are inside."""
+        """Colours (..., 3) of the reference at positions (...), black outside, and whether positions are inside."""
         column, row = self.benchmark.mosaic.px(lat_deg, lon_deg)
         high, wide = self.mosaic.shape[:2]
         inside = (column >= 0.0) & (column <= wide) & (row >= 0.0) & (row <= high)
@@ -165,7 +165,7 @@ class SceneGround:
         return colours, inside
 
     def crop(self, left_px: int, top_px: int, side_px: int) -> Bytes:
-        """Square of pixels of the reference; black outside it."""
+        """Square crop (side, side, 3) of the reference; black outside the reference."""
         piece = np.zeros((side_px, side_px, 3), np.uint8)
         left, top = max(left_px, 0), max(top_px, 0)
         seen = self.mosaic[top : max(top_px + side_px, 0), left : max(left_px + side_px, 0)]
@@ -174,11 +174,11 @@ class SceneGround:
         return piece
 
     def _surface(self, frame: LocalFrame, xy_m: Floats) -> tuple[Floats, Floats, Floats]:
-        """Height of the surface in a frame at points (h, w, 2), NaN where unknown; its latitude and longitude."""
+        """Heights (h, w) in a frame of the surface at points (h, w, 2), NaN where unknown; latitudes and longitudes."""
         up = np.zeros(xy_m.shape[:2])
         surface: Surface | None = None
-        # Fixed-point iteration: the vertical differs from the frame's by a milliradian per 6 km, so each step reduces
-        # the error about a thousandfold.
+        # Fixed-point iteration: the vertical differs from the frame's vertical by a milliradian per 6 km, so each step
+        # reduces the error about a thousandfold.
         for _ in range(4):
             lat, lon, height = frame.geodetic(np.dstack([xy_m, up]))
             if self.relief is None:
@@ -187,10 +187,10 @@ class SceneGround:
                 surface = surface or self.relief.surface(_rim(lat), _rim(lon))
                 column, row = surface.position(lat.ravel(), lon.ravel())
                 wanted = surface.heights(column, row).reshape(lat.shape)
-            there = np.isfinite(wanted)
-            up = np.where(there, up + wanted - height, up)
+            is_known = np.isfinite(wanted)
+            up = np.where(is_known, up + wanted - height, up)
         lat, lon, _ = frame.geodetic(np.dstack([xy_m, up]))
-        return np.where(there, up, np.nan), lat, lon
+        return np.where(is_known, up, np.nan), lat, lon
 
     def pixel_m(self, frame: LocalFrame) -> float:
         """Pixel size of the mosaic at the origin of a frame."""
@@ -211,15 +211,15 @@ class SceneGround:
 
 
 def local_frame(lat_deg: float, lon_deg: float, ground_m: float) -> LocalFrame:
-    """Local frame at a position, rounded to 10 cm and its height to 1 mm so that files state them exactly."""
+    """Local frame at a position rounded to 10 cm, and to 1 mm in height, so that files state it exactly."""
     return LocalFrame(round(lat_deg, 6), round(lon_deg, 6), round(ground_m, 3))
 
 
 def _rim(values: Floats) -> Floats:
-    """Outermost values of an array (h, w)."""
+    """Values along the edges of an array (h, w)."""
     return np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
 
 
 def _finite(points_m: Floats) -> Floats:
-    """Points with all coordinates NaN where one is not finite."""
+    """Points; if any coordinate of a point is not finite, all its coordinates are NaN."""
     return np.where(np.isfinite(points_m).all(axis=-1, keepdims=True), points_m, np.nan)

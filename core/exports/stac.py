@@ -1,4 +1,4 @@
-"""Datasets described in STAC: a collection, and images as its items in one GeoParquet table."""
+"""Describe a dataset in STAC: a collection, and images as its items in one GeoParquet table."""
 
 from __future__ import annotations
 
@@ -56,18 +56,18 @@ _ITEM_COLUMNS = (
 _TIMES = _, _START, _END = ("datetime", "start_datetime", "end_datetime")
 _MAP_TYPE, _GSD, _PROJ_CODE, _IMAGE = "map_type", "gsd", "proj:code", "image"
 _RESERVED = frozenset((*_ITEM_COLUMNS, *_TIMES, _MAP_TYPE, _GSD, "properties"))
-#: Interval of imagery of unknown date, which any search for a time finds. Both ends fit into 64 bits of nanoseconds,
-#: in which some readers count.
+#: Interval for imagery of unknown date, so that any search for a time finds it. Some readers count nanoseconds in 64
+#: bits, into which both ends fit.
 _EARLIEST, _LATEST = np.datetime64("1700-01-01T00:00:00"), np.datetime64("2200-01-01T00:00:00")
 _EDGES = ("xmin", "ymin", "xmax", "ymax")
 
 
 def write_stac(folder: Address, target: Address, map_type: str | None = None) -> list[Path]:
-    """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` beside a dataset's tables; return them.
+    """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` into a dataset's folder; return their paths.
 
-    Items are all existing images, including those that cleaning has rejected. Earlier descriptions are replaced.
-    Parameters and errors are those of `write_croissant`; the dataset may also be at an address, and OutputError is
-    raised without pyarrow, too.
+    Items are all existing images, including images that cleaning has rejected. Earlier descriptions are replaced.
+    Parameters and errors are those of `write_croissant`; the dataset may also be at an address, and OutputError is also
+    raised without pyarrow.
     """
     import_pyarrow("stac")
     return describe(own_folder(read_dataset(folder), target, COLLECTION_FILE), map_type)
@@ -101,13 +101,13 @@ class _Items:
     rows : array (n,)
         Rows of the table.
     columns : mapping of str to Column
-        Properties, for all rows of the table.
+        Columns of the table that become properties of items, for all rows of the table.
     hrefs : sequence of str
         Addresses of the images relative to the dataset's folder.
     bounds : array (n, 4)
         West, south, east, north.
     shown, places : FootprintGeometries or None, array (n,)
-        Footprints, and the index of each image's; -1 for images with only a position.
+        Footprints, and the index of each image's footprint; -1 for images with only a position.
     start, end : array (n,) of datetime64
         First and last second of the imagery; NaT where unknown.
     """
@@ -131,10 +131,10 @@ class _Items:
         rows = np.flatnonzero(images.made)
         columns = {one.header: one for one in written_columns(table) if one.header not in ("status", "reason")}
         for header in _RESERVED & {*table.other}:
-            # Foreign columns whose names have another meaning in STAC.
+            # Rename foreign columns whose names have another meaning in STAC.
             columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
         if "time_utc" in columns:
-            # As text: readers convert only the known times of items, and JSON has no type for others.
+            # As text: readers convert only the times that STAC defines, and JSON has no type for other times.
             columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
         if images.shards:
             folder = _href(described_folder(dataset, images.folder))
@@ -153,7 +153,7 @@ class _Items:
 
     @property
     def extensions(self) -> list[str]:
-        """STAC extensions of the properties."""
+        """Addresses of the STAC extensions that the properties need."""
         prefixes = {header.partition(":")[0] for header in self.columns}
         schemas = {"proj": "projection/v2.0.0", "view": "view/v1.0.0"}
         return [
@@ -169,7 +169,7 @@ class _Items:
         return found if self.shown is None else found | self.shown.geometry_types(self.places)
 
     def group(self, arrow: Any, some: slice, assets: Any) -> dict[str, Any]:
-        """Arrow arrays of the item columns of some items, by column."""
+        """Arrow arrays for a slice of the items, by name of the item column."""
         rows, names = self.rows[some].tolist(), self.images.table.img_names
         (image,) = assets
         files = {
@@ -194,7 +194,7 @@ class _Items:
         }
 
     def _geometries(self, arrow: Any, some: slice) -> Any:
-        """Footprints of some items as well-known binary; without a footprint, positions as points."""
+        """Footprints of a slice of the items as well-known binary; items without a footprint have a point."""
         places, bounds = self.places[some], self.bounds[some]
         if self.shown is not None and (places >= 0).all():
             return self.shown.shapes(arrow, places)
@@ -210,7 +210,7 @@ def _files(dataset: Dataset, images: ImageSet) -> list[str]:
     """Addresses of the images of a map type relative to the dataset's folder."""
     folder, names = _href(described_folder(dataset, images.files or images.folder)), images.table.img_names
     hrefs = [folder + quote(name) for name in names]
-    # Cleaning moves files, but not in shards.
+    # Cleaning moves separate files, but not images in shards.
     marks = () if images.files is None else images.table.other.get(REJECTED, ())
     for row in (row for row, mark in enumerate(marks) if mark):
         hrefs[row] = _href(described_folder(dataset, images.path(row).parent)) + quote(names[row])
@@ -223,14 +223,14 @@ def _href(folder: Path) -> str:
 
 
 def _is_camera(dataset: Dataset, images: ImageSet, rows: NDArray[np.intp]) -> bool | None:
-    """Whether images are camera frames; None for foreign tables, which have no windows."""
+    """Whether images are camera frames; None for foreign tables, which have no windows of map pixels."""
     if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
         return None
     return are_camera_frames(images, rows, dataset.folder)
 
 
 def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column]:
-    """Properties of STAC that follow from a table, for all of its rows."""
+    """STAC properties computed from a table, for all rows."""
     table = images.table
     found = {}
     path = images.folder.parent / MISSION_FILE
@@ -241,7 +241,7 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)
         off_nadir = np.degrees(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), -axis[:, 2]))
         azimuth = np.degrees(arctan2(axis[:, 0], axis[:, 1])) % 360.0
-        # A camera above the horizon has no angles, and one that looks straight down no azimuth.
+        # A camera that looks above the horizon has neither angle, and a camera that looks straight down has no azimuth.
         found["view:off_nadir"] = np.where(off_nadir <= 90.0, off_nadir, np.nan)
         found["view:azimuth"] = np.where((off_nadir > 0.0) & (off_nadir <= 90.0), azimuth, np.nan)
     columns = {header: Column(header, NUMBER, values) for header, values in found.items()}
@@ -252,7 +252,7 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
 
 
 def _code(crs: str) -> str:
-    """Code of a CRS in a table; empty if it has none."""
+    """Code of a CRS as tables state it; empty if the CRS has no code."""
     return (crs if re.fullmatch(r"[A-Z]+:[0-9A-Za-z_.]+", crs) else "") if crs else "EPSG:3857"
 
 
@@ -271,7 +271,7 @@ def _times(dates: Sequence[str]) -> tuple[NDArray[Any], NDArray[Any]]:
 
 
 def _span(text: str) -> tuple[np.datetime64, np.datetime64]:
-    """First and last second of a year, month or day, or of a range of them; NaT for other texts."""
+    """First and last second of a year, month or day, or of a range between two; NaT for other texts."""
     unknown = np.datetime64("NaT"), np.datetime64("NaT")
     day = r"(\d{4}(?:-\d\d(?:-\d\d)?)?)(?:T[\d:.]*Z?)?"
     found = re.fullmatch(rf"{day}(?:\s*(?:-|/|\.\.)\s*{day})?", text.strip())
@@ -281,7 +281,7 @@ def _span(text: str) -> tuple[np.datetime64, np.datetime64]:
         first, last = (np.datetime64(one) for one in (found[1], found[2] or found[1]))
     except ValueError:
         return unknown
-    # The last second before the next year, month or day.
+    # The end is the last second before the next year, month or day.
     start, end = first.astype("datetime64[s]"), (last + 1).astype("datetime64[s]") - 1
     return (start, end) if _EARLIEST < start <= end < _LATEST else unknown
 
@@ -293,7 +293,7 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
     asset = arrow.struct([("href", text), ("type", text), ("roles", texts)])
     kinds: dict[str, str] = {}
     for column in (column for one in parts for column in one.columns.values()):
-        # A column of whole numbers in one table may have others in another table.
+        # A column may have only whole numbers in one table and other numbers in another table.
         known = kinds.setdefault(column.header, column.kind)
         kinds[column.header] = column.kind if known == WHOLE else known
     types: dict[str, Any] = {
@@ -341,7 +341,7 @@ def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) 
 
 
 def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
-    """STAC collection, JSON-ready."""
+    """STAC collection of a dataset, JSON-ready."""
     bounds = np.concatenate([one.bounds for one in parts])
     start, end = (np.concatenate(times) for times in zip(*((one.start, one.end) for one in parts)))
     known = not np.isnat(start).any()

@@ -1,4 +1,4 @@
-"""Tables of a dataset as Parquet: typed columns, and footprints as GeoParquet."""
+"""Write tables of a dataset as Parquet: typed columns, and footprints as GeoParquet."""
 
 from __future__ import annotations
 
@@ -27,31 +27,31 @@ from ..text.safe_json import parse_json
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
-#: File beside ``meta_data.csv``, or in a folder of the same name elsewhere.
+#: File beside ``meta_data.csv`` or, in another target, in a folder named like the map type.
 PARQUET_FILE = TABLE_FILE.replace(".csv", ".parquet")
 #: Column of the footprints.
 GEOMETRY = "geometry"
 #: Codes of well-known binary: little-endian byte order, and geometry types.
 _LITTLE, _POLYGON, _MULTIPOLYGON = 1, 3, 6
-#: Rows of a row group: readers skip groups by the bounds of columns, and writers hold one in memory.
+#: Rows of a row group: readers skip groups by the bounds of their columns, and the writer holds one group in memory.
 _ROWS_A_GROUP = 1 << 16
 
 
 def write_parquet(
     folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
 ) -> list[Path]:
-    """Write the tables of a dataset as Parquet, one for each map type; return the files.
+    """Write the tables of a dataset as Parquet, one for each map type; return the paths.
 
-    They have the columns of ``meta_data.csv`` as whole numbers, numbers, times and texts, null where unknown, and a
-    column ``geometry`` of the footprints in longitude and latitude of WGS 84, if the capture has written them.
+    The tables have the columns of ``meta_data.csv`` as whole numbers, numbers, times and texts, null where unknown. If
+    the capture has written footprints, a column ``geometry`` has them in longitude and latitude of WGS 84.
 
     Parameters
     ----------
     target : path
-        A new or empty folder, or the dataset's folder: files are then written beside ``meta_data.csv`` and replace
-        those of earlier exports.
+        A new or empty folder, or the dataset's folder; there, files are written beside ``meta_data.csv`` and replace
+        files of earlier exports.
     map_type : str or None
-        None for all.
+        Map type to export; None for all.
 
     Raises
     ------
@@ -74,14 +74,14 @@ def write_parquet(
 
 
 def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
-    """Images of one map type, or for None of all, by map type."""
+    """Image sets by map type: one, or all if ``map_type`` is None."""
     return dict(dataset.image_sets) if map_type is None else {map_type: dataset.image_set(map_type)}
 
 
 def relative_folder(dataset: Dataset, folder: Path) -> Path:
-    """Path of a folder relative to a dataset's, such as ``satellite``, ``2014/satellite`` or ``.``.
+    """Path of a folder relative to a dataset's folder, such as ``satellite``, ``2014/satellite`` or ``.``.
 
-    Links, such as a map type on another disk, are not followed.
+    Links, such as to a map type on another disk, are not followed.
     """
     if is_address(folder):
         return folder.relative_to(dataset.folder)
@@ -89,7 +89,7 @@ def relative_folder(dataset: Dataset, folder: Path) -> Path:
 
 
 def described_folder(dataset: Dataset, folder: Path) -> Path:
-    """Relative folder for a description in UTF-8; raises InvalidInput for another name."""
+    """Relative folder for a description in UTF-8; raises InvalidInput if the name is not UTF-8."""
     found = relative_folder(dataset, folder)
     if writable(str(found)) != str(found):
         raise InvalidInput("folder {0}: its name is not UTF-8, as a description of files needs it", folder)
@@ -102,7 +102,7 @@ def is_same(folder: Path, other: Address) -> bool:
 
 
 def image_stem(name: str) -> str:
-    """Name of an image without its ending, as `Path.stem`, but much faster."""
+    """Name of an image without its ending, like `Path.stem` but much faster."""
     return name.rpartition(".")[0] or name
 
 
@@ -123,7 +123,7 @@ def import_pyarrow(kind: str) -> Any:
 
 
 def row_groups(count: int) -> Iterator[slice]:
-    """Rows of each row group of a table; an empty table has one empty group."""
+    """Yield the rows of each row group of a table; an empty table has one empty group."""
     for start in range(0, max(count, 1), _ROWS_A_GROUP):
         yield slice(start, min(start + _ROWS_A_GROUP, count))
 
@@ -137,9 +137,9 @@ def parquet_blocks(
     ----------
     schema : pyarrow.Schema
     metadata : mapping
-        Metadata of the file by key, JSON-ready.
+        Metadata of the file, by key; values are JSON-ready.
     groups : iterator of mapping
-        Arrays of each row group, by column.
+        Arrays of each row group, by name of the column.
     """
     sink = _Sink()
     schema = schema.with_metadata({key: json.dumps(value, ensure_ascii=False) for key, value in metadata.items()})
@@ -151,7 +151,7 @@ def parquet_blocks(
 
 
 class _Sink(io.RawIOBase):
-    """Writable file whose content is taken in blocks."""
+    """Writable file whose content is read in blocks with `taken`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -198,7 +198,7 @@ def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
 
 
 def arrow_type(arrow: Any, kind: str) -> Any:
-    """Arrow type of a kind of columns."""
+    """Arrow type of a column's kind."""
     types = {TEXT: arrow.string(), NUMBER: arrow.float64(), TIME: arrow.timestamp("us", tz="UTC")}
     return types.get(kind, arrow.int64())
 
@@ -223,13 +223,13 @@ class FootprintGeometries(NamedTuple):
     Parameters
     ----------
     by_name : mapping of str to int
-        Index of a footprint by the image's name without ending.
+        Index of each footprint, by image name without ending.
     data, ends : bytes, array (m + 1,) of int64
-        The binary, and the offsets of footprints in it.
+        Binary of all footprints, and offsets of footprints in it.
     kinds : array (m,)
-        Geometry types: 3 for a polygon, 6 for several.
+        Geometry types: 3 for a polygon, 6 for a multipolygon.
     bounds : array (m, 4)
-        West, south, east, north. A footprint across the antimeridian has a polygon on either side, and bounds of -180
+        West, south, east, north. A footprint across the antimeridian has polygons on both sides, and bounds of -180
         and 180 degrees.
     """
 
@@ -241,12 +241,12 @@ class FootprintGeometries(NamedTuple):
 
     @classmethod
     def read(cls, folder: Path) -> FootprintGeometries | None:
-        """Footprints of the capture in a folder; None if it has none.
+        """Footprints of the capture in a folder; None without a file of footprints.
 
         Raises
         ------
         InvalidInput
-            The file is not one of a capture.
+            The file was not written by a capture.
         OutputError
             The store refuses access.
         """
@@ -276,12 +276,12 @@ class FootprintGeometries(NamedTuple):
         )
 
     def places(self, img_names: Sequence[str]) -> NDArray[np.intp]:
-        """Indices (n,) of the footprints of images by name; -1 where there is none."""
+        """Indices (n,) of the footprints of images, by name; -1 for images without a footprint."""
         found = (self.by_name.get(image_stem(name), -1) for name in img_names)
         return np.fromiter(found, np.intp, len(img_names))
 
     def shapes(self, arrow: Any, places: NDArray[np.intp]) -> Any:
-        """Arrow array of footprints, null where there is none."""
+        """Arrow array of footprints by index; null for -1."""
         buffers = [None, arrow.py_buffer(self.ends), arrow.py_buffer(self.data)]
         whole = arrow.Array.from_buffers(arrow.large_binary(), len(self.kinds), buffers)
         return whole.take(arrow.array(places, mask=places < 0)).cast(arrow.binary())
@@ -312,13 +312,13 @@ def _features(path: Path) -> Iterator[Any]:
     """Features of a capture's GeoJSON, one per line."""
     with open_foreign(path, MAX_TABLE_BYTES, 1 << 20) as file:
         while line := read_line(file):
-            # Other lines open and close the collection.
+            # Other lines begin and end the collection.
             if line.startswith(b'{"type": "Feature",'):
                 yield parse_json(line.rstrip().rstrip(b","))
 
 
 def _packed(kind: str, coordinates: Any) -> tuple[bytes, tuple[float, float, float, float]]:
-    """Well-known binary of a GeoJSON polygon or several, and bounds: west, south, east, north."""
+    """Well-known binary of a GeoJSON polygon or multipolygon, and bounds: west, south, east, north."""
     polygons = coordinates if kind == "MultiPolygon" else [coordinates]
     parts, lons, lats = [], [], []
     for rings in polygons:

@@ -25,7 +25,7 @@ ORIGIN_FILE = "origin.json"
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """Camera frames (n), without those that failed or are rejected.
+    """The n camera frames of a map type, except failed and rejected ones.
 
     Parameters
     ----------
@@ -34,14 +34,14 @@ class Views:
     names : tuple of str
         File names.
     width_px, height_px, fx_px, fy_px : array (n,)
-        The principal point is the image's middle; (0, 0) is the upper left corner of the image, and (0.5, 0.5) the
-        centre of the first pixel.
+        Sizes and focal lengths. The principal point is the image's middle, and (0.5, 0.5) the centre of the first
+        pixel.
     lat_deg, lon_deg, height_m : array (n,)
         Positions of the cameras; heights are above the WGS 84 ellipsoid.
     yaw_deg, tilt_deg, roll_deg : array (n,)
         As for `Camera.rays_enu`.
     times_s : array (n,) or None
-        Unix seconds; None unless the table has all times.
+        Unix seconds; None if any image has no time.
     """
 
     folder: Path
@@ -80,7 +80,7 @@ class Views:
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
-        """Views of a map type of a dataset; None for the first.
+        """Views of one map type of a dataset; of the first if ``map_type`` is None.
 
         Raises
         ------
@@ -132,7 +132,7 @@ def camera_rotations(
     """Rotations (n, 3, 3) from a frame's east, north and up to the right, down and view of cameras (n,)."""
     right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
     local = np.stack([right, -image_up, axis], axis=1)
-    # Attitudes refer to north and up at the camera.
+    # Attitudes refer to north and up at each camera.
     turns = [frame.rotations(lat, lon) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist())]
     found: Floats = local @ np.array(turns).reshape(-1, 3, 3)
     return found
