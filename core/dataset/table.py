@@ -311,17 +311,17 @@ def json_cell(column: Column, row: int) -> str | int | float | None:
 def unix_seconds(times_utc: Sequence[str]) -> Floats:
     """Convert times in ISO 8601 to Unix seconds (n,), NaN for empty texts; raises InvalidInput."""
     found = np.full(len(times_utc), np.nan)
-    for at, text in enumerate(times_utc):
+    for row, text in enumerate(times_utc):
         if text:
             try:
-                found[at] = time_s(text, "time_utc")
+                found[row] = time_s(text, "time_utc")
             except InvalidInput as wrong:
                 raise InvalidInput("time_utc {0!r}: is not a time in ISO 8601", text) from wrong
     return found
 
 
 def first_faults(faults: Sequence[str], joint: str = "; ") -> Message:
-    """First three faults, with the number of others."""
+    """Join the first three faults, and the number of others."""
     more = [Message("and {0:,} more", len(faults) - 3)] if len(faults) > 3 else []
     return Message.joined(joint, [*faults[:3], *more])
 
@@ -332,7 +332,7 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
     Raises
     ------
     OutputError
-        The table has such columns and cannot be read.
+        The headers cannot be read, or the table has additional columns and cannot be read.
     """
     try:
         if _headers(path) <= set(HEADERS.values()):
@@ -355,7 +355,8 @@ def _headers(path: Path) -> set[str]:
         raise InvalidInput("table {0}: cannot be read ({1})", path, reason) from wrong
 
 
-#: Headers of columns by field of `Table`, in the order in which they are written; three are the published dataset's.
+#: Headers of columns by field of `Table`, in the order in which they are written.
+#: Three headers are those of the published dataset.
 HEADERS = {one.name: one.name for one in fields(Table) if one.name != "other"}
 HEADERS.update(lat_deg="Lat", lon_deg="Lon", zoom="Alt")
 
@@ -404,10 +405,10 @@ def _format_column(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[
     if isinstance(column, np.ndarray):
         # Compare bits: -0.0 is written differently from 0.0, and NaN equals NaN.
         bits = column.view(np.int64)
-        alike = len(column) > 0 and bool((bits == bits[0]).all())
-        values = column[:1] if alike else column
+        is_constant = len(column) > 0 and bool((bits == bits[0]).all())
+        values = column[:1] if is_constant else column
         texts = [_format_number(value, whole=name in _COUNTS) for value in values.tolist()]
-        return texts * len(column) if alike else texts
+        return texts * len(column) if is_constant else texts
     # Texts from a provider or server.
     if name in ("source", "attribution", "imagery_date", "reason"):
         written = {text: table_cell(text) for text in set(column)}
@@ -449,14 +450,14 @@ class _ColumnBuilder:
         self._texts: dict[str, list[str]] = {
             field: [] for field in self._fields if field and (field in _TEXT or field not in HEADERS)
         }
-        #: Doubles that grow in place; columns that are empty so far are missing.
+        #: Numbers of columns by field, as arrays that grow in place; without columns that are empty so far.
         self._numbers: dict[str, array[float]] = {}
         self._count = 0
         #: Texts that appear in many rows.
         self._known: dict[str, str] = {}
 
     def add(self, cells: ReadCells | CutCells) -> None:
-        """Add rows; cells that cannot be read become faults of their lines."""
+        """Add rows; report cells that cannot be read as faults of their lines."""
         for column, (field_name, header) in enumerate(zip(self._fields, self._headers)):
             if field_name in self._texts:
                 self._texts[field_name] += _intern(cells.texts(column), self._known)
@@ -488,7 +489,7 @@ class _ColumnBuilder:
 
 
 def _intern(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
-    """Replace equal texts by one object each, unless most are different."""
+    """Replace equal texts by one object, unless most texts are different."""
     if cells[0] is cells[-1] and cells == [cells[0]] * len(cells):
         return [known.setdefault(cells[0], cells[0])] * len(cells)
     if len(set(cells)) > len(cells) // 2:
@@ -509,7 +510,7 @@ def _are_allowed(name: str, values: Floats) -> bool:
 def _read_one_by_one(
     name: str, header: str, cells: Sequence[str], lines: Sequence[int], faults: list[tuple[int, str]]
 ) -> Floats:
-    """Parse numbers one by one, NaN for empty cells if allowed; adds those that cannot be read to ``faults``."""
+    """Parse numbers one by one, NaN for empty cells if allowed; appends cells that cannot be read to ``faults``."""
     may_be_empty = name not in _NEEDED
     values = np.full(len(cells), np.nan)
     for index, (line, cell) in enumerate(zip(lines, cells)):

@@ -36,13 +36,12 @@ class CameraPosition(NamedTuple):
 def read_vbn(folder: Path) -> tuple[Table, Path]:
     """Read the table of a supplement's images, and return the folder of the images.
 
-    Images and texts are matched by their names without ending or, if none match, by their order (2 before 10). A text
-    without an image gives a failed row. When matched by order, there may be one more text than images, as in the
-    supplement.
+    Images and texts are matched by their names without ending or, if no names match, by their order (2 before 10). A
+    text without an image gives a failed row. In order, one text may be left over, as in the supplement.
 
-    The table has TerrAInav's columns, with positions as ``Lat`` and ``Lon`` and as the camera's pose, ``altitude_m``
-    (datum unknown), and all other keys of the texts. Without a grid and a map, columns count the images, and rows and
-    zoom are 0.
+    The table has TerrAInav's columns, with positions both as ``Lat``, ``Lon`` and as the camera's pose; the column
+    ``altitude_m`` (datum unknown); and a column for each other key of the texts. As there is no grid and no map,
+    ``columns`` counts the images, and rows and zoom are 0.
 
     Raises
     ------
@@ -63,9 +62,9 @@ def read_vbn(folder: Path) -> tuple[Table, Path]:
 
 
 def parse_position(value: str) -> CameraPosition:
-    """Parse the position in a line of metadata, behind its colon.
+    """Parse the position after the colon of a line of metadata.
 
-    The numbers are the pieces between spaces without the first and the last, of which either may be empty.
+    The numbers are the pieces between spaces, without the first and the last piece, which may be empty.
 
     Raises
     ------
@@ -115,7 +114,7 @@ def _natural(name: str) -> list[tuple[int, str]]:
 
 
 def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[tuple[str, str]]:
-    """Image and text of each row; texts without an image get the name that it would have."""
+    """Image and text of each row; a text without an image is paired with the name that the image would have."""
     by_stem = {Path(image).stem: image for image in images}
     stems = {Path(text).stem for text in texts}
     if len(by_stem) < len(images) or len(stems) < len(texts):
@@ -180,14 +179,14 @@ def _metadata(path: Path, faults: list[str]) -> tuple[CameraPosition, dict[str, 
     return position, {key: value.strip() for key, value in values.items()}
 
 
-def _table(names: Sequence[str], there: set[str], rows: Sequence[tuple[CameraPosition, Mapping[str, str]]]) -> Table:
+def _table(names: Sequence[str], images: set[str], rows: Sequence[tuple[CameraPosition, Mapping[str, str]]]) -> Table:
     count = len(names)
     lat, lon, altitude = np.array([position for position, _ in rows], np.float64).reshape(count, 3).T
-    made = [name in there for name in names]
+    made = [name in images for name in names]
     other = {"altitude_m": tuple(map(repr, altitude.tolist()))}
     for key in dict.fromkeys(key for _, values in rows for key in values):
         header = key
-        # Columns of the table, with an older spelling, and those that clean and split write.
+        # Rename keys that are headers of the table (also in an older spelling), or that clean and split write.
         while not header or header in {*HEADERS.values(), "row", "rejected", "split"} or header in other:
             header = f"VBN {header}"
         other[header] = tuple(values.get(key, "") for _, values in rows)

@@ -2,7 +2,7 @@
 
 GDAL, and so QGIS, recognises files by content: a ``.geojson`` may be a list of other files and servers (OGR VRT, WFS,
 KML), and GeoJSON may name its reference system by a link, a file or a grid. GDAL follows all of these when it opens the
-file. Therefore the file must look as captures and GDAL write it, from its first byte on.
+file. Therefore, the file must look from its first byte on as captures and GDAL write it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..storage.files import open_foreign
 HEAD_BYTES = 1 << 16
 #: The key ``crs`` of GeoJSON 2008, with letters escaped or not, and any quotes that GDAL accepts.
 _CRS = re.compile(rb"""["'](?:c|\\u00[46]3)(?:r|\\u00[57]2)(?:s|\\u00[57]3)["']""", re.IGNORECASE)
-#: Harmless values of it: null, or a code of PROJ's database.
+#: The key ``crs`` with a harmless value: null, or a code of PROJ's database.
 _PLAIN = re.compile(
     rb'"crs"\s*:\s*(?:null|\{\s*"type"\s*:\s*"name"\s*,\s*"properties"\s*:\s*\{\s*"name"\s*:\s*"'
     rb"(?:(?:EPSG|ESRI|IGNF|OGC):\w+|urn:(?:x-)?ogc:def:crs:\w+:[\d.]*:\w+)"
@@ -29,7 +29,7 @@ _PLAIN = re.compile(
 
 
 def check_geojson(path: str | os.PathLike[str]) -> None:
-    """Raise InvalidInput for a file that is not GeoJSON as captures and GDAL write it, or refers to others."""
+    """Raise InvalidInput for a file that is not GeoJSON as captures and GDAL write it, or refers to other files."""
     try:
         with open_foreign(path) as file:
             for _ in checked_geojson(iter(partial(file.read, 1 << 20), b""), path):
@@ -84,7 +84,7 @@ def _check_head(head: bytes, name: object) -> None:
 
 
 def _checked(text: bytes, name: object, left: int) -> bytes:
-    """Check each CRS that begins before the last ``left`` bytes; return the rest, still to be checked."""
+    """Check each CRS that begins before the last ``left`` bytes; return these bytes, which are still to be checked."""
     until = max(len(text) - left, 0)
     for found in _CRS.finditer(text):
         if found.start() >= until:

@@ -69,7 +69,7 @@ def write_tiles(
                 file.write(data)
             missing = lengths == 0
             if missing.any():
-                # All missing tiles share one, as not every reader supports sparse files.
+                # All missing tiles share one empty tile, as not every reader supports sparse files.
                 data = packed_tile(np.zeros((1, 1, channels), np.uint8))
                 offsets[missing], lengths[missing] = file.tell(), len(data)
                 file.write(data)
@@ -95,8 +95,8 @@ def write_tiles(
                 Tag(33432, TagType.ASCII, attribution),
                 *place.tags(),
             ]
-            if about := "" if bands is None else band_items(bands):
-                tags.append(Tag(42112, TagType.ASCII, gdal_metadata(about)))
+            if items := "" if bands is None else band_items(bands):
+                tags.append(Tag(42112, TagType.ASCII, gdal_metadata(items)))
             file.write(directory(tags, at, big=is_big))
             file.seek(0)
             file.write(big_header(at) if is_big else header(at))

@@ -89,7 +89,7 @@ class CameraImages:
     Parameters
     ----------
     poses : Poses
-        With heights above ``ground`` and continuous longitudes.
+        Poses with heights above ``ground`` and continuous longitudes.
     ground : Ellipsoid
         Level ground, WGS 84 where there is relief.
     relief : ElevationModel or None
@@ -214,7 +214,7 @@ class CameraImages:
         return ImageBoxes(*edges)
 
     def extent(self, boxes: ImageBoxes) -> Extent:
-        """Extent of the ground in images, to a pixel or two; not finite without any.
+        """Extent of the ground in images, to a pixel or two; not finite if they show no ground.
 
         The farthest ground in each direction lies at the edge of an image, or at ``flattest_deg``, where one ray a
         pixel is traced. Images whose boxes do not reach beyond the extent so far are skipped.
@@ -222,7 +222,7 @@ class CameraImages:
         Parameters
         ----------
         boxes : ImageBoxes
-            Of all images.
+            Boxes of all images.
         """
         extents: dict[int, Extent] = {}
         found = [math.inf, math.inf, -math.inf, -math.inf]
@@ -244,7 +244,7 @@ class CameraImages:
         edge += [*(np.stack([np.full_like(y, at), y], axis=-1) for at in (-1.0, 1.0))]
         east, north, all_met = self._traced(index, np.concatenate(edge), boxes)
         if not all_met:
-            # The relief ends within the image: a ray every other pixel.
+            # The relief ends within the image: trace a ray every other pixel.
             x, y = (np.linspace(-1.0, 1.0, side // 2 + 2) for side in (width, height))
             inner_east, inner_north, _ = self._traced(index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes)
             east, north = np.concatenate([east, inner_east]), np.concatenate([north, inner_north])
@@ -258,7 +258,7 @@ class CameraImages:
         rays = self._limit_flatness(self.camera.rays_enu(points, *pose.attitude), pose)[0]
         right, up, depth = np.moveaxis(rays @ np.stack(image_axes(*pose.attitude), axis=-1)[0], -1, 0)
         tan_x, tan_y = self.camera.half_tangents
-        # Steeper rays may have left the image; those along its edge are in it but for rounding.
+        # Rays made steeper may leave the image. Rays along its edge are inside but for rounding.
         tolerance = 1.0 + 1e-9
         rays = rays[(np.abs(right) <= tolerance * tan_x * depth) & (np.abs(up) <= tolerance * tan_y * depth)]
         lat, lon, agl = (np.broadcast_to(at, len(rays)) for at in pose[:3])
@@ -266,7 +266,7 @@ class CameraImages:
             seen = trace(lat, agl, rays, self.ground)
             seen_lat, dlon = seen.lat_deg, seen.dlon_deg
         else:
-            # The relief around a grid of five by five nodes, as edges of the box are curves in degrees.
+            # Take the relief around a grid of five by five nodes, as edges of the box are curves in degrees.
             nodes = np.meshgrid(
                 *(
                     np.linspace(float(low[index]), float(high[index]), 5)
@@ -288,7 +288,7 @@ class CameraImages:
         return positions(self.plane, lat_deg, lon_deg)
 
     def _limit_flatness(self, rays: Floats, poses: Poses) -> Floats:
-        """Rays (n, k, 3), those flatter than ``flattest_deg`` at the ground tilted down to it."""
+        """Rays (n, k, 3), of which rays flatter than ``flattest_deg`` at the ground are tilted down to that angle."""
         # The angle from the vertical grows along a ray, as the Earth curves away.
         radius = WGS84.b_m + self._base_m
         reach = radius / (WGS84.b_m + np.maximum(poses.agl_m, self._base_m))
@@ -321,12 +321,12 @@ class CameraImages:
             for parts, values in zip((x, y), found):
                 parts.append(np.where(np.isfinite(values), values, np.nan))
         across, down = np.concatenate(x, axis=1), np.concatenate(y, axis=1)
-        there = np.isfinite(across).any(axis=1) & np.isfinite(down).any(axis=1)
-        across, down = (np.where(there[:, np.newaxis], at, 0.0) for at in (across, down))
+        has_ground = np.isfinite(across).any(axis=1) & np.isfinite(down).any(axis=1)
+        across, down = (np.where(has_ground[:, np.newaxis], at, 0.0) for at in (across, down))
         west, east, south, north = (end(at, axis=1) for at in (across, down) for end in (np.nanmin, np.nanmax))
         more_x, more_y = margin * (east - west), margin * (north - south)
         box = np.stack([west - more_x, south - more_y, east + more_x, north + more_y])
-        return np.where(there, box, np.nan)
+        return np.where(has_ground, box, np.nan)
 
     def block_ground(self, block: PixelBlock, candidates: Numbers) -> BlockGround:
         """Ground of a block that candidate images may show."""
@@ -362,7 +362,7 @@ class CameraImages:
         return Sight(x, y, inside, steepness)
 
     def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:
-        """Those of some pixels (h, w) of a block whose ground relief does not hide from an image."""
+        """Pixels (h, w) among ``which`` whose ground is not hidden from an image by relief."""
         surface = ground.surface
         if surface is None or not which.any():
             return which
@@ -378,7 +378,7 @@ class CameraImages:
         )
         met = geocentric(lat, pose.lon_deg + dlon, height)
         cell = float(surface.grid.ground_m_per_px(pose.lat_deg[:1], pose.lon_deg[:1], surface.zoom)[0])
-        # Rounding puts ground seen at grazing angles up to this share of a cell behind the point that its ray meets.
+        # At grazing angles, rounding puts visible ground up to 0.02 cells behind the point that its ray meets.
         seen = ~(hit & (np.linalg.norm(met - points, axis=-1) > 0.02 * cell))
         found = which.copy()
         found[which] = seen
@@ -405,7 +405,7 @@ class MapImages:
     Parameters
     ----------
     affines : array (n, 6)
-        Geotransform of each, in GDAL's order.
+        Geotransforms, in GDAL's order.
     sizes_px : array (n, 2)
         Width and height.
     nadirs : tuple of arrays (n,)
@@ -460,7 +460,7 @@ class MapImages:
         return Sight(across, down, inside, -away)
 
     def visible(self, index: int, ground: BlockGround, which: Flags) -> Flags:  # noqa: ARG002  as of camera frames
-        """Return all of some pixels: nothing hides a map."""
+        """Return ``which``: nothing hides a map."""
         return which
 
     def steepness_bounds(self, block: PixelBlock, ground: BlockGround, candidates: Numbers) -> Floats:  # noqa: ARG002
@@ -475,14 +475,14 @@ PlacedImages = Union[CameraImages, MapImages]
 def place_images(
     folder: Path, map_type: str | None = None, open_heights: OpenHeights = mission_heights
 ) -> tuple[PlacedImages, ImageSet, Numbers]:
-    """Find the images of a dataset's map type (None for the first), without failed and rejected ones.
+    """Find the images of a dataset's map type (None for the first), without failed and rejected images.
 
     Returns
     -------
     frames
     images : ImageSet
     rows : array (n,)
-        Rows of its table.
+        Rows of the images in their table.
 
     Raises
     ------
@@ -560,8 +560,8 @@ def _map_frames(images: ImageSet, rows: Numbers) -> MapImages:
         turns = np.rint((x - x[0]) / plane.width) * plane.width
         affines[:, 0] -= turns
         x = x - turns
-    a_pixel = math.sqrt(abs(affines[0, 1] * affines[0, 5] - affines[0, 2] * affines[0, 4]))
-    gsd = a_pixel * unit_m(plane, float(lat[0]), float(lon[0]))
+    pixel_size = math.sqrt(abs(affines[0, 1] * affines[0, 5] - affines[0, 2] * affines[0, 4]))
+    gsd = pixel_size * unit_m(plane, float(lat[0]), float(lon[0]))
     return MapImages(affines, sizes, (x, y), gsd, paths, plane)
 
 
@@ -569,7 +569,7 @@ def _read_affine(path: Path) -> tuple[float, ...]:
     """Read the geotransform of a map frame from its file, or from the world file beside it."""
     try:
         if path.suffix not in _WORLD_FILES:
-            # Mapped, so that only the directory of a large file is read.
+            # Map the file, so that only the directory of a large one is read.
             with open_foreign(path) as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
                 found = parse_affine(data)
         else:
@@ -600,7 +600,7 @@ def _away(block: PixelBlock, x: Floats, y: Floats) -> Floats:
     """Lower bounds (k,) of distances from places to a block, in the unit of the CRS."""
     off_x = np.maximum(np.maximum(block.x[0] - x, x - block.x[-1]), 0.0)
     off_y = np.maximum(np.maximum(block.y[-1] - y, y - block.y[0]), 0.0)
-    # Less by 3 %, as the scale of a map varies.
+    # Reduced by 3 %, as the scale of a map varies.
     away: Floats = 0.97 * np.hypot(off_x, off_y)
     return away
 

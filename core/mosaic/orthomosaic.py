@@ -1,8 +1,8 @@
 """Orthomosaics of a dataset's images, in files that may be larger than memory.
 
 Each pixel comes from the image that sees its ground at the smallest angle from the vertical, unless relief hides it.
-Of cameras at equal heights that is the one with the nearest nadir, so that seams form the Voronoi diagram of the
-nadirs. Colours are sampled bilinearly where the exact camera sees the ground.
+Among cameras at equal heights, that is the camera with the nearest nadir, so that seams form the Voronoi diagram of
+the nadirs. Colours are sampled bilinearly where the exact camera sees the ground.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ Progress = Callable[[float], bool]
 
 #: Side of the blocks that threads make: whole tiles, some 100 MB a thread.
 _BLOCK_PX = 2 * TILE_PX
-#: Threads, each of which makes a block.
+#: Most threads, each of which makes a block.
 _MOST_THREADS = 8
-#: Decoded images kept, beside those in use.
+#: Size of the decoded images that are kept, besides those in use.
 _KEPT_BYTES = 1 << 28
 
 
@@ -81,9 +81,9 @@ def make_orthomosaic(
     Parameters
     ----------
     target : path or None
-        ``MAP_TYPE.tif`` in the folder for None; written atomically.
+        File to write atomically; None for ``MAP_TYPE.tif`` in the folder.
     map_type : str or None
-        None for the first.
+        None for the first map type.
     gsd_m : float or None
         Ground sample distance at the middle; None for that of the images.
     most_px : int or None
@@ -106,13 +106,13 @@ def make_orthomosaic(
     if most_px is not None and count > most_px:
         gsd_m = (gsd_m or frames.gsd_m) * math.sqrt(count / most_px)
         raster, boxes = mosaic_raster(frames, gsd_m)
-    aim = path / f"{images.map_type}.tif" if target is None else Path(target)
-    owed = dict.fromkeys(images.table.attribution[row] for row in rows.tolist())
+    file = path / f"{images.map_type}.tif" if target is None else Path(target)
+    attributions = dict.fromkeys(images.table.attribution[row] for row in rows.tolist())
     used, shown = write_orthomosaic(
-        frames, raster, boxes, aim, progress, images.map_type, "; ".join(filter(None, owed))
+        frames, raster, boxes, file, progress, images.map_type, "; ".join(filter(None, attributions))
     )
     return Orthomosaic(
-        str(aim),
+        str(file),
         images.map_type,
         len(frames),
         used,
@@ -132,9 +132,9 @@ def check_ending(path: str | os.PathLike[str]) -> None:
 
 
 def mosaic_raster(frames: PlacedImages, gsd_m: float | None = None) -> tuple[Raster, ImageBoxes]:
-    """Pixel grid over the ground in images, and the boxes of that.
+    """Pixel grid over the ground in images, and the boxes of that ground.
 
-    Edges are whole multiples of a pixel, so that mosaics of equal ground sample distance align. Without ``gsd_m`` map
+    Edges are whole multiples of a pixel, so that mosaics of equal ground sample distance align. Without ``gsd_m``, map
     frames keep their pixels.
     """
     boxes = frames.boxes()
@@ -178,7 +178,7 @@ def orthorectify(frames: CameraImages, target: Path, longest_px: int) -> None:
     Raises
     ------
     InvalidInput
-        It cannot be read, or shows no ground within the domain of the CRS.
+        The image cannot be read, or shows no ground within the domain of the CRS.
     OutputError
         The file cannot be written.
     """
@@ -250,7 +250,7 @@ def write_orthomosaic(
 
 
 class _Block(NamedTuple):
-    """Tiles of a block for `write_tiles`, without empty ones; its images, and the number of pixels with ground."""
+    """Non-empty tiles of a block for `write_tiles`, indices of the images in it, and number of pixels with ground."""
 
     tiles: list[tuple[int, int, bytes]]
     used: set[int]
@@ -258,11 +258,11 @@ class _Block(NamedTuple):
 
 
 def _in_order(make: Callable[[tuple[int, int]], _Block], blocks: list[tuple[int, int]]) -> Iterator[_Block]:
-    """Make blocks in threads; yields them in order."""
+    """Make blocks in threads, and yield them in order."""
     threads = min(os.cpu_count() or 1, _MOST_THREADS)
     left = iter(blocks)
     with ThreadPoolExecutor(threads, thread_name_prefix="terrainav-mosaic") as pool:
-        # Two blocks a thread are begun ahead of the one that is written next.
+        # Begin two blocks a thread ahead of the block that is written next.
         waiting = [pool.submit(make, at) for at in islice(left, threads * 2)]
         try:
             while waiting:
@@ -278,28 +278,28 @@ def _make_block(
 ) -> _Block:
     block = raster.block(left, top, _BLOCK_PX)
     choice = choose_images(frames, boxes, block, images)
-    there = choice.image >= 0
-    used = np.unique(choice.image[there]).tolist()
+    is_shown = choice.image >= 0
+    used = np.unique(choice.image[is_shown]).tolist()
     if not used:
         return _Block([], set(), 0)
-    pixels = np.zeros((*there.shape, images.channels + 1), np.uint8)
+    pixels = np.zeros((*is_shown.shape, images.channels + 1), np.uint8)
     for index in used:
         at = choice.image == index
         image, _ = images.decode(index)
         x, y = choice.x[at] * image.shape[1], choice.y[at] * image.shape[0]
         pixels[at, :-1] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
-    pixels[..., -1] = there * np.uint8(255)
+    pixels[..., -1] = is_shown * np.uint8(255)
     tiles = [
         ((left + across) // TILE_PX, (top + down) // TILE_PX, packed_tile(part))
         for down in range(0, pixels.shape[0], TILE_PX)
         for across in range(0, pixels.shape[1], TILE_PX)
         if (part := pixels[down : down + TILE_PX, across : across + TILE_PX])[..., -1].any()
     ]
-    return _Block(tiles, set(used), int(there.sum()))
+    return _Block(tiles, set(used), int(is_shown.sum()))
 
 
 class ChosenImages(NamedTuple):
-    """Image of each pixel of a block, -1 for none, and the position in it, in shares of its size; (h, w) each."""
+    """Image (h, w) of each pixel of a block, -1 for none, and position in that image, in shares of its size."""
 
     image: Numbers
     x: Floats
@@ -309,12 +309,12 @@ class ChosenImages(NamedTuple):
 def choose_images(
     frames: PlacedImages, boxes: ImageBoxes, block: PixelBlock, images: _Images | None = None
 ) -> ChosenImages:
-    """Choose the image of each pixel of a block: the steepest, and of equals the first.
+    """Choose the image that sees each pixel of a block most steeply, the first among equals.
 
     Parameters
     ----------
     images : _Images or None
-        Their masked pixels count as not seen; None to ignore masks.
+        Images whose masked pixels count as not seen; None to ignore masks.
     """
     shape = block.lat_deg.shape
     index, best = np.full(shape, -1, np.int64), np.full(shape, -np.inf)
@@ -360,14 +360,14 @@ class _Images:
         self.channels = self.decode(0)[0].shape[2]
 
     def bands(self) -> Bands | None:
-        """Bands of the mosaic; None where its values are not those of the images, as of images of more than 8 bits."""
+        """Bands of the mosaic; None if its values are not those of the images, as with more than 8 bits."""
         stated = read_band_metadata(self._paths[0], self.channels)
         if stated is None or stated.data_type != "uint8" or len(stated.shown) != self.channels:
             return None
         return stated.picture_bands(self.channels)
 
     def decode(self, index: int) -> tuple[Bytes, Bytes | None]:
-        """Pixels (h, w, c), and a mask (h, w), which is 0 where an image shows nothing; None if it shows all."""
+        """Pixels (h, w, c) of an image, and a mask (h, w), 0 for pixels without data; None if all pixels have data."""
         with self._lock:
             known = self._kept.get(index)
             if known is not None:
@@ -393,7 +393,7 @@ class _Images:
         return image
 
     def shows(self, index: int, x: Floats, y: Floats, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Those of some positions (h, w), in shares, where an image is not masked."""
+        """Pixels (h, w) among ``which`` whose positions in an image, in shares of its size, are not masked."""
         image, mask = self.decode(index)
         if mask is None:
             return which

@@ -25,7 +25,7 @@ class Raster:
         Outer edges of the first pixel, in the unit of the plane's CRS. On EPSG:3857 they may lie beyond the world's
         edge, for ground across the antimeridian.
     across, down : float
-        Size of a pixel, in that unit.
+        Size of a pixel, in the unit of the CRS.
     """
 
     west: float
@@ -80,7 +80,7 @@ class BlockGround(NamedTuple):
     Attributes
     ----------
     points, normals : array (h, w, 3)
-        Unit normals of level ground, even over relief.
+        Points of the ground; unit normals of level ground, even over relief.
     surface : Surface or None
         The relief that the points lie on.
     """
@@ -103,7 +103,7 @@ class BlockGround(NamedTuple):
 
 
 def places(plane: Plane, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Latitudes and longitudes of positions in a plane's CRS (any shape); those of EPSG:3857 go beyond ±180°."""
+    """Latitudes and longitudes of positions in a plane's CRS (any shape); longitudes of EPSG:3857 go beyond ±180°."""
     lat, lon = plane.inverse((x - plane.west) / plane.width, (plane.north - y) / plane.height)
     return lat, lon
 

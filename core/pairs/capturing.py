@@ -1,4 +1,4 @@
-"""The run that makes a cross-view dataset: captures, then folders in the layout of University-1652."""
+"""The run that makes a cross-view dataset: captures, then a layout of folders as in University-1652."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def capture_pairs(
     source, drone_source : Source
         Imagery of the satellite, and of the drone if it differs, with the pixel grids that the plan was made for.
     resume : bool
-        Continue in a folder with these settings: make what is missing or failed.
+        Continue in a folder with these settings: make missing and failed images.
     connections, workers, listener
         As in `capture`; progress has the capture's name in place of the map type.
 
@@ -107,7 +107,7 @@ def capture_pairs(
     InvalidInput
         The source lacks the map type, or the plan is for another pixel grid; nothing is written.
     OutputError
-        The folder cannot be written, or holds other settings, these ones without ``resume``, or foreign files.
+        The folder cannot be written, or holds other settings, these settings without ``resume``, or foreign files.
     SourceError
         The source fails; finished images are kept.
     """
@@ -124,7 +124,7 @@ def capture_pairs(
     lock = path / CAPTURES_FOLDER / _LOCK_FILE
     with locked(lock) as check:
         # Another run may have claimed the folder meanwhile.
-        _refuse(path, wanted, resume=resume, ours=True)
+        _refuse(path, wanted, resume=resume, has_lock=True)
         check_settings(path, SETTINGS_FILE, planned.to_dict())
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
         results = capture_each(
@@ -139,7 +139,7 @@ def capture_pairs(
         return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, planned))
 
 
-def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> None:
+def _refuse(path: Path, wanted: bytes, *, resume: bool, has_lock: bool = False) -> None:
     """Raise OutputError for a folder that these settings may not be written to."""
     mark = path / SETTINGS_FILE
     try:
@@ -163,7 +163,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         return
     inside = path / CAPTURES_FOLDER
     foreign = [path / name for name in (TRAIN, TEST, TABLE_FILE, MISSION_FILE) if (path / name).exists()]
-    if inside.exists() and not ours:
+    if inside.exists() and not has_lock:
         # A run that was killed at its start leaves its lock.
         foreign += (
             [one for one in sorted(inside.iterdir()) if one.name not in (_LOCK_FILE, LEASE_FILE)]
@@ -188,13 +188,13 @@ def _lay_out(path: Path, planned: PairPlan) -> tuple[str, ...]:
         outcomes[name] = {picture: outcome for (_, picture), outcome in journal.outcomes.items()}
     rows: list[dict[str, object]] = []
     left_out: list[str] = []
-    for place, one in enumerate(planned.ids):
+    for place, place_id in enumerate(planned.ids):
         images = list(_images(planned, place))
         found = [outcomes[image.mission].get(_picture(planned, image)) for image in images]
         made = [outcome is not None and outcome.status != FAILED for outcome in found]
         complete = made[0] and any(made[1:])
         if not complete:
-            left_out.append(one)
+            left_out.append(place_id)
         oblique = _most_oblique(planned, made[1:])
         for view in STAND_INS if planned.parts[place] == TRAIN else STAND_INS[:1]:
             for at, image in enumerate(images[1 : 1 + len(planned.settings.views)]):
@@ -204,20 +204,20 @@ def _lay_out(path: Path, planned: PairPlan) -> tuple[str, ...]:
                     found.append(found[1 + at])
                     made.append(made[1 + at])
                 else:
-                    # It may have stood in while a more oblique view was missing.
-                    for file in _files(planned.parts[place], one, stand_in):
+                    # This view may have stood in while a more oblique one was missing.
+                    for file in _files(planned.parts[place], place_id, stand_in):
                         _withdraw(path / file)
-        for image, outcome, there in zip(images, found, made):
-            captured = _captured(path, planned, image) if there else None
-            files = _files(planned.parts[place], one, image)
+        for image, outcome, is_made in zip(images, found, made):
+            captured = _captured(path, planned, image) if is_made else None
+            files = _files(planned.parts[place], place_id, image)
             for file in files:
                 if captured is not None and complete:
                     _put(path / file, captured)
                 else:
                     _withdraw(path / file)
             reason = "" if outcome is None else outcome.reason
-            shown = captured.relative_to(path).as_posix() if captured is not None else ""
-            rows.append(_row(planned, place, image, reason, there, files if there and complete else [], shown))
+            source = captured.relative_to(path).as_posix() if captured is not None else ""
+            rows.append(_row(planned, place, image, reason, is_made, files if is_made and complete else [], source))
     cells = ([row[name] for name in COLUMNS] for row in rows)
     write_whole(path / TABLE_FILE, csv_bytes([COLUMNS, *cells]))
     write_whole(path / "README.txt", _README.encode("utf-8"))
@@ -225,9 +225,9 @@ def _lay_out(path: Path, planned: PairPlan) -> tuple[str, ...]:
 
 
 def _most_oblique(planned: PairPlan, made: Sequence[bool]) -> int:
-    """Index of the most oblique drone view, and of several the lowest; of those made, if there are any."""
+    """Index of the most oblique drone view, the lowest of several; among the views made, if any."""
     views = planned.settings.views
-    among = [at for at, there in enumerate(made) if there] or list(range(len(views)))
+    among = [at for at, is_made in enumerate(made) if is_made] or list(range(len(views)))
     return max(among, key=lambda at: (views[at].tilt_deg, -views[at].agl_m, -at))
 
 
@@ -253,16 +253,16 @@ def _captured(path: Path, planned: PairPlan, image: _PairImage) -> Path:
     return moved if moved.exists() and not (folder / name).exists() else folder / name
 
 
-def _files(part: str, one: str, image: _PairImage) -> list[str]:
+def _files(part: str, place_id: str, image: _PairImage) -> list[str]:
     """Paths of an image in the parts' folders: test images are both in the gallery and among the queries."""
     if part == TRAIN:
-        return [f"{TRAIN}/{image.view}/{one}/{image.name}"]
+        return [f"{TRAIN}/{image.view}/{place_id}/{image.name}"]
     kinds = ("gallery", "query") if part == TEST else ("gallery",)
-    return [f"{TEST}/{kind}_{image.view}/{one}/{image.name}" for kind in kinds]
+    return [f"{TEST}/{kind}_{image.view}/{place_id}/{image.name}" for kind in kinds]
 
 
 def _put(target: Path, captured: Path) -> None:
-    """Link or copy a captured image to a target; raises OutputError where the target differs from it."""
+    """Link or copy a captured image to a target; raises OutputError if the target exists and differs."""
     try:
         if target.exists():
             if target.samefile(captured) or filecmp.cmp(target, captured, shallow=False):
@@ -279,7 +279,7 @@ def _put(target: Path, captured: Path) -> None:
 
 
 def _withdraw(target: Path) -> None:
-    """Remove an image of an earlier run that is missing now."""
+    """Remove an image that an earlier run placed, if it exists."""
     try:
         target.unlink(missing_ok=True)
     except OSError as wrong:
@@ -291,7 +291,7 @@ def _row(
     place: int,
     image: _PairImage,
     reason: str,
-    there: bool,
+    is_made: bool,
     files: list[str],
     captured: str,
 ) -> dict[str, object]:
@@ -305,7 +305,7 @@ def _row(
         "part": planned.parts[place],
         "view": image.view,
         "image": image.name,
-        "status": "done" if there else "failed",
+        "status": "done" if is_made else "failed",
         "reason": table_cell(reason),
         "place_lat_deg": where.lat_deg,
         "place_lon_deg": where.lon_deg,

@@ -53,15 +53,15 @@ def part_places(
 ) -> PlaceParts:
     """Assign places to parts.
 
-    Places whose views share ground, directly or through others, go to the same part. The order is that of a hash of
-    seed and coordinates, whatever the order of the list.
+    Places whose views share ground, directly or through others, go to the same part. Places are taken in the order of a
+    hash of seed and coordinates, whatever the order of the list.
 
     Parameters
     ----------
     shares : three numbers
-        Of training, test and distractors, relative to their sum.
+        Shares of training, test and distractors, relative to their sum.
     reach_m : array (n,)
-        Farthest ground in any view of each place.
+        Distance of the farthest ground in any view of each place.
     gap_m : float
         Least distance between the ground of two parts, >= 0.
     allow_shared_ground : bool
@@ -135,7 +135,7 @@ def _order(places: Sequence[PairPlace], seed: int) -> list[int]:
 
 
 def _filled(groups: Numbers, order: list[int], wanted: list[int]) -> Numbers:
-    """Index of the part of each place: largest groups first, each to the part that lacks most places."""
+    """Index of the part of each place: groups are assigned, largest first, to the part that lacks most places."""
     members: dict[int, list[int]] = {}
     for index in order:
         members.setdefault(int(groups[index]), []).append(index)
@@ -152,7 +152,7 @@ def _neighbours(places: Sequence[PairPlace], reach_m: Floats, gap_m: float) -> N
     """Group of each place: places whose views share ground, directly or through others."""
     points = cartesian_m(np.array([p.lat_deg for p in places]), np.array([p.lon_deg for p in places]))
     group = np.arange(len(places))
-    # At most 4 million distances at a time, 32 MB for each array of them.
+    # At most 4 million distances at a time, 32 MB an array.
     rows = max((1 << 22) // len(places), 1)
     for start in range(0, len(places), rows):
         block = slice(start, start + rows)

@@ -58,13 +58,13 @@ def read_places(path: str | Path) -> tuple[PairPlace, ...]:
     """Read places from a text file, one a line: ``lat lon``, or ``lat lon name``.
 
     Separators are spaces, commas, semicolons and underscores; empty lines and those that begin with # are skipped. A
-    file whose lines all go on with one or two numbers is the paper's coordinate file, ``lat lon agl [yaw]``; heights
-    and yaws, which are those of captures, are ignored.
+    file whose lines all continue with one or two numbers is the paper's coordinate file, ``lat lon agl [yaw]``; its
+    heights and yaws, which are those of captures, are ignored.
 
     Raises
     ------
     InvalidInput
-        A line cannot be read or repeats a place, or there is none; the message names the line.
+        A line cannot be read or repeats a place, or there are no places; the message names the line.
     """
     try:
         lines = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=True)).splitlines()
@@ -90,7 +90,7 @@ def read_places(path: str | Path) -> tuple[PairPlace, ...]:
         places.append(place)
     if not places:
         raise InvalidInput("places {0}: holds none", path, remedy=Message("give {0}", _FORMATS))
-    # Of the paper's file the rest of a line is a height and perhaps a yaw.
+    # In the paper's file, each line continues with a height and perhaps a yaw.
     heights = [re.fullmatch(rf"({_NUMBER})(?:{_BETWEEN}{_NUMBER})?", place.name) for place in places]
     if all(heights):
         for number, place, height in zip(line_numbers.values(), places, heights):
@@ -114,7 +114,7 @@ def _place(line: str, where: str) -> PairPlace:
     if found is None:
         raise InvalidInput("{0} {1!r} is not `lat lon` or `lat lon name`", where, stripped)
     lat, lon, rest = found.groups()
-    # The name keeps its dashes: the translation changes no length.
+    # Take the name from the original text, with its dashes: translating changes no length.
     name = "" if rest is None else stripped[len(stripped) - len(rest) :]
     try:
         return PairPlace(float(lat), float(lon), name.strip())
@@ -123,7 +123,7 @@ def _place(line: str, where: str) -> PairPlace:
 
 
 def read_box(text: str) -> Box:
-    """Read a box ``latTL_lonTL_latBR_lonBR``, or the paper's with a height after it, which is ignored.
+    """Read a box ``latTL_lonTL_latBR_lonBR``; a height after it, as in the paper, is ignored.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def spread_places(
 ) -> tuple[PairPlace, ...]:
     """Spread places over a box, evenly by area, with a least distance.
 
-    They come from a hash of the seed: equal on every machine, and the first of any larger count.
+    Places follow from a hash of the seed: they are equal on every machine, and a larger count only adds places.
 
     Parameters
     ----------
@@ -171,12 +171,12 @@ def spread_places(
     places: list[PairPlace] = []
     taken = np.empty((count, 3))
     misses = 0
-    for lat, lon in _darts(box, seed):
+    for lat, lon in _random_points(box, seed):
         point = cartesian_m(np.array(lat), np.array(lon))
         nearest = np.sqrt(np.min(np.sum((taken[: len(places)] - point) ** 2, axis=-1), initial=np.inf))
         if nearest == 0.0 or nearest < spacing_m:
             misses += 1
-            # After a thousand misses in a row less than a hundredth of the box is free, all but surely.
+            # After a thousand misses in a row, less than a hundredth of the box is almost certainly free.
             if misses == 1000:
                 break
             continue
@@ -195,7 +195,7 @@ def spread_places(
     )
 
 
-def _darts(box: Box, seed: int) -> Iterator[tuple[float, float]]:
+def _random_points(box: Box, seed: int) -> Iterator[tuple[float, float]]:
     """Yield random points of a box endlessly, evenly by area on a sphere."""
     south, north = (math.sin(math.radians(lat)) for lat in (box.south_deg, box.north_deg))
     for number in itertools.count():
@@ -203,7 +203,7 @@ def _darts(box: Box, seed: int) -> Iterator[tuple[float, float]]:
         across, up = (int.from_bytes(part, "big") / 2.0**64 for part in (digest[:8], digest[8:]))
         lat = math.degrees(math.asin(south + (north - south) * up))
         lon = box.west_deg + box.span_deg * across
-        # To 1 cm, as sines differ between machines in the last digit.
+        # Round to 1 cm, as sines differ between machines in the last digit.
         yield round(min(max(lat, box.south_deg), box.north_deg), 7), round(lon - 360.0 * (lon > 180.0), 7)
 
 

@@ -26,11 +26,11 @@ from .parts import PARTS, SHARES, check_shares, part_places
 from .places import PairPlace, cartesian_m, spread_places
 from .views import PairView, reach_m, spiral, standing_poses
 
-#: Of University-1652's images.
+#: Side of University-1652's images.
 DEFAULT_SIZE_PX = 512
 #: Side of the largest square images.
 MOST_SIZE_PX = math.isqrt(MAX_PICTURE_PX)
-#: The paper's field of view, in University-1652's squares.
+#: Camera with the paper's field of view and University-1652's square images.
 DEFAULT_CAMERA = Camera(aspect_ratio=1.0)
 SATELLITE, DRONE = "satellite", "drone"
 #: Decimals of computed heights and distances: 1 mm, as machines differ in the last digit.
@@ -46,26 +46,26 @@ class PairSettings:
     views : tuple of PairView
         Drone views of each place, in the order of the images.
     camera : Camera
-        Of the drone.
+        Camera of the drone.
     size_px : int
         Longer side of the drone's images, and side of the satellite's.
     satellite_m : float or None
-        Width of the satellite view on the ground; None for that of the widest drone view at the place.
+        Width of the satellite view on the ground; None for the width of the widest drone view at the place.
     source, map_type, date, crs
-        Of the imagery, as in `Mission`.
+        Imagery, as in `Mission`.
     imageries : tuple of NamedImagery
         Other imagery of ``satellite``, ``drone``, or both.
     seed : int
-        Of the embedded world, and of the order in which places are assigned to parts.
+        Seed of the embedded world, and of the order in which places are assigned to parts.
     shares : three numbers
-        Of training, test and distractors, relative to their sum.
+        Shares of training, test and distractors, relative to their sum.
     gap_m : float
         Least distance between the ground of two parts, >= 0.
     allow_shared_ground : bool
         Assign places one by one, even if parts then share ground.
     terrain : Terrain
-        Heights of the ground and of the surface, as in `Mission`, for the drone; the satellite view is the map. The
-        views' heights count from the ground at the place.
+        Heights of the ground and of the surface for the drone, as in `Mission`; the satellite view is the map. Heights
+        of views count from the ground at the place.
     upsample, ground_height_m, error_budget_px, accept_error, resampling
         As in `Mission`.
     """
@@ -175,12 +175,12 @@ class PairSettings:
             SATELLITE,
             Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
             camera=camera,
-            # All latitudes share a zoom. It is the nearest to pixels twice as fine as the image's, at the lowest
-            # latitude too, so that images are sharp when resized.
+            # All latitudes share the zoom nearest to pixels twice as fine as the image's, even at the lowest latitude,
+            # so that images are sharp when resized.
             image_px=math.ceil(self.size_px * 2 * float(shrunk.max() / shrunk.min())),
             img_size=(self.size_px, self.size_px, 3),
             frame="map",
-            # A satellite sees all ground from above, and is not meant to resemble a camera's image.
+            # A satellite sees all ground from above: its view is not meant to resemble a camera's image.
             accept_error=True,
         )
 
@@ -222,7 +222,7 @@ def places_in_box(
     Parameters
     ----------
     spacing_m : float or None
-        Least distance between places; None for one at which no two share ground.
+        Least distance between places; None for a distance at which no two places share ground.
 
     Raises
     ------
@@ -234,7 +234,7 @@ def places_in_box(
         lat = np.array([box.south_deg, box.north_deg, min(max(0.0, box.south_deg), box.north_deg)])
         for one in lat:
             PairPlace(float(one), box.west_deg)
-        # A hundredth more for the satellite's window, whose edges are rounded to pixels.
+        # Add a hundredth for the satellite's window, whose edges are rounded to pixels.
         satellite_m = settings.satellite_width_m * math.sqrt(0.5) * 1.01
         farthest_m = max(float(reach_m(lat, settings.views, settings.camera, settings.ground).max()), satellite_m)
         if math.isinf(farthest_m):
@@ -303,12 +303,12 @@ class PairPlan:
         tilts: dict[float, str] = {
             one.mission.attitude.tilt_deg: name for name, one in self.plans.items() if name != SATELLITE
         }
-        before = dict.fromkeys(tilts.values(), 0)
+        counts = dict.fromkeys(tilts.values(), 0)
         found = []
         for view in self.settings.views:
             name = tilts[view.tilt_deg]
-            found.append((name, place * (len(self.plans[name]) // len(self.parts)) + before[name]))
-            before[name] += 1
+            found.append((name, place * (len(self.plans[name]) // len(self.parts)) + counts[name]))
+            counts[name] += 1
         return found
 
     def to_dict(self) -> dict[str, Any]:
@@ -367,9 +367,9 @@ def plan_pairs(
     places : sequence of PairPlace
         In the order of their ids.
     grid, drone_grid : PixelGrid
-        Of the satellite's imagery, and of the drone's if it differs.
+        Pixel grids of the satellite's imagery, and of the drone's if it differs.
     heights : Heights or None
-        Those of the settings' terrain (`picture.heights.terrain_heights`), where it has some.
+        Heights of the settings' terrain (`picture.heights.terrain_heights`); None if it is level.
 
     Raises
     ------
@@ -427,7 +427,7 @@ def _relief_reach_m(drone: Plan, places: Sequence[PairPlace]) -> Floats:
         seen, _ = drone.relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
         middle = cartesian_m(np.array(place.lat_deg), np.array(place.lon_deg))
         distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
-        # Between nine points an edge, relief may reach a little farther.
+        # Between the nine points of an edge, relief may reach a little farther.
         found[index] = np.where(seen.hit, distance * 1.05, np.inf).max()
     return found
 

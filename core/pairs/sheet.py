@@ -18,10 +18,16 @@ from ..text.safe_json import decoded
 from .capturing import TABLE_FILE
 from .planning import DRONE, SATELLITE
 
-#: Greatest numbers of places and of drone views shown.
-PLACES, VIEWS = 3, 6
-#: Side of a cell, height of its caption, gap between cells.
-_CELL_PX, _CAPTION_PX, _GAP_PX = 200, 16, 6
+#: Most places shown.
+PLACES = 3
+#: Most drone views of a place shown.
+VIEWS = 6
+#: Side of a cell.
+_CELL_PX = 200
+#: Height of the caption below a cell.
+_CAPTION_PX = 16
+#: Gap between cells.
+_GAP_PX = 6
 _PAPER, _INK = (255, 255, 255), (32, 32, 32)
 
 Row = dict[str, str]
@@ -52,7 +58,7 @@ def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]
     path, file = Path(folder), Path(target)
     check_sheet(file)
     rows = _read_places(path)
-    chosen = [_even(one) for one in _alternate_parts(rows)[:PLACES]]
+    chosen = [_select_evenly(one) for one in _alternate_parts(rows)[:PLACES]]
     step = _CELL_PX + _GAP_PX
     height = _CELL_PX + _CAPTION_PX + _GAP_PX
     columns = max(map(len, chosen))
@@ -104,8 +110,8 @@ def _alternate_parts(places: list[list[Row]]) -> list[list[Row]]:
     return [places[at] for at in sorted(range(len(places)), key=order.__getitem__)]
 
 
-def _even(rows: list[Row]) -> list[Row]:
-    """Row of the satellite, and up to `VIEWS` of the drone, evenly from first to last."""
+def _select_evenly(rows: list[Row]) -> list[Row]:
+    """Select the satellite's row and up to `VIEWS` of the drone's rows, evenly from first to last."""
     satellite, drone = rows[:1], rows[1:]
     count = min(VIEWS, len(drone))
     return satellite + [drone[at * (len(drone) - 1) // max(count - 1, 1)] for at in range(count)]

@@ -20,7 +20,7 @@ from .places import cartesian_m
 #: University-1652's flight (Zheng, Wei, Yang 2020, section 3): three rounds from 256 m down to 121.5 m, 54 views.
 HEIGHTS_M, ROUNDS, VIEWS = (256.0, 121.5), 3, 54
 DEFAULT_TILT_DEG = 45.0
-#: At a tilt of 80 degrees the camera stands 5.7 heights off; beyond, a place is a strip below the horizon.
+#: At a tilt of 80 degrees, the camera is 5.7 heights away; beyond, a place is a strip below the horizon.
 MOST_TILT_DEG = 80.0
 
 
@@ -35,7 +35,7 @@ class PairView:
     yaw_deg : float
         Direction of view, clockwise from north; at 0 the camera is south of the place.
     tilt_deg : float
-        From straight down, 0..80.
+        Angle from straight down, 0..80.
     """
 
     agl_m: float
@@ -113,14 +113,15 @@ def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
 def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ellipsoid = WGS84) -> Poses:
     """Poses from which the optical axis meets the ground at places.
 
-    Found iteratively: the axis is traced to the ground, and the camera moved by the distance that it misses.
+    Found iteratively: the axis is traced to the ground, and the camera is moved by the distance by which the axis
+    misses the place.
 
     Parameters
     ----------
     lat_deg, lon_deg : array (n,)
         Places.
     ground : Ellipsoid
-        That heights refer to.
+        Level ground that heights refer to.
 
     Raises
     ------
@@ -149,9 +150,9 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ell
 
 
 def reach_m(lat_deg: Floats, views: Sequence[PairView], camera: Camera, ground: Ellipsoid = WGS84) -> Floats:
-    """Greatest distance from places at latitudes (n,) of the ground in any of their views; metres.
+    """Greatest distance (n,) in metres between a place at each latitude and the ground in any of its views.
 
-    A distance in space, as all between places. Infinite where a view sees the horizon.
+    Distances are straight lines in space, as all distances between places. Infinite if a view sees the horizon.
     """
     lon = np.zeros_like(lat_deg)
     middle = cartesian_m(lat_deg, lon)[:, np.newaxis]

@@ -24,7 +24,7 @@ _COLOURS = 3
 def camera_parts(view: View, lon_deg: float) -> list[Part]:
     """Tiles of a camera frame, each once.
 
-    Their offsets are positions in the world at their zoom, with ``dx_px`` not wrapped.
+    Offsets of parts are positions in the world at their zoom, with ``dx_px`` not wrapped.
     """
     return parts_of_tiles(view.grid, view.tiles(lon_deg))
 
@@ -64,14 +64,14 @@ def render(
     Parameters
     ----------
     lon_deg : float
-        Of the camera.
+        Longitude of the camera.
     parts : sequence of Part
         From `camera_parts`.
     pixels : mapping of Window to array (tile_px, tile_px, bands or one more)
     kernel : str
         nearest, bilinear, bicubic or lanczos, which needs a view by rays.
     bands : Bands
-        Of the source.
+        Bands of the source.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def render(
     Raises
     ------
     PartError
-        A part has a wrong size, or no imagery where the picture shows it.
+        A part has a wrong size, or lacks imagery that the picture shows.
     """
     grounds = {zoom: _ground(zoom, parts, pixels, bands) for zoom in {part.window.zoom for part in parts}}
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
@@ -100,14 +100,14 @@ def render(
 
 def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> _Ground:
     """Join the tiles of one zoom."""
-    here = [part for part in parts if part.window.zoom == zoom]
-    left, top = min(part.dx_px for part in here), min(part.dy_px for part in here)
-    right = max(part.dx_px + part.window.width_px for part in here)
-    bottom = max(part.dy_px + part.window.height_px for part in here)
+    of_zoom = [part for part in parts if part.window.zoom == zoom]
+    left, top = min(part.dx_px for part in of_zoom), min(part.dy_px for part in of_zoom)
+    right = max(part.dx_px + part.window.width_px for part in of_zoom)
+    bottom = max(part.dy_px + part.window.height_px for part in of_zoom)
     count = len(bands)
     ground = np.zeros((bottom - top, right - left, count), bands.dtype)
     missing: NDArray[np.bool_] | None = None
-    for part in here:
+    for part in of_zoom:
         tile = checked(part.window, pixels[part.window], bands)
         rows = slice(part.dy_px - top, part.dy_px - top + part.window.height_px)
         columns = slice(part.dx_px - left, part.dx_px - left + part.window.width_px)

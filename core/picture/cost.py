@@ -44,8 +44,8 @@ def _time_text(seconds: float) -> Message:
 
 
 def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
-    """Measure the chosen methods, in the time of some ten pictures."""
-    # More captures take no longer each.
+    """Measure the chosen methods; takes the time of some ten pictures."""
+    # The time of a capture does not depend on their number.
     few = plan.poses.take(np.arange(min(len(plan), 10_000)))
     camera, ground = plan.mission.camera, plan.ground
     footprints_s = _processor_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
@@ -58,13 +58,13 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     view, lon = plan.views.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
-    seeing_s = 0.0
+    views_s = 0.0
     if not plan.relief.is_level:
-        # Over relief each view is made twice: to find its tiles, and to draw it.
+        # Over relief, each view is made twice: to find its tiles, and to draw it.
         start = time.thread_time()
         plan.views.view(index)
-        seeing_s = 2.0 * (time.thread_time() - start)
-    return Cost(footprints_s, seeing_s + _processor_s(lambda: render(view, lon, parts, blank, resampling, bands)))
+        views_s = 2.0 * (time.thread_time() - start)
+    return Cost(footprints_s, views_s + _processor_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 
 
 def _blank(parts: list[Part], bands: Bands) -> dict[Window, PixelValues]:
@@ -75,7 +75,7 @@ def _blank(parts: list[Part], bands: Bands) -> dict[Window, PixelValues]:
 def _processor_s(work: Callable[[], object]) -> float:
     """Mean processor time of work, in seconds."""
     work()  # fills caches
-    # Ten steps of the clock, which on some systems are of 16 ms, and three runs at least.
+    # At least three runs, and ten steps of the clock, each 16 ms on some systems.
     least_s = 10 * clock_step_s()
     runs, start = 0, time.thread_time()
     while runs < 3 or time.thread_time() - start < least_s:

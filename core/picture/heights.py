@@ -1,4 +1,4 @@
-"""Opens the heights of a mission: the ground that it flies over, and the surface that its cameras see."""
+"""Open the heights of a mission: the ground that it flies over, and the surface that its cameras see."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def mission_heights(mission: Mission, options: SourceOptions | None = None) -> H
     ----------
     mission : Mission
     options : SourceOptions or None
-        Options of their sources; None for the defaults.
+        Options of the heights' sources; None for the defaults.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def mission_heights(mission: Mission, options: SourceOptions | None = None) -> H
 
 
 def landscape_crs(source: str, crs: str) -> str:
-    """CRS of the embedded landscape's heights: the imagery's if that is the landscape too, else the default."""
+    """CRS of the embedded landscape's heights: that of the imagery if it is the landscape, too, else the default."""
     return crs if source.lower() == "world" else ""
 
 

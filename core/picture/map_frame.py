@@ -40,7 +40,7 @@ def assemble(
     pixels : mapping of Window to array (height_px, width_px, bands or one more)
         Pixels of each part, from `Source.fetch`.
     bands : Bands
-        Of the source.
+        Bands of the source.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def resized(picture: PixelValues, img_size: tuple[int, int, int] | None, bands: 
     img_size : tuple (width, height, channels) or None
         Channels are 1 (grey) or 3 (colour), of the bands that are shown. None leaves the picture unchanged.
     bands : Bands
-        Of the picture.
+        Bands of the picture.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """The camera of a picture: its optics in px and mm, its height, and the time of exposure.
 
-Focal length and principal point in px follow from the plan. Millimetres need a sensor: that of the data sheet for the
-cameras that ship with the program, else one with a longer side of `NOMINAL_SENSOR_MM`. The pixel size follows from the
-focal length, so that mm and px give the same field of view.
+Focal length and principal point in px follow from the plan. Millimetres need a sensor: that of the data sheet for
+cameras that ship with the program, else a sensor with a longer side of `NOMINAL_SENSOR_MM`. The pixel size follows from
+the focal length, so that mm and px give the same field of view.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def camera_body(camera: Camera) -> Body:
     focal_length_mm = NOMINAL_SENSOR_MM / (2.0 * max(camera.half_tangents))
     for preset in shipped_cameras():
         known = ((preset.camera.fov_deg, camera.fov_deg), (preset.camera.aspect_ratio, camera.aspect_ratio))
-        # Equal but for rounding.
+        # Compare all but rounding.
         if all(math.isclose(one, other, rel_tol=1e-9) for one, other in known):
             return Body(f"{preset.name} (simulated)", preset.focal_length_mm or focal_length_mm)
     return Body(f"FOV {camera.fov_deg:.6g} deg, {camera.aspect_ratio:.6g} to 1 (simulated)", focal_length_mm)
@@ -117,7 +117,7 @@ def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats,
 
 @dataclass(frozen=True)
 class Exposure:
-    """Camera data for a picture's tags, beside the pose.
+    """Camera data for a picture's tags, besides the pose.
 
     Parameters
     ----------

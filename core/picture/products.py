@@ -49,7 +49,7 @@ def products(
     if not wanted:
         return
     seen = sighting(plan, index, size_px, shot)
-    there = np.isfinite(seen.depth_m)
+    has_ground = np.isfinite(seen.depth_m)
     for name in wanted:
         if name == "facades":
             yield name, (seen.steep * np.uint8(255))[..., np.newaxis]
@@ -59,9 +59,9 @@ def products(
         elif name == "points":
             values = np.stack([wrap_lon_deg(seen.lon_deg), seen.lat_deg, seen.height_m], axis=-1)
         else:
-            # Further digits are noise.
+            # Digits beyond these are noise.
             values = _rounded(seen.normals, 2.0**-21)
-        yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
+        yield name, np.dstack([values, has_ground]).astype(BANDS[name].dtype)
 
 
 def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None) -> Sighting:
@@ -79,7 +79,7 @@ def sighting(plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | S
     else:
         seen = _level_sighting(plan, index, size_px)
     pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
-    # To 1/8192 of a pixel on the ground; further digits are noise.
+    # Round to 1/8192 of a pixel on the ground; further digits are noise.
     metre = power_of_two(pixel_m * 2.0**-13)
     degree = power_of_two(math.degrees(metre / WGS84.a_m))
     return seen._replace(

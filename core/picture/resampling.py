@@ -53,9 +53,9 @@ def sample(image: PixelValues, x_px: Floats, y_px: Floats, kernel: str) -> Weigh
     Parameters
     ----------
     image : array (h, w, c)
-        Extended beyond its edges by its outermost pixels.
+        Beyond its edges, its outermost pixels are repeated.
     x_px, y_px : array (n,)
-        From the outer corner of the upper left pixel, whose centre is at 0.5, 0.5.
+        Positions from the outer corner of the upper left pixel, whose centre is at 0.5, 0.5.
     kernel : str
         nearest, bilinear, bicubic or lanczos (three lobes).
 

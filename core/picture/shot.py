@@ -25,7 +25,7 @@ Walls = Callable[..., NDArray[np.float32]]
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """A camera frame to be drawn. Its view is made on demand: over relief each picture needs an expensive one."""
+    """A camera frame to be drawn. Its view is made on demand, as views over relief are expensive."""
 
     plan: Plan
     index: int
@@ -115,7 +115,7 @@ def draw(
     masked : bool
         Add a mask to a camera frame, 0 where the picture shows nothing.
     bands : Bands
-        Of the source.
+        Bands of the source.
     walls : callable or None
         From `wall_colours`.
 
@@ -131,8 +131,8 @@ def draw(
     if walls is not None and shot.tracing is not None and view.facade_share:
         row, column, *faces = shot.tracing.faces()
         colours = walls(*faces)
-        there = np.isfinite(colours).all(axis=1)
-        picture[row[there], column[there]] = fitted(colours[there], picture.dtype)
+        is_known = np.isfinite(colours).all(axis=1)
+        picture[row[is_known], column[is_known]] = fitted(colours[is_known], picture.dtype)
     if masked:
         shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
         picture = np.dstack([picture, shown * full(bands.dtype)])

@@ -27,7 +27,7 @@ def read_gpx(
 ) -> Track:
     """Read a track, segment after segment. Heights stay in the file's reference; the ground height is unknown.
 
-    Where some points have a time, points without one are left out and counted.
+    If some points have a time, points without a time are left out and counted.
 
     Parameters
     ----------
@@ -37,12 +37,12 @@ def read_gpx(
         XML reader; lxml by default.
     progress : callable
     with_times : bool
-        Whether to read times; without them no point is left out.
+        Whether to read times; if not, no point is left out.
 
     Raises
     ------
     InvalidInput
-        Not GPX; points without a place; times that decrease or that no flight has.
+        Not GPX; points without a place; times that decrease or are implausible.
     OutputError
         lxml is not installed.
     Cancelled
@@ -62,10 +62,10 @@ def read_gpx(
     if not (with_times and timed.any()):
         return Track(*rows[:, :3].T)
     lat, lon, height, times = rows[timed].T
-    back = np.flatnonzero(np.diff(times) < 0.0)
+    backward = np.flatnonzero(np.diff(times) < 0.0)
     fault = implausible(times, dated=True)
-    if len(back):
-        fault = Message("its times go back at point {0:,}", int(back[0]) + 2)
+    if len(backward):
+        fault = Message("its times go back at point {0:,}", int(backward[0]) + 2)
     if fault is not None:
         raise InvalidInput(
             "{0}: {1}", name, fault, remedy=Message("leave the times out{0}", OptionName("times").in_brackets)

@@ -28,7 +28,7 @@ from ..text.safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-#: Largest distance of the flown geodesics from the line, and of corners that are merged into one.
+#: Largest distance between the flown geodesics and the line, and between corners that are merged.
 TOLERANCE_M = 0.1
 #: Time that the aircraft takes to roll into a turn and out of it.
 _ROLLING_S = 1.0
@@ -78,18 +78,18 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
     InvalidInput
         No line, an invalid place or height, a line of one place, a corner too sharp for its legs, or too many poses.
     """
-    ways = [_RoundedLine.from_corners(line, flight, number) for number, line in enumerate(lines, 1)]
-    if not ways:
+    rounded = [_RoundedLine.from_corners(line, flight, number) for number, line in enumerate(lines, 1)]
+    if not rounded:
         raise InvalidInput("line: missing")
-    count = sum(way.count(flight) for way in ways)
+    count = sum(one.count(flight) for one in rounded)
     if count > MAX_POSES:
         raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
     clock, columns = start_s, []
-    for at, way in enumerate(ways):
-        time_s, way_m = way.exposures(flight)
-        columns.append([*way.poses(way_m), way.roll_deg(time_s), clock + time_s])
-        if at + 1 < len(ways):
-            clock += float(way.time_s[-1]) + way.distance_m(ways[at + 1]) / flight.speed_m_per_s
+    for at, one in enumerate(rounded):
+        time_s, way_m = one.exposures(flight)
+        columns.append([*one.poses(way_m), one.roll_deg(time_s), clock + time_s])
+        if at + 1 < len(rounded):
+            clock += float(one.time_s[-1]) + one.distance_m(rounded[at + 1]) / flight.speed_m_per_s
     digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 4)
     # Adding 0 turns -0 into 0.
     lat, lon, agl, yaw, roll, time = (
@@ -102,9 +102,9 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
             rolls_deg=tuple(roll) if flight.fixed_camera else (),
             times_s=tuple(time),
         ),
-        max(way.missed_m for way in ways),
-        int(sum(np.count_nonzero(way.speed_m_per_s < flight.speed_m_per_s) for way in ways)),
-        min(float(way.speed_m_per_s.min()) for way in ways),
+        max(one.missed_m for one in rounded),
+        int(sum(np.count_nonzero(one.speed_m_per_s < flight.speed_m_per_s) for one in rounded)),
+        min(float(one.speed_m_per_s.min()) for one in rounded),
     )
 
 
@@ -140,7 +140,8 @@ class _RoundedLine:
         half = np.tan(np.radians(np.abs(turn)) / 2.0)
         widest = turn_radius_m(flight)
         wanted = widest * half
-        # A leg too short for both its turns is shared; a turn that needs less than half leaves the rest to the other.
+        # A leg too short for both its turns is shared; a turn that needs less than half leaves the rest to
+        # the other turn.
         first, second = (
             np.minimum(one, np.maximum(leg / 2.0, leg - other))
             for one, other in ((wanted[:-1], wanted[1:]), (wanted[1:], wanted[:-1]))
@@ -200,7 +201,7 @@ class _RoundedLine:
         last = len(self.speed_m_per_s) - 1
         piece = np.minimum(np.searchsorted(self.way_m, way_m, side="right") - 1, last)
         along = way_m - self.way_m[piece]
-        # A turn counts from its corner, a leg from the corner at its start.
+        # Positions in a turn are relative to its corner, on a leg to the corner at its start.
         in_turn, corner = piece % 2 == 1, (piece + 1) // 2
         radius, turn, cut = self.radius_m[corner], self.turn_deg[corner], self.cut_m[corner]
         swept = np.where(in_turn, along / radius, 0.0)
@@ -210,7 +211,7 @@ class _RoundedLine:
         heading = inward + np.copysign(np.degrees(swept), turn)
         away = inward + np.degrees(np.arctan2(right, ahead))
         lat, lon, bearing = geodesic_ends(self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right))
-        # The height in a turn is that of the line at the same share of the cut corner.
+        # The height in a turn is that of the line at the same share of the length that the turn cuts off.
         share = np.degrees(swept) / np.where(in_turn, np.abs(turn), 1.0)
         corners_m = np.append(0.0, np.cumsum(self.leg_m))
         line_m = corners_m[corner] + np.where(in_turn, cut * (2.0 * share - 1.0), ahead)
@@ -219,7 +220,7 @@ class _RoundedLine:
         return lat, lon, agl, course
 
     def roll_deg(self, time_s: Floats) -> Floats:
-        """Roll of the aircraft at times: the mean bank over the rolling time around each."""
+        """Roll of the aircraft at times: the mean bank over the rolling time around each time."""
         turned = np.append(0.0, np.cumsum(self.bank_deg * np.diff(self.time_s)))
         after, before = (
             np.interp(time_s + half, self.time_s, turned) for half in (_ROLLING_S / 2.0, -_ROLLING_S / 2.0)
@@ -234,7 +235,7 @@ class _RoundedLine:
 
 
 def _distinct(line: Floats, number: int) -> Floats:
-    """Places (m, 3) along a line: geodesics between them stay within the tolerance, and none repeats the one before."""
+    """Places (m, 3) along a line, without repetitions; geodesics between them stay within the tolerance of the line."""
     for lat, lon, agl in line.tolist():
         check_lat_lon(lat, lon)
         check_agl(agl)
@@ -268,7 +269,7 @@ def _pieces(start: Floats, end: Floats) -> int:
     length = WGS84.a_m * math.hypot(lat1 - lat0, (lon1 - lon0) * math.cos(low))
     # Over all directions, sin a (1 + cos² a) is at most 4/3 sqrt(2/3).
     bending = 4.0 / 3.0 * math.sqrt(2.0 / 3.0) * math.tan(max(abs(lat0), abs(lat1))) / WGS84.b_m
-    # Bounds the work for sides that run close to a pole.
+    # Bound the work for sides that run close to a pole.
     return min(math.ceil(length * math.sqrt(bending / (8.0 * TOLERANCE_M))) or 1, 10_000)
 
 
@@ -283,8 +284,8 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     Raises
     ------
     InvalidInput
-        A file that cannot be read, has an unknown reference system, or holds no line; an invalid corner, or one without
-        a height.
+        A file that cannot be read, has an unknown reference system, or holds no line; a corner that is invalid or has
+        no height.
     """
     try:
         data = parse_json(read_limited(path, MAX_MISSION_BYTES, named_by_user=True))
@@ -294,7 +295,7 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     for coordinates, system in shapes(data, "LineString", Message("file {0}", path)):
         try:
             corners = [(corner[0], corner[1], *(corner[2:3] if agl_m is None else (agl_m,))) for corner in coordinates]
-            # Only some corners may have a height.
+            # Some corners may lack a height.
             has_heights = all(len(corner) == 3 for corner in corners)
             line = np.array(corners, np.float64) if has_heights else None
         except (IndexError, KeyError, TypeError, ValueError) as wrong:

@@ -1,7 +1,7 @@
 """Flight logs: PX4's ULog, read with pyulog, and ArduPilot's DataFlash, read with pymavlink.
 
-The camera is fixed to the aircraft and looks down, the top of its image ahead. Heights are the autopilot's, above the
-sea.
+The camera is fixed to the aircraft and looks down, the top of its image ahead. Heights are those of the autopilot,
+above sea level.
 """
 
 from __future__ import annotations
@@ -39,24 +39,27 @@ from .trajectories import BODIES, ROUNDING, WORLDS
 
 _Columns = Mapping[str, Floats]
 _log = logging.getLogger(__name__)
-#: Topics of PX4; the first receiver that has a time is used.
-_PLACE, _ATTITUDE, _HOME, _RECEIVERS = (
-    "vehicle_global_position",
-    "vehicle_attitude",
-    "home_position",
-    ("vehicle_gps_position", "sensor_gps"),
-)
-#: Required columns of each topic; a topic that lacks one is ignored.
+#: Topics of PX4.
+_PLACE = "vehicle_global_position"
+_ATTITUDE = "vehicle_attitude"
+_HOME = "home_position"
+#: Topics of PX4's receivers; the first one with a time is used.
+_RECEIVERS = ("vehicle_gps_position", "sensor_gps")
+#: Required columns of each topic; a topic that lacks a column is ignored.
 _NEEDED = {
     _PLACE: ("timestamp", "lat", "lon", "alt"),
     _ATTITUDE: ("timestamp", "q[0]", "q[1]", "q[2]", "q[3]"),
     _HOME: ("timestamp", "alt"),
     **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
 }
-#: Start of a DataFlash message, which its kind follows, and the length of both.
-_HEAD, _HEAD_BYTES = b"\xa3\x95", 3
-#: Kind and length of a message that defines another kind: number and length of the latter follow its head.
-_DEFINITION, _DEFINITION_BYTES = 0x80, 89
+#: Start of a DataFlash message; the kind of the message follows.
+_HEAD = b"\xa3\x95"
+#: Length of start and kind.
+_HEAD_BYTES = 3
+#: Kind of a message that defines another kind, whose number and length follow.
+_DEFINITION = 0x80
+#: Length of such a message.
+_DEFINITION_BYTES = 89
 #: Required and optional columns of ArduPilot's messages.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
@@ -74,8 +77,10 @@ _OLD_COLUMNS = {
 #: Messages with a position, best first: from the filter, the second filter, the receiver.
 _PLACES = ("POS", "AHR2", "GPS")
 _S_PER_US = 1e-6
-#: GPS time: its epoch and week, and its lead over UTC from a given time on (IERS, Bulletin C).
-_GPS_EPOCH_S, _WEEK_S = 315_964_800.0, 604_800.0
+#: Epoch of GPS time, in Unix seconds.
+_GPS_EPOCH_S = 315_964_800.0
+_WEEK_S = 604_800.0
+#: Lead of GPS time over UTC from a given time on (IERS, Bulletin C).
 _LEAPS = (
     (0.0, 15.0),  # No DataFlash log before July 2012 has GPS weeks.
     (1_341_100_800.0, 16.0),
@@ -102,15 +107,15 @@ def _reader_module(name: str, package: str) -> Any:
 
 @contextlib.contextmanager
 def _quiet(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Log one line in place of all that a reader prints, which is a line for each byte it cannot parse."""
+    """Log one line instead of a reader's output, which has a line for each byte that it cannot parse."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
-        aside = contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed)
-        with aside[0], aside[1], _standard_error(printed.fileno()):
+        redirected = contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed)
+        with redirected[0], redirected[1], _standard_error(printed.fileno()):
             yield
         printed.seek(0)
-        said = printed.readline().strip()
-    if said:
-        _log.warning("log %s: is damaged in places (%s)", path, said)
+        first_line = printed.readline().strip()
+    if first_line:
+        _log.warning("log %s: is damaged in places (%s)", path, first_line)
 
 
 @contextlib.contextmanager
@@ -120,7 +125,7 @@ def _standard_error(target: int) -> Iterator[None]:
     try:
         kept = os.dup(standard_error)
     except OSError:
-        # A program without a console has none.
+        # A program without a console has no standard error.
         yield
         return
     os.dup2(target, standard_error)
@@ -149,7 +154,7 @@ class _Watched:
         return self._file.read(count)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        # The reader steps back to go on byte by byte where no message begins.
+        # Where no message begins, the reader steps back to continue byte by byte.
         self._steps_back += whence == os.SEEK_CUR
         _check_damage(self._steps_back)
         return self._file.seek(offset, whence)
@@ -167,8 +172,8 @@ def read_ulog(
 ) -> Track:
     """Read a PX4 log: positions from ``vehicle_global_position``, attitudes interpolated in ``vehicle_attitude``.
 
-    The ground is at the home position, else at the first position. Times are UTC if a receiver's are logged, else
-    seconds after the autopilot's start. Positions are sorted by time; positions without a place are left out and
+    The ground is at the home position, else at the first position. Times are UTC if the log has a receiver's times,
+    else seconds after the autopilot's start. Positions are sorted by time; positions without a place are left out and
     counted.
 
     Parameters
@@ -182,7 +187,7 @@ def read_ulog(
     Raises
     ------
     InvalidInput
-        No such log, or no positions in it; several flights and none chosen; times that no flight has.
+        No such log, or no positions in it; several flights and none chosen; implausible times.
     OutputError
         The reader, pyulog, is not installed.
     Cancelled
@@ -191,7 +196,7 @@ def read_ulog(
     pyulog = _reader_module("pyulog", "pyulog")
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
-        # Given a name, pyulog leaves a file open that it cannot read.
+        # Given a name, pyulog leaves an unreadable file open.
         with _quiet(path), open_foreign(path, MAX_MISSION_BYTES) as file:
             log = _ulog_reader(pyulog)(_Watched(file, progress), wanted)
     except Cancelled:
@@ -222,7 +227,7 @@ def read_ulog(
 
 
 def _ulog_reader(pyulog: Any) -> Any:
-    """Class of pyulog that refuses topics beyond the limits, whose fields it would list one by one."""
+    """Subclass of pyulog's reader that refuses topics beyond the limits, before it lists their fields one by one."""
 
     class Topic(pyulog.ULog._MessageAddLogged):  # type: ignore[misc]  # noqa: SLF001 (where it lists them)
         def __init__(self, data: bytes, header: Any, formats: Mapping[str, Any]) -> None:
@@ -251,7 +256,7 @@ def _count_fields(name: str, formats: Mapping[str, Any], depth: int = 0) -> int:
         total += max(times, 1) * _count_fields(inner, formats, depth + 1)
         if total > MAX_LOG_FIELDS:
             raise _BeyondLimits(f"{name} has {total:,} fields")
-    # A type without fields takes time as well.
+    # A type without fields takes time, too.
     return max(total, 1)
 
 
@@ -265,8 +270,8 @@ def read_dataflash(
 ) -> Track:
     """Read an ArduPilot log: positions from ``POS``, else ``AHR2`` or ``GPS``; attitudes interpolated in ``ATT``.
 
-    The ground is below the first position by its logged height over home, else at the first position. Times, order,
-    the other parameters and the errors are those of `read_ulog`; the reader is pymavlink.
+    The ground is below the first position by its height over home if that is logged, else at the first position. Times,
+    order, other parameters and errors are as for `read_ulog`; the reader is pymavlink.
 
     Parameters
     ----------
@@ -312,7 +317,7 @@ def read_dataflash(
 
 
 def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
-    """Open a binary log with pymavlink, and stop at messages without a length, which it would read forever."""
+    """Open a binary log with pymavlink, and stop at messages without a length, which pymavlink reads forever."""
     _check_messages(path, progress)
 
     class Reader(reader.DFReader_binary):  # type: ignore[misc]
@@ -349,7 +354,7 @@ def _check_messages(path: Path, progress: Progress) -> None:
             kind, messages = data[begin + len(_HEAD)], messages + 1
             damaged += begin - at
             if kind in defined:
-                # The length at the first message of a kind counts, even if it is defined again.
+                # The length at the first message of a kind counts, even if the kind is defined again.
                 at = begin + lengths.setdefault(kind, defined[kind])
             else:
                 at = begin + len(_HEAD)
@@ -385,8 +390,10 @@ def _check_damage(damaged: int) -> None:
         raise _BeyondLimits(f"more than {MAX_LOG_DAMAGE_BYTES >> 20} MB of it belong to no message")
 
 
-#: Columns of `_Log`, whatever the format.
-_POSITION, _QUATERNION = ("lat", "lon", "alt", "above_home"), ("w", "x", "y", "z")
+#: Columns of `_Log.place`.
+_POSITION = ("lat", "lon", "alt", "above_home")
+#: Columns of `_Log.attitude`.
+_QUATERNION = ("w", "x", "y", "z")
 
 
 class _Log(NamedTuple):
@@ -399,7 +406,7 @@ class _Log(NamedTuple):
     attitude : columns of `_QUATERNION`, or None
     receivers : column ``utc_s`` of each receiver
     ground_m : float or None
-        None to take it below the first position by its height above home.
+        Height of the ground; None for that of the first position less its height above home.
     """
 
     place: _Columns
@@ -410,12 +417,12 @@ class _Log(NamedTuple):
     def track(self, path: str | os.PathLike[str], flight: int | None, *, with_times: bool) -> Track:
         """Positions of one flight of the log."""
         lat, lon, alt = (self.place[name] for name in _POSITION[:3])
-        there = np.isfinite(self.place["clock_s"] + alt) & (np.abs(lat) <= 90.0) & (np.abs(lon) <= 180.0)
-        if not there.any():
-            raise InvalidInput("log {0}: none of its {1:,} positions has a place and a height", path, len(there))
-        flights = _flights(self.place["clock_s"][there])
+        has_place = np.isfinite(self.place["clock_s"] + alt) & (np.abs(lat) <= 90.0) & (np.abs(lon) <= 180.0)
+        if not has_place.any():
+            raise InvalidInput("log {0}: none of its {1:,} positions has a place and a height", path, len(has_place))
+        flights = _flights(self.place["clock_s"][has_place])
         which = _flight_index(flights, path, flight)
-        place = _rows(_rows(self.place, there), flights[which])
+        place = _rows(_rows(self.place, has_place), flights[which])
         count, clock_s = len(flights), place["clock_s"]
         attitude = None
         if self.attitude is not None:
@@ -431,7 +438,7 @@ class _Log(NamedTuple):
             ground_m = float(place["alt"][0] - above_home_m[0])
         time_s = None
         if with_times:
-            time_s = clock_s + self._utc_less_clock_s(which, count)
+            time_s = clock_s + self._utc_offset_s(which, count)
             wrong = implausible(time_s, CLOCKS["us"].words)
             if wrong is not None:
                 raise InvalidInput(
@@ -440,10 +447,10 @@ class _Log(NamedTuple):
                     wrong,
                     remedy=Message("leave the times out{0}", OptionName("times").in_brackets),
                 )
-        lost = int(np.count_nonzero(~there))
+        lost = int(np.count_nonzero(~has_place))
         return Track(place["lat"], place["lon"], place["alt"], ground_m, time_s, attitude, lost)
 
-    def _utc_less_clock_s(self, flight: int, count: int) -> float:
+    def _utc_offset_s(self, flight: int, count: int) -> float:
         """Seconds from the log's clock to UTC by the first receiver that has UTC, else 0."""
         for receiver in self.receivers:
             timed = _select_flight(receiver, flight, count)
@@ -483,7 +490,7 @@ def _flight_index(flights: list[NDArray[np.intp]], path: str | os.PathLike[str],
 
 
 def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | None:
-    """Rows of one of ``count`` flights; None if the topic does not separate into as many."""
+    """Rows of one of ``count`` flights; None if the topic does not separate into that many flights."""
     columns = _rows(columns, np.isfinite(columns["clock_s"]))
     clock_s = columns["clock_s"]
     flights = _flights(clock_s) if count > 1 else [np.argsort(clock_s, kind="stable")]
@@ -491,7 +498,7 @@ def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | Non
 
 
 def _utc_s(fixes: _Columns) -> Floats:
-    """UTC of the fixes of a DataFlash log; in 1980 where a receiver did not know the time."""
+    """UTC of the fixes of a DataFlash log; times in 1980 are of a receiver that did not know the time."""
     gps_s = _GPS_EPOCH_S + fixes["GWk"] * _WEEK_S + fixes["GMS"] * 1e-3
     since, leaps = np.array(_LEAPS).T
     utc_s: Floats = gps_s - leaps[np.clip(np.searchsorted(since + leaps, gps_s, side="right") - 1, 0, None)]
@@ -540,13 +547,13 @@ def _existing_columns(name: str, fields: Sequence[str]) -> dict[str, tuple[str, 
 
 def _fixed_rows(place: _Columns) -> dict[str, Floats]:
     """Rows of a DataFlash log with a place; before the first fix places are 0."""
-    there = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
+    has_place = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
     if "Status" in place:
-        there &= place["Status"] >= 3
-    if "I" in place and there.any():
-        # The first of several receivers that has a fix.
-        there &= place["I"] == place["I"][there].min()
-    return _rows(place, there)
+        has_place &= place["Status"] >= 3
+    if "I" in place and has_place.any():
+        # Take the first of several receivers that has a fix.
+        has_place &= place["I"] == place["I"][has_place].min()
+    return _rows(place, has_place)
 
 
 def _rows(columns: _Columns, which: NDArray[np.bool_] | NDArray[np.intp]) -> dict[str, Floats]:
@@ -563,13 +570,14 @@ def _interpolate_attitude(
 ) -> tuple[Floats, Floats, Floats] | None:
     """Yaw, tilt and roll (n,) at ``clock_s`` from quaternions (m, 4), w first, body to north-east-down, at ``times_s``.
 
-    Between two it is their weighted mean; before the first and after the last it is constant. None if none is valid.
+    Between two quaternions, it is their weighted mean; before the first and after the last, it is constant. None if no
+    quaternion is valid.
     """
-    right = np.abs(np.linalg.norm(quaternions, axis=1) - 1.0) < ROUNDING
-    times_s, quaternions = times_s[right], quaternions[right]
+    valid = np.abs(np.linalg.norm(quaternions, axis=1) - 1.0) < ROUNDING
+    times_s, quaternions = times_s[valid], quaternions[valid]
     if not len(times_s):
         return None
-    # A quaternion and its negative are the same rotation: give each the sign of the one before.
+    # A quaternion and its negative are the same rotation: choose the sign of each to match the previous quaternion.
     turns = np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))
     signs = np.cumprod(np.concatenate([[1.0], np.where(turns < 0.0, -1.0, 1.0)]))
     quaternions = quaternions * signs[:, np.newaxis]

@@ -1,8 +1,8 @@
 """Flight patterns: corridors along lines, orbits around places, scans of walls and structures.
 
-Corridors and scans run beside a line at constant distance: on a circle around the outside of a corner, and cut on its
-inside where they would come nearer to another part of the line. They are computed in a plane about the line's middle
-(EPSG method 9809), whose scale error is 2.5e-4 at `_REACH_M`.
+Corridors and scans run beside a line at constant distance. Around the outside of a corner they follow a circle; on the
+inside they are cut where they would come nearer to another part of the line. They are computed in a plane about the
+line's middle (EPSG method 9809), whose scale error is 2.5e-4 at `_REACH_M`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _REACH_M = 200_000.0
 class _Path(NamedTuple):
     """Nodes of a path beside a line, (m,) each: metres in the plane, and headings clockwise from its second axis.
 
-    Headings are continuous, not wrapped. Where a path turns on the spot it has several nodes there.
+    Headings are continuous, not wrapped. Where a path turns on the spot, it has several nodes.
     """
 
     x_m: Floats
@@ -43,11 +43,11 @@ class _Path(NamedTuple):
         A turn by one radian counts as ``turning_m`` metres. A closed path ends one step before its start.
         """
         moved = np.hypot(np.diff(self.x_m), np.diff(self.y_m))
-        gone = np.append(0.0, np.cumsum(moved + turning_m * np.abs(np.radians(np.diff(self.heading_deg)))))
+        flown_m = np.append(0.0, np.cumsum(moved + turning_m * np.abs(np.radians(np.diff(self.heading_deg)))))
         # Rounding must not add a step.
-        count = max(math.ceil(float(gone[-1]) / step_m * (1.0 - 1e-12)), 1)
-        at = np.linspace(0.0, float(gone[-1]), count + 1)[: count + (not closed)]
-        return _Path(*(np.interp(at, gone, values) for values in self))
+        count = max(math.ceil(float(flown_m[-1]) / step_m * (1.0 - 1e-12)), 1)
+        at = np.linspace(0.0, float(flown_m[-1]), count + 1)[: count + (not closed)]
+        return _Path(*(np.interp(at, flown_m, values) for values in self))
 
     def reversed(self) -> _Path:
         """The path flown backwards."""
@@ -63,7 +63,7 @@ def corridor(
 ) -> Points:
     """Rows along lines that cover a strip, flown to and fro; the top of each image points along its row.
 
-    Around the outside of a corner, where the strip is round, images turn little enough to leave no gap.
+    Around the outside of a corner, where the strip is round, images turn in steps that leave no gap.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def facade(
     Raises
     ------
     InvalidInput
-        As for `corridor`; also if no place beside the wall is that far from all of it.
+        As for `corridor`; also if no place beside the wall has the distance from all of it.
     """
     columns: list[tuple[Floats, ...]] = []
     for line in lines:
@@ -242,10 +242,10 @@ def _on_plane(corners: Floats, *, closed: bool = False) -> tuple[LocalPlane, Flo
         )
     before = np.roll(x, 1), np.roll(y, 1)
     # Corners within 1 mm of each other count as one.
-    other = np.hypot(x - before[0], y - before[1]) > 1e-3
+    is_distinct = np.hypot(x - before[0], y - before[1]) > 1e-3
     if not closed:
-        other[0] = True
-    x, y = x[other], y[other]
+        is_distinct[0] = True
+    x, y = x[is_distinct], y[is_distinct]
     if len(x) < 2 + closed:
         raise InvalidInput("line of corners at one place: needs two or more")
     return plane, x, y
@@ -256,7 +256,7 @@ def _offset_path(
 ) -> _Path | None:
     """Path at ``right_m`` to the right of a line (negative: left), cut where it is nearer than ``least_m`` to the line.
 
-    None if nothing of it is left.
+    None if the whole path is cut.
     """
     if closed:
         x, y = np.append(x, x[:2]), np.append(y, y[:2])
@@ -281,7 +281,7 @@ def _offset_path(
         )
         turn = turns[number] if number < len(turns) else 0.0
         if turn * right_m <= 0.0 and turn:
-            # Around the outside of the corner, with a node every 2 degrees; on the spot if the path is the line itself.
+            # Turn around the outside of the corner, with a node every 2 degrees; on the spot if the path is the line.
             angles = heading + turn * np.linspace(0.0, 1.0, math.ceil(abs(turn) / 2.0) + 1)
             corner = np.ones(len(angles))
             nodes.append((x[number + 1] * corner, y[number + 1] * corner, angles))
@@ -323,7 +323,7 @@ def _points(columns: Sequence[tuple[Floats, ...]], what: str) -> Points:
         raise InvalidInput("{0}: missing", what)
     lat, lon, agl, yaw, tilt = (np.concatenate(values) for values in zip(*columns))
     digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 3)
-    # Adding 0 takes the sign of a zero.
+    # Adding 0 turns -0 into 0.
     rounded = (
         (np.round(values, places) + 0.0).tolist()
         for values, places in zip((lat, wrap_lon_deg(lon), agl, wrap_lon_deg(yaw), tilt), digits)

@@ -30,8 +30,10 @@ from .settings import Sensors
 
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
 COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_yaw_deg")
-#: Decimals of latitudes and longitudes, 1 mm, and of heights and headings.
-_PLACE_DIGITS, _DIGITS = 8, 3
+#: Decimals of latitudes and longitudes, 1 mm.
+_PLACE_DIGITS = 8
+#: Decimals of heights and headings.
+_DIGITS = 3
 #: Number of errors per pose: east, north, up and heading.
 _ERRORS = 4
 
@@ -39,8 +41,8 @@ _ERRORS = 4
 def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) -> dict[str, int]:
     """Write ``priors.csv`` beside each table of a dataset, and ``priors.json`` with the sensors and the seed.
 
-    Rows match those of the table. The same row of two tables, as of two map types, has the same errors. The place is
-    empty in an outage, the whole row where an image has no pose.
+    Rows match those of the table. The same row of two tables, such as of two map types, has the same errors. In an
+    outage, the place is empty; if an image has no pose, the whole row is empty.
 
     Parameters
     ----------
@@ -50,7 +52,7 @@ def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) ->
     Returns
     -------
     dict of str to int
-        Rows without a place, by map type.
+        Number of rows without a place, by map type.
 
     Raises
     ------
@@ -82,7 +84,7 @@ def draw_errors(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, N
     gaps_s = np.diff(times_s)
     if sensors.drift_s:
         with np.errstate(over="ignore"):
-            # A tiny time constant makes gaps infinite, and the states independent.
+            # A tiny time constant makes gaps infinite, and so the states independent.
             drift = _drift(gaps_s / sensors.drift_s, drift)
     errors = (white + drift) * math.sqrt(0.5) * deviation
     return errors, _fixed(gaps_s, sensors, uniform(second, count))
@@ -91,8 +93,8 @@ def draw_errors(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, N
 def _drift(gaps: Floats, deviates: Floats) -> Floats:
     """Stationary Gauss-Markov process (n, m) of standard deviation 1, with gaps (n - 1,) in time constants.
 
-    Each state is a share of the one before plus new noise. The recurrence is solved by doubling (the scan of Hillis and
-    Steele), in which products of shares only decrease and nothing overflows.
+    Each state is a share of the previous state plus new noise. The recurrence is solved by doubling (the scan of Hillis
+    and Steele), in which products of shares only decrease and nothing overflows.
     """
     share = np.concatenate([[0.0], np.exp(-gaps)])[:, np.newaxis]
     states = deviates.copy()
@@ -138,14 +140,14 @@ def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[obj
 
 
 def _times_s(images: ImageSet) -> Floats:
-    """Ascending times in seconds, one a row: the table's, or those of a flight from row to row at the airspeed."""
+    """Ascending times of the rows in seconds: from the table, or of a flight from row to row at the airspeed."""
     table = images.table
     if all(table.time_utc):
         return np.maximum.accumulate(unix_seconds(table.time_utc))
     path = images.folder.parent / MISSION_FILE
     airspeed = Mission.load(path).flight.airspeed_m_per_s if path.is_file() else Flight.airspeed_m_per_s
     known = np.isfinite(table.pose_lat_deg)
-    # Rows without a pose take the place of the first pose.
+    # Rows without a pose get the place of the first pose.
     lat, lon, agl = (
         np.where(known, column, column[np.argmax(known)])
         for column in (table.pose_lat_deg, table.pose_lon_deg, table.agl_m)

@@ -24,8 +24,10 @@ from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
-#: Give up once this many are drawn and fewer than this share of them accepted.
-_TRIES, _LEAST_SHARE = 100_000, 1e-3
+#: Number of draws after which drawing may be given up.
+_TRIES = 100_000
+#: Share of accepted draws below which drawing is given up.
+_LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Distribution:
     ----------
     kind : {"fixed", "uniform", "normal"}
     first, second : float
-        The number; or the lower and the upper end; or the mean and the standard deviation.
+        Fixed: the number, and 0. Uniform: the lower and the upper end. Normal: the mean and the standard deviation.
 
     Raises
     ------
@@ -129,10 +131,10 @@ def random_poses(
         raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
     if seed < 0:
         raise InvalidInput("seed {0}: must be 0 or more", seed)
-    # One stream each, so that changing one distribution leaves the others as they are.
+    # One stream for each, so that changing one distribution leaves the numbers of others unchanged.
     streams = [np.random.PCG64(sequence) for sequence in np.random.SeedSequence(seed).spawn(5)]
     lat, lon = _places(area, streams[0], count)
-    # After drawing, which refuses needles with a clearer message.
+    # Check after drawing, which refuses needle-shaped areas with a clearer message.
     check_area(area)
     agl = _numbers("agl", distributions.agl, streams[1], count)
     check_agl(float(agl.max()))
@@ -196,8 +198,8 @@ def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -
     """Latitudes and longitudes (count,), uniform over the ellipsoid's area."""
     box = area.bounds
     south, north = (math.sin(math.radians(angle)) for angle in (box.south_deg, box.north_deg))
-    # Uniform in the sine of latitude is uniform over a sphere. The ellipsoid's area per sine grows toward the poles, by
-    # 1.3 % in all, for which candidates are rejected.
+    # Places uniform in the sine of latitude are uniform over a sphere. On the ellipsoid, area per sine grows toward the
+    # poles, by 1.3 % in all: some candidates nearer to the equator are rejected to make up for it.
     poleward = np.array(max(box.south_deg, box.north_deg, key=abs))
     most = WGS84.meridional_radius_m(poleward) * WGS84.normal_radius_m(poleward)
 

@@ -39,7 +39,7 @@ class ReadPoses(NamedTuple):
     Attributes
     ----------
     left_out, without_place, without_time : int
-        Positions left out: not above the ground, without a place, or without a time where others have one.
+        Number of positions left out: not above the ground, without a place, or without a time where others have one.
     """
 
     points: Points
@@ -71,7 +71,7 @@ def likely_format(path: str | os.PathLike[str]) -> str | None:
         return found
     try:
         with open_foreign(path) as file:
-            # A line of numbers is much shorter; a file without line ends is not read whole.
+            # Far more than a line of numbers, and a bound for files without line ends.
             lines = file.read(1 << 16).decode("utf-8", "replace").splitlines()
             line = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     except OSError:

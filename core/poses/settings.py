@@ -18,7 +18,7 @@ LOCAL_FORMATS = ("tum", "kitti", "euroc")
 COUNTED_FORMATS = ("tum", "euroc")
 #: Choice for ``times`` that leaves times out.
 WITHOUT_TIMES = "none"
-#: Formats of flight logs, which have far more positions than images are wanted.
+#: Formats of flight logs, which have far more positions than a mission has images.
 LOG_FORMATS = ("ulog", "dataflash")
 #: Formats by the endings of files.
 ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
@@ -374,12 +374,12 @@ class Sensors:
     Parameters
     ----------
     gnss_m, barometer_m, compass_deg : float
-        Standard deviations of the place, along east and along north, and of the height, up to 10 km each; of the
+        Standard deviations: of the place, along east and along north, up to 10 km; of the height, up to 10 km; of the
         heading, up to 180 degrees.
     drift_s : float
-        Time constant of the drifting half of the variance, up to 1e6; 0 makes all of it white.
+        Time constant of the drifting half of the variance, up to 1e6; 0 makes all variance white.
     outage_share, outage_s : float
-        Share of the time without a fix, in [0, 1), and mean length of an outage.
+        Share of the time without a fix, in [0, 1), and mean duration of an outage.
 
     Raises
     ------

@@ -16,8 +16,12 @@ from ..mission.areas.area import Points, check_agl
 from ..mission.flight.legs import legs
 from ..mission.parts import Flight
 
-#: Decimals of latitudes and longitudes, 0.1 mm; of heights and angles; of seconds.
-PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
+#: Decimals of latitudes and longitudes, 0.1 mm.
+PLACE_DIGITS = 9
+#: Decimals of heights and angles.
+ANGLE_DIGITS = 6
+#: Decimals of seconds.
+_TIME_DIGITS = 6
 #: Called with the share of a file that is read, 0 to 1; returns False to stop.
 Progress = Callable[[float], bool]
 #: Lines, or elements of a document, between two calls of `Progress`.
@@ -44,7 +48,7 @@ class Track:
     lat_deg, lon_deg, height_m : array
         Places; heights in the file's reference, NaN where missing.
     ground_m : float or None
-        Height of the ground in that reference, from the file or its origin; None if it has to be given.
+        Height of the ground in the file's reference, from the file or its origin; None if it has to be given.
     time_s : array or None
         Seconds after 1970 in UTC, or after the start of the file; never decreasing.
     attitude_deg : tuple of three arrays, or None
@@ -195,14 +199,14 @@ class Track:
 
 
 def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Headings of the way (n,); the last one where it stands still, the first one at its start."""
-    way = legs(lat_deg, lon_deg)
+    """Headings (n,) along positions; where these stand still, the last heading, or at the start the first one."""
+    route = legs(lat_deg, lon_deg)
     # A step below 1 cm has no heading: the vehicle stands still, or a position is logged twice.
-    moving = np.append(way.distance_m >= 0.01, False)
+    moving = np.append(route.distance_m >= 0.01, False)
     if not moving.any():
         return np.zeros(len(lat_deg))
     last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), np.argmax(moving)))
-    headings: Floats = way.headings_deg()[last]
+    headings: Floats = route.headings_deg()[last]
     return headings
 
 
@@ -211,7 +215,7 @@ def _listed(values: Floats | None, digits: int) -> tuple[float, ...]:
 
 
 def _spaced(along: Floats, interval: float) -> NDArray[np.intp]:
-    """Indices of the first of ascending numbers (n,) and of each at least an interval after the last one taken."""
+    """Indices of ascending numbers (n,): the first, then each that is at least an interval after the last taken."""
     taken = [0]
     # Rounding may shorten steps that equal the interval.
     interval *= 1.0 - 1e-9

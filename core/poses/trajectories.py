@@ -1,7 +1,7 @@
 """Trajectories in metres of a local frame, as used for visual odometry: TUM, KITTI and EuRoC.
 
-Each pose is the rotation and translation from a body to the world. The files do not define the axes of either: the
-usual conventions of each format are the defaults.
+Each pose is the rotation and translation from a body to the world. The files do not define the axes of body and
+world: the usual conventions of each format are the defaults.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def read_trajectory(
     Raises
     ------
     InvalidInput
-        An invalid line or pose, which the message names; times that decrease or that no flight has.
+        An invalid line or pose, which the message names; times that decrease or are implausible.
     Cancelled
         ``progress`` returned False.
     """
@@ -91,7 +91,7 @@ def read_trajectory(
     lat, lon, height = origin
     counted, places, rotations = _FORMATS[file_format](text, name, progress)
     time_s = None if counted is None else _times(counted, file_format, times, name)
-    # Far from the origin, versions of PROJ differ.
+    # Refuse poses far from the origin, where versions of PROJ differ.
     away = np.flatnonzero((np.abs(places) > HIGHEST_AGL_M).any(axis=1))
     if len(away):
         raise InvalidInput(

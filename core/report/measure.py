@@ -49,7 +49,7 @@ class Measured:
     Attributes
     ----------
     method : Method
-        With its bound; nothing is measured if it has none, for the reason in `Method.outside`.
+        With its bound; not measured if it is not usable, for the reason in `Method.outside`.
     seconds : Seconds or None
         For a capture on one core, without fetching and encoding; methods of a stage are timed in the same rounds.
     chosen : bool
@@ -75,8 +75,8 @@ class Measured:
 
 def baseline(stage: Sequence[Measured]) -> Measured | None:
     """Method of a stage whose time others are compared with: the chosen one, or else the cheapest."""
-    timed = [one for one in stage if one.seconds is not None]
-    return next((one for one in timed if one.chosen), timed[0] if timed else None)
+    with_time = [one for one in stage if one.seconds is not None]
+    return next((one for one in with_time if one.chosen), with_time[0] if with_time else None)
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Saving:
-    """A step that the plan left out, and what that saves for the whole mission.
+    """A step that the plan left out, and the time and bytes saved for the whole mission.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Measurement:
     wind : WindEffect or None
         None in still air.
     planned_px, timed_px : tuple of int
-        Sizes of the planned picture and of the one measured, whose time and size are scaled to it.
+        Size of the planned picture, and of the measured one, whose time and bytes are scaled to the planned size.
     parts : int
         Number of fetched parts of the source.
     """
@@ -208,13 +208,13 @@ def measure(plan: Plan, source: Source, *, quick: bool = False, progress: Progre
 
 
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
-    # Consecutive captures, as those of a row share their rays.
+    # Consecutive captures, as captures of a row share rays.
     few = plan.poses.take(np.arange(min(len(plan), 20_000)))
     camera, ground = plan.mission.camera, plan.ground
     methods = footprint_methods(positions.bounds_scene(plan))
     usable = [method.name for method in methods if not method.outside]
     works = [partial(ground_corners, camera, few, ground, FOOTPRINTS[name]) for name in usable]
-    seconds = {name: taken for name, (_, taken) in zip(usable, timed_together(works, effort))}
+    seconds = {name: measured for name, (_, measured) in zip(usable, timed_together(works, effort))}
     chosen = plan.accuracy.footprint.method.name
     return tuple(
         Measured(method)
@@ -230,7 +230,7 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
 
 
 def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
-    """Map frame and camera frame, meshes of the camera frame, and kernels: all timed in the same rounds."""
+    """Measure map frame and camera frame, meshes of the camera frame, and kernels, all in the same rounds."""
     plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     choice = plan.accuracy.picture
     plane = plan.grid.plane
@@ -243,23 +243,23 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
         scene,
         "" if by_tiles else Message("the source gives images by their centre, not tiles that others can be made from"),
     )
-    ladder = pixel_methods(plan, scene) if by_tiles else []
-    usable = [one for one in ladder if not one.method.outside]
+    methods = pixel_methods(plan, scene) if by_tiles else []
+    usable = [one for one in methods if not one.method.outside]
     # Lanczos needs a ray for every pixel.
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else "bilinear"
-    usual = next((one.tolerance_px for one in ladder if one.own), None)
+    own_tolerance_px = next((one.tolerance_px for one in methods if one.own), None)
     meshes = [Rendering(one.tolerance_px, kernel, one.level) for one in usable]
-    kernels = [] if usual is None else [Rendering(usual, name) for name in KERNELS]
-    ways = list(dict.fromkeys([*meshes, *kernels]))
-    frames, on_map_made = bench.camera_frames(ways, map_frame=not on_map.outside)
-    made = dict(zip(ways, frames))
+    kernels = [] if own_tolerance_px is None else [Rendering(own_tolerance_px, name) for name in KERNELS]
+    renderings = list(dict.fromkeys([*meshes, *kernels]))
+    frames, map_cost = bench.camera_frames(renderings, map_frame=not on_map.outside)
+    costs = dict(zip(renderings, frames))
     pictures = [Measured(on_map)]
-    if on_map_made is not None:
+    if map_cost is not None:
         error, is_chosen = positions.map_frame_error_px(plan), choice.method.name == "map"
-        pictures = [Measured(on_map, error, on_map_made.seconds, is_chosen, on_map_made.size_bytes)]
-    if usual is None:
+        pictures = [Measured(on_map, error, map_cost.seconds, is_chosen, map_cost.size_bytes)]
+    if own_tolerance_px is None:
         return (*pictures, Measured(by_camera)), (), ()
-    frame = made[Rendering(usual, plan.mission.accuracy.resampling)]
+    frame = costs[Rendering(own_tolerance_px, plan.mission.accuracy.resampling)]
     traced = positions.mesh_error_px(plan, 0.0)
     pictures.append(Measured(by_camera, traced, frame.seconds, choice.method.name == "camera", frame.size_bytes))
     return (
@@ -270,13 +270,13 @@ def _pictures(bench: Bench, *, by_tiles: bool) -> tuple[tuple[Measured, ...], tu
             else Measured(
                 one.method,
                 _pixels_error_px(plan, one),
-                made[Rendering(one.tolerance_px, kernel, one.level)].seconds,
+                costs[Rendering(one.tolerance_px, kernel, one.level)].seconds,
                 one.own and plan.accuracy.pixels is not None,
-                made[Rendering(one.tolerance_px, kernel, one.level)].size_bytes,
+                costs[Rendering(one.tolerance_px, kernel, one.level)].size_bytes,
             )
-            for one in ladder
+            for one in methods
         ),
-        tuple(Kernel(way.kernel, made[way].seconds) for way in kernels),
+        tuple(Kernel(way.kernel, costs[way].seconds) for way in kernels),
     )
 
 
@@ -293,9 +293,9 @@ class PixelMethod(NamedTuple):
     Attributes
     ----------
     tolerance_px : float
-        Of the mesh, 0 for rays; over relief, of the rays.
+        Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays.
     own : bool
-        Whether it is the plan's.
+        Whether the plan uses the method.
     level : bool
         Whether relief is ignored.
     """
@@ -307,7 +307,7 @@ class PixelMethod(NamedTuple):
 
 
 def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
-    """Meshes from coarse to fine, and rays: the one that the plan uses, or would use, and others for comparison."""
+    """Meshes from coarse to fine, then rays: the method that the plan uses, or would use, and others to compare."""
     if not plan.relief.is_level:
         return _relief_methods(plan, scene)
     others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
@@ -317,7 +317,7 @@ def pixel_methods(plan: Plan, scene: ImageGeometry) -> list[PixelMethod]:
     for tolerance_px in (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001):
         name, found = f"mesh, {tolerance_px:g} px", mesh(scene, tolerance_px)
         if found.bound_px > tolerance_px:
-            # A mesh cannot be finer than float64 places its corners.
+            # Rounding of the corners to float64 limits how fine a mesh can be.
             outside = f"no mesh is finer than {found.bound_px:.2g} px here"
             meshes.append(PixelMethod(Method("pixels", name, math.inf, math.inf, outside), tolerance_px, False))
         elif tolerance_px != own_px:
@@ -367,7 +367,7 @@ def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
         wind, airspeed = Wind(5.0, 0.0, 0.15), Flight.airspeed_m_per_s
     gusty, count = wind, min(len(plan), 20_000)
     agl = plan.agl_m[:count]
-    way = legs(plan.lat_deg[:count], plan.lon_deg[:count])
-    interval_s = intervals_s(way, agl, airspeed, gusty)
-    _, seconds = timed(lambda: fly(gusty, airspeed, interval_s, way.headings_deg(), agl), effort)
+    route = legs(plan.lat_deg[:count], plan.lon_deg[:count])
+    interval_s = intervals_s(route, agl, airspeed, gusty)
+    _, seconds = timed(lambda: fly(gusty, airspeed, interval_s, route.headings_deg(), agl), effort)
     return seconds * (len(plan) / count)

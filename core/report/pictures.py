@@ -31,9 +31,9 @@ from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
 from .positions import capture_scene, level_below, spread
 
-#: Kernel that needs a ray for every pixel, as Pillow does not warp by it; the most exact of all.
+#: The most exact kernel. Pillow does not warp by it, so it needs a ray for every pixel.
 BY_RAYS = "lanczos"
-#: Larger pictures are measured at this size, and times scaled, to bound the time of a report.
+#: Size at which larger pictures are measured, with times scaled, to bound the time of a report.
 _MOST_PX = 2_000_000
 #: Side of the patch that kernels are measured on.
 _PATCH_PX = 112
@@ -47,10 +47,10 @@ class Rendering(NamedTuple):
     Attributes
     ----------
     tolerance_px : float
-        Of the mesh, 0 for rays; over relief, of the rays.
+        Tolerance of the mesh, 0 for rays; over relief, tolerance of the rays.
     kernel : str
     level : bool
-        Replace relief by level ground as high as below the camera.
+        Replace relief by level ground at the height below the camera.
     """
 
     tolerance_px: float
@@ -87,7 +87,7 @@ class Bench:
         Raises
         ------
         PartError, SourceError
-            The source has imagery for none of those tried.
+            The source has imagery for none of the captures tried.
         """
         # Parts of the source may be missing.
         tries = [len(plan) // 2, *spread(len(plan), 3).tolist()]
@@ -138,25 +138,24 @@ class Bench:
         rows = len(plane_runs(plan.grid, plan.poses)[0]) if plan.relief.is_level else len(plan)
         # Kernels without rays share a view.
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
-        looks = {kind: partial(self._view, kind) for kind in kinds}
-        seen = {kind: look() for kind, look in looks.items()}
-        draws: list[Callable[[], Bytes]] = []
+        view_makers = {kind: partial(self._view, kind) for kind in kinds}
+        views = {kind: make() for kind, make in view_makers.items()}
+        renders: list[Callable[[], Bytes]] = []
         for way, kind in zip(ways, kinds):
-            one = seen[kind]
-            parts = camera_parts(one, self.lon_deg)
-            draws.append(partial(render, one, self.lon_deg, parts, self.tiles.pixels(parts), way.kernel))
+            parts = camera_parts(views[kind], self.lon_deg)
+            renders.append(partial(render, views[kind], self.lon_deg, parts, self.tiles.pixels(parts), way.kernel))
         if map_frame:
-            draws.append(self._map_frame())
-        works: list[Callable[[], Any]] = [*looks.values(), *draws]
-        done = timed_together(works, self.effort)
-        looking = {kind: seconds for kind, (_, seconds) in zip(looks, done)}
+            renders.append(self._map_frame())
+        works: list[Callable[[], Any]] = [*view_makers.values(), *renders]
+        results = timed_together(works, self.effort)
+        view_seconds = {kind: seconds for kind, (_, seconds) in zip(view_makers, results)}
         found = []
-        for kind, (picture, drawing) in zip(kinds, done[len(looks) :]):
-            seconds = drawing + looking[kind] * (rows / len(plan))
+        for kind, (picture, render_seconds) in zip(kinds, results[len(view_makers) :]):
+            seconds = render_seconds + view_seconds[kind] * (rows / len(plan))
             found.append(FrameCost(seconds * self.enlarged, self._file_bytes(picture)))
         if not map_frame:
             return found, None
-        picture, seconds = done[-1]
+        picture, seconds = results[-1]
         return found, FrameCost(seconds * self.enlarged, self._file_bytes(picture))
 
     def _view(self, way: Rendering) -> View:
@@ -202,8 +201,8 @@ class Bench:
         """Size of a picture's file in the mission's format and output size."""
         plan, source = self.plan, self.tiles.source
         sized = resized(picture, plan.mission.output.img_size)
-        place, about = _metadata(plan, source, self.index, self.tiles.map_type)
-        found = len(encoded(plan.mission.output.image_format, sized, place, about))
+        place, description = _metadata(plan, source, self.index, self.tiles.map_type)
+        found = len(encoded(plan.mission.output.image_format, sized, place, description))
         return found if plan.mission.output.img_size else round(found * self.enlarged)
 
 
@@ -301,7 +300,7 @@ def resampling(plan: Plan, tiles: PartCache, index: int) -> Resampling:
     errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
     signals = []
     row, column = np.mgrid[0:_PATCH_PX, 0:_PATCH_PX] + margin
-    # Halfway between four pixels is the worst case of every kernel; the others are typical.
+    # Halfway between four pixels is the worst case of every kernel; the other two offsets are typical.
     for across, down in ((0.5, 0.5), (0.25, 0.5), (0.25, 0.75)):
         x, y = column.ravel() + 0.5 + across, row.ravel() + 0.5 + down
         if known is None:
@@ -350,9 +349,9 @@ def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: By
     picture : array (h, w), (h, w, 3) of uint8
         Picture of capture ``index``, as written.
     """
-    place, about = _metadata(plan, source, index, map_type)
+    place, description = _metadata(plan, source, index, map_type)
     used = plan.mission.output.image_format
-    ways: list[tuple[str, bool, Callable[[], bytes]]] = [
+    formats: list[tuple[str, bool, Callable[[], bytes]]] = [
         (
             f"JPEG, quality {quality}",
             used == "jpg" and quality == JPEG_QUALITY,
@@ -361,11 +360,11 @@ def encodings(plan: Plan, source: Source, index: int, map_type: str, picture: By
         for quality in (75, 85, JPEG_QUALITY)
     ]
     for name, ending in (("PNG, lossless", "png"), ("GeoTIFF, deflate, lossless", "tif")):
-        ways.append((name, used == ending, partial(encoded, ending, picture, place, about)))
-    timed = timed_together([way for _, _, way in ways], effort)
+        formats.append((name, used == ending, partial(encoded, ending, picture, place, description)))
+    timed = timed_together([encode for _, _, encode in formats], effort)
     return [
         Encoding(name, _loss(picture, data), len(data), seconds, chosen)
-        for (name, chosen, _), (data, seconds) in zip(ways, timed)
+        for (name, chosen, _), (data, seconds) in zip(formats, timed)
     ]
 
 

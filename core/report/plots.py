@@ -26,7 +26,7 @@ from .measure import Measured
 from .pictures import BANDS, Resampling
 
 _GREY = "#777777"
-#: Least error drawn; smaller ones are drawn at the edge.
+#: Least error drawn; smaller errors are drawn at the edge.
 _LEAST_PX = 1e-11
 
 
@@ -121,13 +121,13 @@ def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
-    """Error at which methods without error are drawn: the least measured, or that of the reference."""
+    """Error at which methods without error are drawn: the least measured error, or the error of the reference."""
     errors = [one.error_px for stage in stages.values() for one in stage if one.error_px]
     return max(_LEAST_PX, floor_px, min(errors, default=_LEAST_PX))
 
 
 def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool) -> None:
-    """Label markers with the names of their methods; close ones share a label."""
+    """Label markers with the names of their methods; close markers share a label."""
     groups: list[tuple[float, float, list[str]]] = []
     # Points within 3 % of both axes share a label.
     wide, high = (0.03 * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
@@ -140,7 +140,7 @@ def _label_points(axes: Any, colour: str, points: Sequence[tuple[float, float, M
         else:
             groups.append((x, y, [name]))
     for x, y, names in groups:
-        # Beside the marker if another marker is right above it, within four times the distance of shared labels.
+        # Label beside the marker if another marker is right above, within four times the distance of shared labels.
         level = any(abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < 4.0 * high for at, up, _ in groups)
         axes.annotate(
             _joined(names),

@@ -42,7 +42,7 @@ def capture_scene(plan: Plan, which: NDArray[np.intp]) -> ImageGeometry:
 
 
 def bounds_scene(plan: Plan) -> ImageGeometry:
-    """Geometry whose bounds hold for a whole plan, as its methods were chosen by: a capture of each row."""
+    """Geometry whose bounds hold for a whole plan, and by which its methods were chosen: a capture of each row."""
     first = np.asarray(plane_runs(plan.grid, plan.poses)[0], np.intp)
     sizes = plan.frames.scene_sizes_px(plan.windows, first)
     return ImageGeometry(plan.mission.camera, *sizes, plan.poses.take(first), plan.ground)
@@ -56,7 +56,7 @@ def captures(plan: Plan) -> NDArray[np.intp]:
 def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
     """Greatest error of a method's corners, and of the exact outline where corners miss the Earth.
 
-    Longitudes are those of the plan, so that the rounding of degrees is included.
+    Longitudes are those of the plan, so that errors include the rounding of degrees.
     """
     scene = capture_scene(plan, captures(plan))
     found = footprint(scene.camera, scene.poses, CORNERS, scene.ground)
@@ -91,7 +91,7 @@ def _attitude(poses: Poses) -> tuple[float, float, float]:
 def map_frame_error_px(plan: Plan) -> Error:
     """Greatest error inside map frames, at 9 by 9 points, before their edges are rounded to pixels.
 
-    Rounding moves the frame, but not its content, and is in the georeference.
+    Rounding moves the frame but not its content, and the georeference includes it.
     """
     scene = capture_scene(plan, captures(plan))
     edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.plane)
@@ -105,7 +105,7 @@ def map_frame_error_px(plan: Plan) -> Error:
 
 
 def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
-    """Greatest error of camera frames by a mesh, or by rays for a tolerance of 0.
+    """Greatest error of camera frames drawn by a mesh, or by rays for a tolerance of 0.
 
     Pixels outside the cells of a mesh are traced, too. None if no ground on the map is seen.
     """
@@ -122,14 +122,14 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
 
 
 def level_below(plan: Plan, index: int, scene: ImageGeometry) -> ImageGeometry:
-    """Geometry of a capture over relief, with level ground as high as that below the camera."""
+    """Geometry of a capture over relief, with level ground at the relief's height below the camera."""
     height, ground = float(plan.height_m[index]), float(plan.ground_m[index])
     poses = scene.poses._replace(agl_m=np.array([height - ground]))
     return replace(scene, poses=poses, ground=WGS84.raised(ground))
 
 
 def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
-    """Greatest error of pixels over relief, by rays of a tolerance, or on level ground for None.
+    """Greatest error of pixels over relief: by rays of a tolerance or, for None, on level ground.
 
     Each pixel's position is raised to the relief and projected back to the image; occlusion is ignored.
     """
@@ -157,7 +157,7 @@ def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
 
 
 def _level_on_relief(plan: Plan, level: ImageGeometry, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
-    """Where image points see level ground, with the height of the relief there; NaN without."""
+    """Latitudes and longitudes at which image points see level ground, and the relief's heights there, else NaN."""
     seen = ImageRays.from_scene(level).ground(x_px, y_px)
     lon_deg = float(level.poses.lon_deg[0])
     height = np.full(len(x_px), np.nan)
@@ -180,7 +180,7 @@ def _traced(rays: ImageRays) -> list[float]:
 
 def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
     """Map and image positions of points inside cells, by the perspective through the corners of each."""
-    # The 300 cells of the greatest bounds, and as many spread over the image.
+    # The 300 cells with the greatest bounds, and 300 spread over the image.
     worst = np.argsort(cells.bound_px)[-300:]
     some = np.union1d(worst, spread(len(cells.box), 300))
     box, du, v = cells.box[some].astype(np.float64), cells.du[some], cells.v[some]
@@ -250,7 +250,7 @@ def map_errors_px(scene: ImageGeometry, du: Floats, v: Floats, x: Floats, y: Flo
 def errors_px(
     scene: ImageGeometry, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats, height_m: Floats | float = 0.0
 ) -> Floats:
-    """Distances in the image between points of a method and those where the exact camera sees the same ground.
+    """Distances in the image between points of a method and the points where the exact camera sees the same ground.
 
     Parameters
     ----------
@@ -312,7 +312,7 @@ def _image(
     in_front = np.asarray(down > 0)
     depth = np.where(in_front, down, 1)
     fov = np.asarray(camera.fov_deg, np.longdouble)
-    # Above 90 degrees by the complement, which keeps digits near 180.
+    # Above 90 degrees, use the complement, which keeps digits near 180.
     half = np.tan(_radians(fov) / 2) if camera.fov_deg <= 90.0 else 1 / np.tan(_radians(180 - fov) / 2)
     tan_y = half / np.hypot(np.longdouble(1), np.longdouble(camera.aspect_ratio))
     tan_x = tan_y * np.longdouble(camera.aspect_ratio)

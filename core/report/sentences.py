@@ -14,8 +14,10 @@ from .measure import Measurement
 from .tables import displaced_text, metres_text, px_text, share_text
 from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
-#: Condition numbers up to which a scene is benign, and up to which it is only sensitive.
-_BENIGN, _SENSITIVE = 10.0, 1000.0
+#: Condition number up to which a scene is benign.
+_BENIGN = 10.0
+#: Condition number up to which a scene is sensitive, not ill-conditioned.
+_SENSITIVE = 1000.0
 #: Explanation of a work-precision diagram.
 DIAGRAM = (
     "Each line is a stage, each marker one of its methods; methods further left are more exact, further down cheaper. "
@@ -165,10 +167,10 @@ def condition_text(condition: float) -> str:
 def terrain_text(px_per_m: float, relief: str = "") -> str:
     """Effect of relief on the errors, or of errors in its heights."""
     if relief:
-        about = "without limit at the horizon" if math.isinf(px_per_m) else f"up to {px_per_m:.2g} px"
+        shift = "without limit at the horizon" if math.isinf(px_per_m) else f"up to {px_per_m:.2g} px"
         return (
             f"The ground is {relief}. The bounds are those of the methods for these heights: every metre of error in "
-            f"the heights adds {about}."
+            f"the heights adds {shift}."
         )
     if math.isinf(px_per_m):
         return (
@@ -250,12 +252,12 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
     figures = effect.figures
     if "coverage" in figures:
         calm, wind = map(str, (percent(share, exact=share == 1.0) for share in figures["coverage"]))
-        said = [f"Coverage is {wind} in this wind, {calm} in still air"]
+        clauses = [f"Coverage is {wind} in this wind, {calm} in still air"]
         for way in ("front", "side"):
             if f"least_{way}_overlap" in figures:
                 calm, wind = (share_text(share) for share in figures[f"least_{way}_overlap"])
-                said.append(f"the least {way} overlap {wind} instead of {calm}")
-        text.append("; ".join(said) + ".")
+                clauses.append(f"the least {way} overlap {wind} instead of {calm}")
+        text.append("; ".join(clauses) + ".")
     return text
 
 

@@ -130,7 +130,7 @@ def methods_table(measurement: Measurement) -> TextTable:
 
 
 def _remark(one: Measured, other: Measured | None) -> str:
-    """Comparison of a method with the one that its time is compared with."""
+    """Remark on a method: why it is not usable, that it is chosen, or its time compared with ``other``."""
     if one.method.outside:
         return f"not usable here: {one.method.outside}"
     if one.chosen:

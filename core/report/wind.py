@@ -18,7 +18,7 @@ from .positions import capture_scene, errors_px, spread
 
 #: Names of the three rows that sum up the others.
 MOVED, TURNED, TOGETHER = "moved, in all", "turned, in all", "moved and turned"
-#: Captures whose shift in the picture is measured: long double takes time and memory.
+#: Most captures whose shift in the picture is measured, as long double takes time and memory.
 _COMPARED = 20_000
 #: Points of the picture whose shift is measured: corners and centre.
 _FOLLOWED = (*CORNERS, (0.0, 0.0))
@@ -48,8 +48,8 @@ class Displacement(NamedTuple):
     size : Spread or None
         In the unit.
     px : Spread or None
-        Shift of the ground in the picture, the greatest of corners and centre; infinite if the ground is then behind
-        the camera, None if none of these points shows ground.
+        Shift of the ground in the picture, the greatest of corners and centre; infinite if the ground is behind the
+        camera afterwards, None if neither the corners nor the centre show ground.
     """
 
     what: str
@@ -67,7 +67,7 @@ class WindEffect:
     displacements : tuple of Displacement
         Empty in steady wind, which neither moves nor turns the camera.
     compared : int
-        Number of captures of the figures in px; those in metres and degrees are of all.
+        Number of captures measured for figures in px; figures in metres and degrees are of all captures.
     flown, calm : Plan
         The mission in wind and in still air.
     """
@@ -79,7 +79,7 @@ class WindEffect:
 
     @property
     def figures(self) -> dict[str, tuple[float, float]]:
-        """Figures in still air and in wind, by name; without those that the mission lacks."""
+        """Figures in still air and in wind, by name, without figures that the mission lacks."""
         calm, wind = _figures(self.calm), _figures(self.flown)
         return {name: (calm[name], wind[name]) for name in calm if name in wind}
 
@@ -148,7 +148,7 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
 
 def _turn_deg(meant: Poses, real: Poses) -> Floats:
     """Angle of the rotation from an attitude to another."""
-    # Rays through the centre and to 45° right and up: minus the first, the other two are the camera's axes.
+    # Rays through the centre, 45° to the right and 45° up: the last two minus the first are the camera's axes.
     camera, points = (
         Camera(math.degrees(2.0 * math.atan(math.sqrt(2.0))), 1.0),
         ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),

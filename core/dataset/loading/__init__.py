@@ -3,8 +3,8 @@
 augment       rotate, mirror, zoom and shade images
 streaming     fetch shards of an object store ahead
 batches       select images and labels, and make batches of numpy arrays
-torch_loader  the same batches for PyTorch
-keras_loader  the same batches for Keras
+torch_loader  these batches for PyTorch
+keras_loader  these batches for Keras
 """
 
 from __future__ import annotations

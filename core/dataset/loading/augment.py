@@ -1,13 +1,12 @@
 """Augment images: rotate, mirror and zoom them, and optionally change contrast and brightness.
 
-The changes of an image follow from the seed, the epoch and the image's name alone, not from the order of images, the
-number of workers, or the machine. The random numbers are the BLAKE2b digest (RFC 7693) of those three, so no version of
-a library can change them. Pixels are the same everywhere, too: coefficients are rounded to multiples of 2⁻¹⁶, so
-positions of pixels are such multiples, and bilinear values of 8-bit pixels at these positions fit the 53 bits of a
-double without rounding.
+The changes of an image follow only from the seed, the epoch and the image's name, not from the order of images, the
+number of workers, or the machine. The random numbers are the BLAKE2b digest (RFC 7693) of seed, epoch and name, so no
+version of a library can change them. Pixels are the same everywhere, too: coefficients, and so positions of pixels, are
+multiples of 2⁻¹⁶, and bilinear values of 8-bit pixels at such positions fit the 53 bits of a double without rounding.
 
-Rotating, mirroring and zooming keep the centre of the image, and so its label, the position of the centre on the
-ground. They do not keep north up, nor the height.
+Rotating, mirroring and zooming keep the centre of the image, and so its label, which is the position of the centre on
+the ground. They change the yaw and the height.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from PIL import Image
 
 from ...errors import InvalidInput
 
-#: Random numbers, one for each quantity, so that leaving out one does not change the others.
+#: Random numbers, one for each quantity of a `Change`, so that leaving out a quantity does not change the others.
 _NUMBERS = struct.Struct("<6Q")
 _GREYS = 256
 #: Most pixels of an image with its reflections: 1.4 GB of Pillow's memory, four times the largest image loaded. A long
@@ -40,9 +39,9 @@ class Change(NamedTuple):
     mirrored, upside_down : bool
         Swap left and right, or top and bottom, after the rotation.
     magnification : float
-        Above 1, the image shows less of the ground, and larger.
+        Above 1, the image shows less ground, enlarged.
     contrast : float
-        Factor of the grey levels' differences from the image's mean.
+        Factor by which grey levels' differences from the image's mean are multiplied.
     brightness : float
         Share of the range added to the grey levels.
     """
@@ -66,7 +65,7 @@ class Augmentation:
     flip : bool
         Mirror half of the images left to right, and half of them top to bottom.
     zoom : float
-        Magnify by factors of 1 / (1 + zoom) to 1 + zoom, up as often as down; 0 to 1.
+        Magnify by factors of 1 / (1 + zoom) to 1 + zoom, as often above as below 1; 0 to 1.
     contrast : float
         Change contrast by factors of 1 - contrast to 1 + contrast; 0 to 1.
     brightness : float
@@ -104,7 +103,7 @@ class Augmentation:
             Image name without ending, so that images of one place are changed alike in all map types and formats.
         """
         digest = hashlib.blake2b(f"{seed}:{epoch}:{name}".encode(), digest_size=_NUMBERS.size).digest()
-        # From 0 to 1, with the 53 bits of a double's significand.
+        # Numbers from 0 to 1, of the 53 bits of a double's significand.
         turn, mirror, tip, zoom, contrast, light = ((number >> 11) * 2.0**-53 for number in _NUMBERS.unpack(digest))
         return Change(
             self.rotation_deg * (2.0 * turn - 1.0),
@@ -136,15 +135,15 @@ def apply_change(image: Image.Image, change: Change) -> Image.Image:
     InvalidInput
         The image is too large, or too long and narrow, to be rotated.
     """
-    moved = image
+    warped = image
     if (change.rotation_deg, change.mirrored, change.upside_down, change.magnification) != (
         0,
         False,
         False,
         1,
     ):
-        moved = _warp(image, change)
-    return _shade(moved, change) if (change.contrast, change.brightness) != (1, 0) else moved
+        warped = _warp(image, change)
+    return _shade(warped, change) if (change.contrast, change.brightness) != (1, 0) else warped
 
 
 def _warp(image: Image.Image, change: Change) -> Image.Image:
@@ -153,8 +152,8 @@ def _warp(image: Image.Image, change: Change) -> Image.Image:
     angle = math.radians(change.rotation_deg)
     cosine, sine = math.cos(angle) / change.magnification, math.sin(angle) / change.magnification
     across, down = (-1.0 if change.mirrored else 1.0), (-1.0 if change.upside_down else 1.0)
-    # Maps a pixel of the result to the position that it is taken from, with y down. Rounding to multiples of 2^-16
-    # changes positions by 0.003 px at most 320 px from the centre.
+    # Matrix from a pixel of the result to its position in the image, with y down. Rounding to multiples of 2^-16
+    # changes positions by 0.003 px at most, 320 px from the centre.
     steps = 65536
     xx, xy, yx, yy = (
         round(one * steps) / steps for one in (cosine * across, -sine * down, sine * across, cosine * down)
@@ -169,12 +168,12 @@ def _warp(image: Image.Image, change: Change) -> Image.Image:
 
 
 def _overhang_px(seen_px: float, size_px: int) -> int:
-    """Pixels beyond a border that are seen, rounded up, and one more for bilinear interpolation."""
+    """Number of pixels seen beyond a border, rounded up, and one more for bilinear interpolation."""
     return max(math.ceil((seen_px - size_px) / 2.0), 0) + 1
 
 
 def _add_reflections(image: Image.Image, beside: int, above: int) -> Image.Image:
-    """Extend an image by pixels of its reflections on either side, and above and below."""
+    """Extend an image by its reflections: ``beside`` pixels left and right, ``above`` pixels above and below."""
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
         raise InvalidInput(

@@ -33,8 +33,13 @@ Indices = Union[Sequence[int], NDArray[np.int64]]
 
 #: All images except failed and rejected ones, whether or not the dataset is split.
 ALL = "all"
-#: Values from 0 to 1; from 0 to 255; values and bands as in the files.
-DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
+#: Values from 0 to 1.
+FLOATS = "float32"
+#: Values from 0 to 255.
+BYTES = "uint8"
+#: Values and bands as in the files.
+STORED = "stored"
+DTYPES = (FLOATS, BYTES, STORED)
 #: Columns of labels by target.
 _COLUMNS = {
     IMAGE: ("easting", "northing"),
@@ -70,19 +75,19 @@ class LabelledImages:
     layout : str
         Layout of the folder (see `read_dataset`).
     labels : Labels or None
-        None reads the dataset's ``labels.json`` or, without one, takes UTM scaled by the training part, or by all
-        images of a dataset that is not split.
+        None reads the dataset's ``labels.json`` or, without such a file, makes labels in UTM, scaled by the training
+        part, or by all images if the dataset is not split.
     targets : sequence of str
         Contents of the labels, in order: the ``image``'s centre on the ground and the ``camera``'s position, as scaled
-        eastings and northings; its ``height`` above ground in metres; its ``attitude``, yaw, tilt and roll in degrees.
-        With the last two, ``auto`` augments nothing, as rotating and zooming would make them wrong.
+        eastings and northings; the camera's ``height`` above ground in metres, and its ``attitude``: yaw, tilt and roll
+        in degrees. With these two, ``auto`` augments nothing, as rotating and zooming would make them wrong.
     shards_at_once : int
-        Number of shards from which shuffled images are taken at a time: some thousands of images, as captures pack
-        them. Shards are shuffled, then the images of so many together. A larger number makes the order more random, but
-        keeps more shards of an object store.
+        Number of shards in a group; with shards as captures pack them, a group holds some thousands of images. Shards
+        are shuffled, and then the images of each group. A larger number makes the order more random, but keeps more
+        shards of an object store.
     cache_mb : float or None
-        Disk space for shards of an object store in the system's temporary folder; None for three times
-        ``shards_at_once``.
+        Disk space for shards of an object store in the system's temporary folder; None for that of three times
+        ``shards_at_once`` shards.
 
     Attributes
     ----------
@@ -95,13 +100,13 @@ class LabelledImages:
     labels : Labels
         Frame and scaler of positions; `Labels.positions` converts back to latitude and longitude.
     bands : Bands or None
-        Bands of images as stored, as the first one states them: names, and scale, offset and unit of values
-        (`Bands.each_metadata`). None for other images, and if nothing is stated.
+        With ``stored``, the bands that the first image states: names, and scale, offset and unit of values
+        (`Bands.each_metadata`). None with other types, and if the image states no bands.
 
     Raises
     ------
     InvalidInput
-        The folder is not a dataset, lacks the map type or part, or has no images in it, or a value is invalid.
+        The folder is not a dataset, lacks the map type or part, or has no images in that part; or a value is invalid.
     """
 
     def __init__(
@@ -126,13 +131,13 @@ class LabelledImages:
             raise InvalidInput("shards at once {0}: must be 1 or more", shards_at_once)
         if cache_mb is not None and not cache_mb >= 0.0:
             raise InvalidInput("cache of {0} MB: must be 0 MB or more", cache_mb)
-        turnable = _check_targets(targets, augment)
+        may_turn = _check_targets(targets, augment)
         if not isinstance(dataset, Dataset):
             dataset = read_dataset(dataset, layout)
         self.part, self.img_size, self.seed = part, None if img_size is None else check_size(img_size), seed
         self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
-        usual = Augmentation() if part == TRAIN and turnable else None
-        self.augment = usual if isinstance(augment, str) else augment
+        default = Augmentation() if part == TRAIN and may_turn else None
+        self.augment = default if isinstance(augment, str) else augment
         self._is_stored = dtype == STORED
         if self._is_stored:
             _check_stored(self.img_size, augment)
@@ -188,8 +193,8 @@ class LabelledImages:
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
         """Indices (n,) in the order of an epoch, which depends on seed and table only.
 
-        A shuffled order sorts the raw stream of numpy's Philox (see `random_numbers`). In a dataset of shards, the
-        images of shards taken at once stay together; without shuffling, those of each shard, in the table's order.
+        A shuffled order is that of sorted random numbers (see `random_numbers`). In a dataset of shards, the images of
+        a group of shards stay together. Without shuffling, images are in the table's order, shard by shard.
         """
         if self._shards is not None:
             return self._shards.order(self._key(epoch))
@@ -207,8 +212,8 @@ class LabelledImages:
         Raises
         ------
         InvalidInput
-            The image cannot be read, has another size than the table states, or, without ``img_size``, than the first
-            image.
+            The image cannot be read, has another size than the table states, or, without ``img_size``, has another size
+            than the first image.
         """
         path = self.file(index)
         if self._is_stored:
@@ -249,9 +254,9 @@ class LabelledImages:
         return np.asarray(found).reshape(self.shape)
 
     def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """Read images and labels like `take`, for indices that follow each other in the order of an epoch.
+        """Read images and labels as `take` does, for indices that follow each other in the order of an epoch.
 
-        Shards of an object store are fetched whole, and the next ones in the background.
+        Shards of an object store are fetched whole, and the next shards in the background.
         """
         if self._shards is not None and self._cache is not None:
             needed, ahead = self._shards.ahead(indices, self._key(epoch))
@@ -307,11 +312,11 @@ class Ordered(Protocol):
         """Images, or a tuple of arrays of images, and labels, for consecutive indices of an epoch."""
 
     def take(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
-        """The same for any indices."""
+        """Images and labels, as of `batch`, for any indices of an epoch."""
 
 
 def make_samples(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]) -> Ordered:
-    """Make samples of a dataset by options, or return given ones."""
+    """Make samples of a dataset by the options ``choice``, or return samples unchanged."""
     if not isinstance(dataset, Ordered):
         return LabelledImages(dataset, **choice)
     if choice:
@@ -322,15 +327,15 @@ def make_samples(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]
 class Batches:
     """Batches of images and labels as numpy arrays; each iteration is over the epoch that was set last.
 
-    Batches are the same for any number of workers. Memory is needed for one batch, or with workers for one each and one
-    ahead.
+    Batches are the same for any number of workers. Memory is needed for one batch or, with workers, for
+    one more than there are workers.
 
     Parameters
     ----------
     batch_size : int
         The last batch may be smaller.
     workers : int
-        Threads that make batches ahead; 0 makes each when needed.
+        Threads that make batches ahead; 0 makes each batch when needed.
     **choice
         Options of `LabelledImages`.
 
@@ -405,7 +410,7 @@ class EpochPosition:
     def __init__(self, samples: Ordered, batch_size: int, batches: int) -> None:
         self._samples, self._batch_size, self._batches = samples, batch_size, batches
         self._epoch = self._taken = self._loaded = 0
-        #: Number of the batch that the iteration began with.
+        #: Number of the batch with which the iteration began.
         self.first = 0
 
     def begin(self, epoch: int) -> None:
@@ -462,7 +467,7 @@ def _is_whole(value: object) -> bool:
 
 @contextmanager
 def _pool(workers: int, waiting: deque[Future[Any]]) -> Iterator[ThreadPoolExecutor]:
-    """Open threads, and cancel work that has not begun at the end."""
+    """Open threads; at the end, cancel waiting work that has not begun."""
     with ThreadPoolExecutor(workers) as pool:
         try:
             yield pool
@@ -472,7 +477,7 @@ def _pool(workers: int, waiting: deque[Future[Any]]) -> Iterator[ThreadPoolExecu
 
 
 def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
-    """Divide a number of samples into slices of a batch each.
+    """Divide a number of samples into slices, one a batch.
 
     Parameters
     ----------
@@ -539,7 +544,7 @@ def check_size(img_size: Sequence[int] | int) -> tuple[int, int, int]:
             "image size {0}: needs a width and a height of 1 px or more, and 1 or 3 channels",
             " ".join(map(str, size)),
         )
-    # Pillow warns of larger images: a quarter of a GB in colour.
+    # Pillow warns about larger images, which take a quarter of a GB in colour.
     most_px = 89_478_485
     if size[0] * size[1] > most_px:
         raise InvalidInput("image size {0} {1} {2}: must be {3:,} px or less in all", *size, most_px)
@@ -555,7 +560,7 @@ def _images(dataset: Dataset, map_type: str | None) -> ImageSet:
 def _streamed(
     images: ImageSet, rows: NDArray[np.int64], shards_at_once: int, cache_mb: float | None
 ) -> tuple[Shards | None, ShardCache | None]:
-    """Shards of rows, and the cache of those of an object store."""
+    """Shards of the rows' images, and the cache of the shards of an object store; None without shards or store."""
     if not images.shards:
         return None, None
     shards = Shards([images.table.shard[row] for row in rows.tolist()], shards_at_once)
@@ -615,8 +620,8 @@ def _labels(dataset: Dataset, images: ImageSet) -> Labels:
 def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
     """Raise InvalidInput for labels of another dataset.
 
-    Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n. So the scaler was not fitted on an
-    image of the training part that is.
+    None of n numbers with mean 0 and standard deviation 1 exceeds the square root of n. So if a training image exceeds
+    it, the scaler was fitted on other images.
     """
     parts = image_parts(images.table)
     if labels.fitted_on != TRAIN or parts is None:
@@ -639,18 +644,18 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
 
 
 def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -> bool:
-    """Raise InvalidInput for unknown targets; returns whether they stay valid for rotated and zoomed images."""
+    """Raise InvalidInput for unknown targets; return whether rotating and zooming images keeps the targets valid."""
     named = [targets] if isinstance(targets, str) else list(targets)
     if not named or isinstance(targets, str) or len(set(named)) != len(named) or set(named) - set(TARGETS):
         raise InvalidInput("targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS))
-    turnable = not {HEIGHT, ATTITUDE} & set(named)
-    if not turnable and isinstance(augment, Augmentation) and not augment.keeps_pose:
+    may_turn = not {HEIGHT, ATTITUDE} & set(named)
+    if not may_turn and isinstance(augment, Augmentation) and not augment.keeps_pose:
         raise InvalidInput(
             "targets {0}: images that are turned, mirrored or zoomed are of another pose",
             " ".join(named),
             remedy="leave the augmentation out, or take one of contrast and brightness alone",
         )
-    return turnable
+    return may_turn
 
 
 def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:

@@ -22,12 +22,13 @@ class _KerasSamples:
     Order and augmentation follow from the seed, the epoch and the images' names. ``fit`` begins with epoch 1, as Keras
     reports the end of an epoch before the first one. For the order of `Batches`, pass ``shuffle=False`` to ``fit``,
     which otherwise shuffles the batches again with Python's random numbers. With ``workers`` above 1, the first ``fit``
-    of a model also gets batches that Keras queued while building it: the same images, up to a batch earlier.
+    of a model also gets batches that Keras queued while building the model: the same images, up to a batch
+    earlier.
 
     Parameters
     ----------
     workers, use_multiprocessing, max_queue_size
-        As for ``keras.utils.PyDataset``: threads or processes that make batches, and the most batches queued.
+        As for ``keras.utils.PyDataset``: threads or processes that make batches, and the most batches in the queue.
     **choice
         Options of `LabelledImages`: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
         shards_at_once, cache_mb.
@@ -68,8 +69,8 @@ class _KerasSamples:
         return self._epoch_and_order[0]
 
     def set_epoch(self, epoch: int) -> None:
-        """Set the next epoch, such as to resume training; ``fit`` counts on from there."""
-        # Set together, as threads of a queue may still make batches.
+        """Set the next epoch, such as to resume training; ``fit`` counts on from it."""
+        # Set both at once, as threads of a queue may still make batches.
         self._epoch_and_order = (epoch, self.samples.order(epoch))
 
     def on_epoch_end(self) -> None:

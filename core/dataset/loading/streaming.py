@@ -1,7 +1,8 @@
-"""Stream shards of an object store into training: fetch them whole before they are needed, within a limit of space.
+"""Stream shards of an object store into training: fetch whole shards before they are needed, within a space limit.
 
-The order of samples keeps those of a few shards together, a group. The shards of the current group and of the next one
-are fetched into a folder that all workers of this machine share; the least recently needed ones make room for others.
+The order of samples keeps together the samples of a group, a few shards. The shards of the current group and of the
+next group are fetched into a folder that all workers on this machine share; the least recently needed shards are
+removed to make room.
 """
 
 from __future__ import annotations
@@ -29,13 +30,13 @@ from ...storage.stores import get_range
 
 #: Bytes of a shard requested at a time, in memory once for each shard being fetched.
 _PART_BYTES = 16_000_000
-#: Seconds between looks whether another worker has fetched a shard.
+#: Seconds between checks whether another worker has fetched a shard.
 _PAUSE_S = 0.005
 _LOCK_ENDING = ".lock"
 
 
 class Shards:
-    """Shards of images, and groups of them that are taken at once in an epoch.
+    """Shards of images, and groups of shards whose images are taken together in an epoch.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ class Shards:
     names : tuple of str
         Names of the shards, in the order of the images.
     of_image : array (n,)
-        Index of each image's shard among them.
+        Index of each image's shard in ``names``.
     """
 
     def __init__(self, names: Sequence[str], at_once: int) -> None:
@@ -60,7 +61,7 @@ class Shards:
         self._last: tuple[str, Numbers, Numbers] | None = None
 
     def order(self, key: str) -> Numbers:
-        """Indices of images in a random order by a key, group by group; shard by shard for an empty key."""
+        """Indices of images in the random order of a key, group by group; for an empty key, ordered by shard."""
         if not key:
             return np.argsort(self.of_image, kind="stable")
         groups, _ = self._groups(key)
@@ -70,8 +71,8 @@ class Shards:
     def ahead(self, indices: Sequence[int] | Numbers, key: str) -> tuple[list[str], list[str]]:
         """Shards of images, and the shards to fetch ahead in the order of ``key``.
 
-        The latter are those of the images' groups and of the next one; none if the images do not follow each other in
-        that order.
+        The shards to fetch are those of the images' groups and of the next group; none if the images do not follow each
+        other in that order.
 
         Parameters
         ----------
@@ -88,7 +89,7 @@ class Shards:
         return [self.names[one] for one in needed], [self.names[one] for one in ahead]
 
     def _groups(self, key: str) -> tuple[Numbers, Numbers]:
-        """Group of each shard, and the number of images before each group and in all."""
+        """Group of each shard, and the number of images before each group, with the total at the end."""
         last = self._last
         if last is None or last[0] != key:
             place = np.arange(len(self.names))
@@ -96,19 +97,19 @@ class Shards:
                 place[np.argsort(random_numbers(f"{key}:shards", len(place)), kind="stable")] = place.copy()
             groups = place // self._at_once
             counts = np.bincount(groups, weights=self._images).astype(np.int64)
-            # Set together, as several threads read it.
+            # Set all at once, as several threads read it.
             self._last = last = key, groups, np.concatenate([[0], np.cumsum(counts)])
         return last[1:]
 
 
 def random_numbers(key: str, count: int) -> NDArray[np.uint64]:
-    """Raw stream (count,) of numpy's Philox for a key; numpy keeps it the same in all versions (NEP 19)."""
+    """Random numbers (count,) of a key: the raw stream of numpy's Philox, the same in all versions (NEP 19)."""
     number = int.from_bytes(blake2b(key.encode(), digest_size=16).digest(), "little")
     return np.random.Philox(key=number).random_raw(count)
 
 
 class ShardCache:
-    """Copies of a dataset's shards in a temporary folder, which is removed with the instance that made it.
+    """Copies of a dataset's shards in a temporary folder, which is removed with the instance that made the folder.
 
     Pickled instances share the folder.
 
@@ -131,9 +132,9 @@ class ShardCache:
 
     def __init__(self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None) -> None:
         self._folder, self._sizes = folder, dict(sizes)
-        # Room for the current group, the next, and one that another worker still needs.
-        usual = 3 * shards_at_once * max(self._sizes.values())
-        self.limit_bytes = usual if limit_bytes is None else limit_bytes
+        # Room for the current group, the next group, and a group that another worker still needs.
+        default = 3 * shards_at_once * max(self._sizes.values())
+        self.limit_bytes = default if limit_bytes is None else limit_bytes
         try:
             self._place = Path(tempfile.mkdtemp(prefix="terrainav-shards-"))
         except OSError as wrong:
@@ -148,10 +149,11 @@ class ShardCache:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         self._process, self._lock = os.getpid(), threading.Lock()
-        #: Names of shards to fetch, and of those to keep.
+        #: Names of shards to fetch.
         self._waiting: deque[str] = deque()
+        #: Names of shards to keep.
         self._wanted: frozenset[str] = frozenset()
-        #: Threads that fetch.
+        #: Number of threads that fetch.
         self._fetching = 0
 
     def copy(self, name: str) -> Path:
@@ -159,14 +161,14 @@ class ShardCache:
         return self._place / name
 
     def hold(self, needed: Sequence[str], ahead: Sequence[str]) -> None:
-        """Fetch shards if there is room, and the next ones in the background.
+        """Fetch shards if there is room, and the next shards in the background.
 
         Parameters
         ----------
         needed : sequence of str
             Shards to be read now.
         ahead : sequence of str
-            Those, and others to be read later, in this order.
+            The needed shards, then others to be read later, in order.
 
         Raises
         ------
@@ -187,9 +189,9 @@ class ShardCache:
         for _ in range(more):
             threading.Thread(target=self._fetch_waiting, daemon=True).start()
         for name in needed:
-            # A shard that another worker has not fetched by then is read image by image.
-            until = time.monotonic() + 120.0
-            while not self._has_tried(name) and time.monotonic() < until:
+            # If another worker takes longer to fetch the shard, its images are read one by one.
+            deadline = time.monotonic() + 120.0
+            while not self._has_tried(name) and time.monotonic() < deadline:
                 time.sleep(_PAUSE_S)
 
     def _fetch_waiting(self) -> None:
@@ -206,14 +208,14 @@ class ShardCache:
     def _has_tried(self, name: str, *, if_wanted: bool = False) -> bool:
         """Fetch a missing shard if there is room; returns False if another worker is fetching it.
 
-        With ``if_wanted``, a shard that is no longer to be kept is skipped.
+        With ``if_wanted``, skip a shard that is no longer wanted.
         """
         copy = self.copy(name)
         if self._sizes[name] > self.limit_bytes:
             return True
         try:
             with suppress(FileNotFoundError):
-                # Also marks it as recently needed.
+                # Mark an existing copy as recently needed.
                 os.utime(copy)
                 return True
             self._place.mkdir(exist_ok=True)
@@ -251,7 +253,7 @@ class ShardCache:
             raise
 
     def _reserve(self, partial: Path, size: int) -> bool:
-        """Make room for a shard, and a file of its size; returns whether there is room."""
+        """Make room for a shard and create a file of its size; returns whether there is room."""
         with self._room():
             partial.unlink(missing_ok=True)
             if not self._makes_room(size):
@@ -279,14 +281,14 @@ class ShardCache:
                     if not entry.name.endswith(_LOCK_ENDING):
                         kept.append((entry.stat().st_mtime_ns, entry.stat().st_size, entry.name))
         room = self.limit_bytes - sum(one for _, one, _ in kept)
-        for _, one, name in sorted(kept):
+        for _, freed, name in sorted(kept):
             if room >= size:
                 break
             if name not in self._wanted and not name.endswith(PARTIAL_ENDING):
-                # Workers that read it continue, or read images from the store.
+                # Workers that are reading the shard continue, or read its images from the store.
                 with suppress(OSError):
                     self.copy(name).unlink()
-                    room += one
+                    room += freed
         return room >= size
 
 

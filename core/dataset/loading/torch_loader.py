@@ -17,7 +17,7 @@ from .batches import EpochPosition, Ordered, chunks, make_samples, optional_modu
 
 
 class _Order:
-    """Sampler of a dataset's current epoch: indices of each batch."""
+    """Sampler that yields the indices of each batch of a dataset's current epoch."""
 
     def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
         self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
@@ -69,7 +69,7 @@ class _TorchSamples:
     def __init__(self, dataset: Dataset | Address | Ordered, **choice: Any) -> None:
         torch = _torch()
         self.samples = make_samples(dataset, choice)
-        # In shared memory, so that persistent workers see the epoch change.
+        # Share the memory, so that persistent workers see the epoch change.
         self._epoch = torch.zeros(1, dtype=torch.int64).share_memory_()
 
     @property
@@ -98,7 +98,7 @@ class _TorchSamples:
     def batches(self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any) -> Any:
         """Make a ``torch.utils.data.DataLoader`` of the epoch's batches, in the order of `Batches`.
 
-        Workers make whole batches, two each ahead, and stay from one epoch to the next. Like `Batches`, the loader has
+        Each worker makes whole batches, two ahead, and stays from one epoch to the next. Like `Batches`, the loader has
         ``state_dict()`` and ``load_state_dict(state)`` to resume in the middle of an epoch.
 
         Parameters
@@ -121,7 +121,7 @@ class _TorchSamples:
         workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
         if workers and is_address(self.samples.folder):
-            # Clients of stores have threads, whose locks a fork could leave locked for ever.
+            # Clients of stores have threads, and a fork could leave the threads' locks locked for ever.
             method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
             options.setdefault("multiprocessing_context", method)
         return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
@@ -143,7 +143,7 @@ class _Resumable:
     sampler: _Order
 
     def __iter__(self) -> Iterator[Any]:
-        # Not in the sampler, which the base class iterates twice.
+        # Begin here, not in the sampler, which the base class iterates twice.
         self.sampler.position.begin(self.dataset.epoch)
         return self.sampler.position.counted(super().__iter__())  # type: ignore[misc]
 
