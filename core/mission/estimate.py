@@ -278,7 +278,7 @@ class Summary:
 
 
 def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int = 2) -> Summary:
-    """Work out the figures of a plan, for all of its map types; time and bytes follow from ``costs``.
+    """Compute the figures of a plan, for all of its map types; time and bytes follow from ``costs``.
 
     Parameters
     ----------
@@ -424,8 +424,8 @@ def imagery_warnings(plan: Plan) -> tuple[str, ...]:
 def upsampling_warnings(plan: Plan) -> tuple[str, ...]:
     """Warn of images whose pixels are finer than the source's.
 
-    Compares the median ground sample distance of the written images with that of the highest native zoom that the
-    images read.
+    Compares the median ground sample distance of the written images with the distance of the highest native zoom that
+    the images read.
     """
     mission, grid = plan.mission, plan.grid
     written_m = plan.resolution.picture_m_per_px
@@ -467,7 +467,7 @@ def _upsampling_remedy(plan: Plan, zoom: int, factor: float) -> Message:
 
 
 def percent(share: float, exact: bool) -> Message:
-    """Share in percent, to four decimals; 100 for an ``exact`` whole."""
+    """Share in percent: 100 if ``exact``, else rounded to four decimals."""
     return Message("{0:.7g} %", 100 if exact else round(100 * share, 4))
 
 

@@ -32,7 +32,7 @@ def is_litchi(columns: Sequence[str]) -> bool:
 
 
 def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) -> Points:
-    """Read the poses of a mission's images, at waypoints and by distance along legs; of its waypoints if it takes none.
+    """Read the poses of a mission's images, at waypoints and by distance along legs; without images, of all waypoints.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _leg_poses(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pos
     azimuth, _, (length_m,) = geodesics(*ends)
     if float(length_m) / spacing_m > MAX_POSES:
         raise _too_many(where, spacing_m)
-    # No image within half a spacing of the end, which has one itself.
+    # The end waypoint replaces an image within half a spacing of it.
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
     first_lat, first_lon, azimuths = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))

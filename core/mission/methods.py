@@ -109,7 +109,7 @@ class ChosenMethods:
 
     @property
     def mesh_tolerance_px(self) -> float:
-        """Bound of the error of a pixel's place in the mesh; 0 for one ray per pixel and for map frames."""
+        """Bound of the error of pixel positions; 0 for one ray per pixel and for map frames."""
         return self.pixels.method.bound_px if self.pixels is not None else 0.0
 
     def lines(self) -> list[tuple[str, str]]:
@@ -366,7 +366,7 @@ def _resolved(scene: ImageGeometry) -> ImageGeometry:
 
 
 def _extreme_geometry(mission: Mission) -> ImageGeometry:
-    """Geometry, of an arbitrary image size, of the captures that the flat model may stretch most, none placed yet."""
+    """Geometry of the captures that the flat model may stretch most, before any is placed; image sizes are nominal."""
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T

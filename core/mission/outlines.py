@@ -140,7 +140,7 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
 
 
 def _ground_seen(plan: Plan, index: int) -> Ring:
-    """Outline of a footprint; one around a pole is not closed, but ends a whole turn from its start."""
+    """Outline of a footprint; an outline around a pole is not closed, but ends a whole turn from its start."""
     seen = plan.views.outline(index)
     return seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
 

@@ -462,7 +462,7 @@ class Imagery(CheckedFields):
 
     @property
     def named(self) -> tuple[NamedImagery, ...]:
-        """The several imageries; empty for one source."""
+        """The named imageries; empty for one source."""
         return named_imageries(self.imageries)
 
 

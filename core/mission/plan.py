@@ -96,7 +96,7 @@ class Plan:
     def part(self, which: Numbers) -> Plan:
         """Plan of some captures alone, by their indices (k,).
 
-        Its images equal those of the whole plan, also where they depend on all captures; its flight, rows and coverage
+        Images of the part equal the whole plan's, even where images depend on all captures; flight, rows and coverage
         do not. Pickling leaves out the heights, see `Relief.load`.
         """
         part = replace(
@@ -230,7 +230,7 @@ class Plan:
 
     @cached_property
     def imagery(self) -> ImageryShare:
-        """Share of the area on the source's imagery, and pictures beyond it, where the grid states an extent."""
+        """Share of the area on the source's imagery, and counts of pictures outside, if the grid states an extent."""
         plane, extent = self.grid.plane, self.grid.extent
         found = imagery_share(self.mission.area, self.windows, self.grid, self.zoom)
         if not isinstance(plane, ProjectedPlane) or extent is None or not self.mission.area.covers_ground:

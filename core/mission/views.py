@@ -28,7 +28,7 @@ from .relief.ground import Relief
 
 Kept = TypeVar("Kept")
 
-#: Number of views, outlines or blocks of outlines to keep, the last made; captures of one row share a view.
+#: Greatest number of views, outlines or blocks of outlines in memory; captures of one row share a view.
 _KEPT = 16
 #: Captures over relief whose outlines are computed together.
 _BLOCK = 128
@@ -49,7 +49,7 @@ class CameraViews:
     relief : Relief
         The ground that captures are flown over.
     tolerance_px : float
-        Allowed error of the places of a picture's pixels.
+        Allowed error of pixel positions in a picture.
     """
 
     mission: Mission
@@ -86,7 +86,7 @@ class CameraViews:
         return lat, wrap_lon_deg(lon)
 
     def outline(self, index: int) -> Outline:
-        """Outline of the ground that a capture sees; longitudes are relative to the camera, so that rows share one."""
+        """Outline of the ground that a capture sees; longitudes are relative to the camera, so rows share outlines."""
         if not self.relief.is_level:
             found = self._outline_on_relief(index)
             if found is not None:

@@ -223,7 +223,7 @@ class Polygons(_Covered):
         object.__setattr__(self, "parts", parts)
 
     def placed(self) -> tuple[PlacedRings, ...]:
-        """Return the parts with longitudes within the bounds, whose longitudes continue beyond 180."""
+        """Return the parts, shifted to longitudes within the bounds, which continue beyond 180 degrees."""
         west = self.bounds.west_deg
         return tuple(PlacedRings.from_polygon(part, west) for part in self.parts)
 
@@ -409,7 +409,7 @@ def polygon_edges(polygon: Rings) -> Edges:
 
 
 def shared_rings(area: Rings, others: Sequence[Polygon]) -> list[tuple[Floats, Floats]]:
-    """Ground that an area shares with any of some polygons, as disjoint trapezoids between parallels.
+    """Ground that an area shares with any of ``others``, as disjoint trapezoids between parallels.
 
     Longitudes are continuous with the area's.
     """
@@ -621,7 +621,7 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
 
 
 def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Flags:
-    """Which rectangles of degrees (n,) share ground with a polygon; longitudes continuous with it.
+    """Which rectangles of degrees (n,) share ground with a polygon; longitudes are continuous with the polygon's.
 
     Consecutive rectangles with equal south and north are tested together.
     """

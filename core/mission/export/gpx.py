@@ -57,6 +57,6 @@ def _point(one: Waypoint) -> str:
 
 
 def _lon(lon_deg: float) -> str:
-    # GPX longitudes are below 180, but one just west of the antimeridian may be rounded to it.
+    # GPX longitudes are below 180, but a longitude just west of the antimeridian may be rounded to 180.
     text = f"{lon_deg:.9f}"
     return "-180.000000000" if text == "180.000000000" else text

@@ -88,7 +88,7 @@ def _files(waypoints: int) -> int:
 
 
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
-    """Waypoints of a sortie in the air, with the actions at each, and the distance between images from each on.
+    """Waypoints of a sortie in the air, with the actions at each, and the distance between images after it.
 
     If the camera is triggered by distance, a row has waypoints only at its ends and, over relief, at its bends.
     """

@@ -137,8 +137,9 @@ def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict
 def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, Any]]:
     """JSON items of commands, numbered from ``first``.
 
-    They leave out ``AltitudeMode``, ``Altitude`` and ``AMSLAltAboveTerrain``: QGroundControl requires all or none of
-    them, and some versions refuse an unknown height above sea level. Without them it uses frame and parameters.
+    Items leave out ``AltitudeMode``, ``Altitude`` and ``AMSLAltAboveTerrain``: QGroundControl requires all or none of
+    these keys, and some versions refuse an unknown height above sea level. Without the keys, QGroundControl uses frame
+    and parameters.
     """
     for number, (command, frame, params) in enumerate(commands, start=first):
         yield {

@@ -80,8 +80,8 @@ def align_rows(
     """Align the rows of a mission with the longest side of its area, or for the shortest flight.
 
     Flights are compared without wind, from the first capture to the last, or with a route including all sorties, turns
-    and detours around no-fly areas. The search begins with regular azimuths and those of the area's sides, and refines
-    the best in ever finer steps. The previous flight is kept unless another is shorter by a thousandth.
+    and detours around no-fly areas. The search begins with regular azimuths and the azimuths of the area's sides, and
+    refines the best in ever finer steps. The previous flight is kept unless another is shorter by a thousandth.
 
     Parameters
     ----------

@@ -353,7 +353,7 @@ def factor(covariance: Floats) -> Floats:
         column = np.where(is_positive[:, np.newaxis], residual[every, :, chosen] / root[:, np.newaxis], 0.0)
         columns[:, :, step] = column
         residual = residual - column[:, :, np.newaxis] * column[:, np.newaxis, :]
-        # An explained state has no variance residual: rounding must not bring it back as a pivot.
+        # An explained state has no variance left: rounding must not bring it back as a pivot.
         residual[every, chosen, :] = 0.0
         residual[every, :, chosen] = 0.0
     factored: Floats = columns * scale[:, :, np.newaxis]

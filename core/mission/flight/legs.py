@@ -19,7 +19,7 @@ class Legs(NamedTuple):
     distance_m: Floats
 
     def headings_deg(self) -> Floats:
-        """Track over ground at each exposure, (n,): azimuth of the leg ahead, at the end of the leg behind."""
+        """Track over ground at each exposure, (n,): azimuth of the leg ahead; at the last one, of the leg behind."""
         if not len(self.azimuth_deg):
             return np.zeros(1)
         return np.append(self.azimuth_deg, self.azimuth_deg[-1:])

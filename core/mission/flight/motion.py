@@ -54,11 +54,11 @@ def fly(
     """Pose errors of a flight: one sample path of the stationary process, exact at every exposure.
 
     The process is `gusts.flight_system`. Its axes follow the direction of flight through the air, also through turns:
-    an error ahead of the aircraft stays ahead. Between two exposures the height is that of the second. Steady wind
+    an error ahead of the aircraft stays ahead. Between two exposures, the height of the second holds. Steady wind
     turns the axes by the crab angle and has no other effect: the position hold removes a steady offset, and the
     camera's mount a steady tilt and crab. The aircraft's remaining pitch and roll become the camera's tilt and roll
     through the angle from the top of the image to the direction of flight, to first order, for a camera that looks
-    down; for an oblique camera they are taken as errors of the angles of its mount.
+    down; for an oblique camera, pitch and roll are taken as errors of the mount's angles.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _steps(sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, ag
 
     The first matrix starts the flight: it ignores the state and draws from the stationary distribution. Rounding
     intervals and heights, where there are too many, leaves the distribution at each exposure exact; only the
-    correlation between neighbours is that of the rounded interval.
+    correlation between neighbours follows the rounded interval.
     """
     heights_m = np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT)
     # After 1e6 s even the slowest gusts, of 533 m at 0.1 m/s, have decayed to 1e-80.

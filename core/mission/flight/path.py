@@ -27,7 +27,7 @@ from .legs import legs
 #: Kinds of points. Take-off and landing are on the ground; the points above them are transit, as are detours around
 #: no-fly areas and points over relief.
 TAKEOFF, TRANSIT, LEAD_IN, CAPTURE, TURNAROUND, LANDING = range(6)
-#: Default rate of climb and descent: a moderate one for multirotors.
+#: Default rate of climb and descent: moderate for multirotors.
 CLIMB_M_PER_S = 3.0
 #: Stop at a capture: braking, coming to rest, taking the image and accelerating.
 HOVER_S = 3.0
@@ -317,7 +317,7 @@ class _Maker:
         return found
 
     def _ground_m(self, lat: Floats, lon: Floats) -> Floats:
-        """Heights of the ground below points; the base of heights where unknown."""
+        """Heights of the ground below points; the reference of heights where the ground is unknown."""
         found = self._relief.ground_m(lat, lon)
         return np.where(np.isnan(found), self._base_m, found)
 
@@ -326,7 +326,7 @@ class _Maker:
         return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
 
     def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
-        """Heights as of `_least_m`, from the greatest height nearby and the ground below."""
+        """Heights as `_least_m` returns them, from the greatest height nearby and the ground below."""
         least = highest_m + self._mission.terrain.clearance_m
         # Half a metre more, so that a round hill does not need a point every few metres.
         given = least + 0.5
@@ -423,7 +423,7 @@ class _Maker:
         return _inserted(points, added)
 
     def _raised(self, points: _Points, agl_m: Floats) -> _Points:
-        """Points, with those other than captures raised where they are too low over the relief."""
+        """Points, of which those that are not captures are raised where they are too low over the relief."""
         least, given = self._least_m(points.lat, points.lon, agl_m)
         low = (points.capture < 0) & (points.height < least)
         return points._replace(height=np.where(low, given, points.height))
@@ -570,7 +570,7 @@ def _nearby_rings(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats
 def _cut(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
     """Ring with its sides divided into pieces that are straight in a plane."""
     along = legs(np.append(lat_deg, lat_deg[0]), np.append(lon_deg, lon_deg[0])).distance_m
-    # Sides follow parallels: pieces of 1 km deviate by 2 cm where these bend most. 256 pieces bound the time.
+    # Sides follow parallels: pieces of 1 km deviate by 2 cm where parallels bend most. 256 pieces bound the time.
     pieces = np.clip(np.ceil(along / 1000.0), 1, 256).astype(np.int64)
     side = np.repeat(np.arange(len(pieces)), pieces)
     share = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[side]

@@ -290,7 +290,7 @@ def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: 
     rank = np.empty(len(order), np.int64)
     rank[order] = np.cumsum(new) - 1
     y, owner = y[new], owner[new]
-    # A strip has the number of its upper line; the last line of a cell is not one.
+    # A strip has the number of its upper line; no strip begins at the last line of a cell.
     is_strip = np.append(owner[1:] == owner[:-1], False)
     at = np.searchsorted(cells, owner)
     west, east, below = bounds.x0[at], bounds.x1[at], np.append(y[1:], np.inf)

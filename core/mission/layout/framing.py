@@ -233,7 +233,7 @@ class _RowsInPlane:
 
     @property
     def needs_room(self) -> bool:
-        """Whether frames are rounded to pixels, as all are but camera frames on the map."""
+        """Whether frames are rounded to pixels, as all frames are except camera frames on the map."""
         return not (self.grid.plane.wraps and self.framing.resamples)
 
     @cached_property

@@ -74,7 +74,10 @@ class Below(Protocol):
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height of captures near positions (n,) above the highest ground that they see; may be NaN.
+
+        Near means within `merge_distance_m`.
+        """
         ...
 
     @property
@@ -359,8 +362,8 @@ class _ParallelRows:
     def _settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
         """Place rows by Picard iteration.
 
-        The position of a row depends on the heights of all rows before, which depend on their positions: all are placed
-        at once, again and again with the heights of the last pass.
+        The position of a row depends on the heights of all rows before, which depend on their positions: all rows are
+        placed at once, again and again with the heights of the last pass.
         """
         centres = np.linspace(max(top, self._north), self._south, count)
         # Sums of many steps have more noise.
@@ -451,7 +454,7 @@ class _Stretches(NamedTuple):
     def measure(
         cls, lat_deg: Floats, first_u: Floats, size_u: Floats, count: int, frames: Frames, relief: Below
     ) -> _Stretches:
-        """Stretches of rows, each with frames for the least height above the ground seen from it."""
+        """Stretches of rows, each with frames for the least height above the ground seen from the stretch."""
         u = first_u[:, np.newaxis] + (np.arange(count) + 0.5) * size_u[:, np.newaxis]
         seen = relief.seen_agl_m(np.repeat(lat_deg, count), u_to_lon(u.ravel())).reshape(u.shape)
         seen = np.fmax(seen, relief.least_seen_agl_m(lat_deg)[:, np.newaxis])

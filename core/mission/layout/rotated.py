@@ -53,7 +53,7 @@ from .rows import (
     refuse_too_many,
 )
 
-#: Greatest distance from the middle of a plane: there it enlarges by 0.6 %, which costs as many images more.
+#: Greatest distance from the middle of a plane: there the plane enlarges by 0.6 %, and needs 0.6 % more images.
 _REACH_M = 1e6
 #: Overlap of neighbours, far above the noise of positions, so that rounding opens no gap.
 _MEETING_M = 4.0 * NOISE_M
@@ -106,7 +106,7 @@ class PlaneArea(NamedTuple):
 
 
 def is_rotated(mission: Mission) -> bool:
-    """Whether the rows of a mission are rotated or crossed, or look to both sides."""
+    """Whether the rows of a mission are rotated or crosshatched, or look to both sides."""
     if not mission.area.covers_ground:
         return False
     # Rows along parallels must differ only in latitude; oblique views that alternate sides differ more.
@@ -296,7 +296,10 @@ def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
 
 
 def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
-    """Common part of the rectangles of rows flown out and, turned by 180 degrees, of rows flown back; and its turn."""
+    """Common part of the rectangles of rows flown out and of rows flown back, turned; and this part turned back.
+
+    Rectangles are turned by 180 degrees.
+    """
     left, bottom, right, top = (
         pick(flown_out, -flown_back)
         for pick, flown_out, flown_back in (
@@ -445,7 +448,7 @@ def rotated_rectangles(
 
 
 def inner_rectangles(plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats) -> Rectangles:
-    """Rectangles along the axes of a plane inside those along the map's, with edges in degrees, (n,) each.
+    """Rectangles along the axes of a plane, inside rectangles of the map with edges in degrees, (n,) each.
 
     The axes differ by quarter turns and by the convergence of the plane.
     """

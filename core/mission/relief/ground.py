@@ -57,7 +57,7 @@ class ReliefFigures(NamedTuple):
     lowest_m, highest_m : float
         Heights of the ground below captures, above the ellipsoid.
     nearest_m, farthest_m : float
-        Least and greatest height of a capture above what its image may show.
+        Least and greatest height of a capture above the ground that its image may show.
     clearance_m : float
         Least height of a capture above everything within the clearance's distance.
     hidden_share : float
@@ -225,7 +225,10 @@ class Relief(Protocol):
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats, /) -> Floats:
-        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height of captures near positions (n,) above the highest ground that they see; may be NaN.
+
+        Near means within `merge_distance_m`.
+        """
         ...
 
     # --- captures

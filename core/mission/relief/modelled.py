@@ -26,9 +26,9 @@ from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .ground import Flown, Heights, Relief, ReliefFigures, level_ground, refuse_hole
 from .path_ground import ReliefPathGround, TiledPathGround, cell_size_m, highest_around, lowest_around
 
-#: Tangent of the angle off the vertical to which the relief is searched for what an image may see.
+#: Tangent of the angle off the vertical up to which the relief is searched for ground that an image may see.
 _MAX_TANGENT = 4.0
-#: Least height of a capture above what it sees, as a share of its height above ground.
+#: Least height of a capture above the ground that it sees, as a share of its height above ground.
 _MIN_SEEN_SHARE = 0.02
 #: Points of the area that are searched for in images.
 _SAMPLES = 2048
@@ -369,7 +369,10 @@ class ModelledRelief:
         return highest_around(self._surface, self.radius_m + self.merge_distance_m)
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Least height above the ground seen, of captures within `merge_distance_m` of positions (n,); may be NaN."""
+        """Least height of captures near positions (n,) above the highest ground that they see; may be NaN.
+
+        Near means within `merge_distance_m`.
+        """
         if self.mission.terrain.height_above == GROUND:
             wanted = self._merged_low(lat_deg, lon_deg) + self.mission.flight.agl_m
         else:
@@ -435,7 +438,10 @@ class ModelledRelief:
 
     @property
     def deepest_m(self) -> float:
-        """Greatest height of a capture above the lowest ground that it sees, or above the highest for views below."""
+        """Greatest height of a capture above the lowest ground that it sees.
+
+        For images that show the ground straight below, the greatest height above the highest ground.
+        """
         return self._seen_by_latitude[3]
 
     def flown(self, layout: Layout) -> Flown:
@@ -480,7 +486,7 @@ class ModelledRelief:
     def lone(self, layout: Layout, flown: Flown | None) -> Layout:
         """Captures with heights above the highest ground that each may see; each point as if it were flown alone.
 
-        Otherwise, how far other points see would lower a point's height, and so change its image.
+        Otherwise, the reach of other points would lower a point's height, and so change its image.
         """
         if flown is None or self.mission.area.covers_ground:
             return layout
@@ -807,7 +813,7 @@ def _lower_bound(values: Floats, bins: Numbers, metres: Floats) -> Floats:
 
 
 def _no_steeper(height: Floats, way_m: Floats, slope: float) -> Floats:
-    """Lowest profile above heights along a way_m, with slopes up to ``slope``."""
+    """Lowest profile above heights along a way, with slopes up to ``slope``."""
     up = np.maximum.accumulate(height + slope * way_m) - slope * way_m
     down = np.maximum.accumulate((height - slope * way_m)[::-1])[::-1] + slope * way_m
     found: Floats = np.maximum(up, down)
