@@ -1,4 +1,4 @@
-"""Benchmarks of visual localisation: queries, the reference they are found in, and how well methods do.
+"""Benchmarks of visual localisation: queries, a reference in which methods find them, and scores of methods.
 
 In reading order:
 
@@ -8,7 +8,7 @@ In reading order:
 - `truth`: where queries were taken, and which tiles show their ground
 - `making`: the run that captures the reference and the queries
 - `loading`: pairs of queries and tiles for training
-- `answers`: queries as methods see them, and their answers
+- `answers`: queries as methods see them, and answers of methods
 - `running`: a method applied to all queries
 - `correlation`, `features`: baselines without weights
 - `metrics`: metrics of rankings and positions, as the literature defines them

@@ -33,9 +33,9 @@ class Query:
     fx_px, fy_px, cx_px, cy_px : float
         Intrinsics, as in `Queries`.
     height_m, ground_m : float
-        Heights of the camera and of the ground below it above the WGS 84 ellipsoid, as from a barometer.
+        Heights above the WGS 84 ellipsoid of the camera and of the ground below it, as if from a barometer.
     yaw_deg, tilt_deg, roll_deg : float
-        As from a compass and an inertial unit.
+        Attitude of the camera, as if from a compass and an inertial unit.
     prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
         Noisy measurements of a GNSS receiver, a barometer and a compass; NaN where there is no measurement.
     """

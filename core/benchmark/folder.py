@@ -1,4 +1,4 @@
-"""The folder of a benchmark: queries with their truth, the reference to find them in, and the right answers.
+"""The folder of a benchmark: queries with their true poses, the reference, and the tiles that match each query.
 
 ``benchmark.json`` holds the settings; ``queries.csv``, ``references.csv`` and ``positives.csv`` are all that scoring
 needs. Folders beside them hold the images, as datasets that captures have written.
@@ -53,7 +53,7 @@ _Rows = TypeVar("_Rows", bound="Columns")
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Base of tables: columns are tuples of str and arrays of float64, with one entry a row."""
+    """Base of tables: columns are tuples of str and arrays of float64, with one entry for each row."""
 
     def __len__(self) -> int:
         return len(getattr(self, fields(self)[0].name))
@@ -241,7 +241,7 @@ class ReferenceMosaic:
             if name in ("file", "crs"):
                 right = isinstance(value, str) and not (name == "file" and _may_leave_folder(value))
             else:
-                # Corners lie anywhere in the CRS; all others are sizes.
+                # The corner may lie anywhere in the CRS; all other numbers are sizes.
                 low = -_FARTHEST if name in ("west", "north") else 0.0
                 types = int if name in ("width_px", "height_px") else (int, float)
                 is_number = isinstance(value, types) and not isinstance(value, bool)
@@ -317,7 +317,7 @@ class Benchmark:
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str]) -> Benchmark:
-        """Read the benchmark in a folder; raises InvalidInput if one of its files cannot be read."""
+        """Read the benchmark in a folder; raises InvalidInput if a file cannot be read."""
         path = Path(folder)
         mark = path / BENCHMARK_FILE
         try:
@@ -419,7 +419,7 @@ class Benchmark:
         return found
 
     def positives(self, *, with_semi: bool = False) -> list[Numbers]:
-        """Rows of the positive tiles of each query; ``with_semi`` adds the semi-positive ones."""
+        """Rows of the positive tiles of each query; with ``with_semi`` also of its semi-positive tiles."""
         found: list[list[int]] = [[] for _ in self.queries.id]
         for query, reference, kind in zip(self.truth.query, self.truth.reference, self.truth.kind):
             if kind == POSITIVE or with_semi:

@@ -86,7 +86,7 @@ def make_benchmark(
     """Make a benchmark in a folder.
 
     The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; queries are
-    captured into ``queries/NAME``, with noisy priors. Each of these folders is a dataset like that of any capture.
+    captured into ``queries/NAME``, with noisy priors. Each of these folders is a dataset, as any capture makes it.
     ``queries.csv``, ``references.csv`` and ``positives.csv`` hold the truth, ``benchmark.json`` the settings. The same
     settings write the same bytes, however often the run is interrupted.
 

@@ -32,7 +32,7 @@ class Shares(NamedTuple):
     median : float
         NaN without errors.
     within : tuple of float
-        Shares of all queries; those without an answer count as beyond every limit.
+        Shares of all queries; queries without an answer count as beyond every limit.
     """
 
     median: float

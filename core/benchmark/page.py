@@ -286,13 +286,13 @@ def _cut_out(whole: Image.Image, benchmark: Benchmark, place: tuple[float, float
 
 
 def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> str:
-    about = benchmark.about
+    settings = benchmark.about
     groups = {"all" if name == ALL else name: figures for name, figures in scores.groups.items()}
     facts = [
-        ("Reference", str(about.get("reference", ""))),
-        ("Queries", ", ".join(map(str, named if isinstance(named := about.get("imageries"), list) else ()))),
+        ("Reference", str(settings.get("reference", ""))),
+        ("Queries", ", ".join(map(str, named if isinstance(named := settings.get("imageries"), list) else ()))),
         ("Tiles", f"{scores.tiles:,}"),
-        ("Split", str(about.get("split", ""))),
+        ("Split", str(settings.get("split", ""))),
     ]
     captions = {
         RECALL: "Share of queries that have a right tile among the first so many.",

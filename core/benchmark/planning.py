@@ -178,12 +178,12 @@ def plan_benchmark(
 
     queries, left_out = plan_imageries(mission), 0
     if settings.inside:
-        asked = len(queries[settings.imageries[0].name])
+        requested = len(queries[settings.imageries[0].name])
         # Plan again until none is left out: in wind, the remaining queries move.
-        while not (kept := _inside(settings, queries, grids)).all():
-            mission = captured_points(mission, queries[settings.imageries[0].name], kept)
+        while not (is_inside := _inside(settings, queries, grids)).all():
+            mission = captured_points(mission, queries[settings.imageries[0].name], is_inside)
             queries = plan_imageries(mission)
-        left_out = asked - len(kept)
+        left_out = requested - len(is_inside)
     first = queries[settings.imageries[0].name]
     for name, planned in queries.items():
         beyond = np.flatnonzero(~planned.corners.hit.all(axis=1))
@@ -233,7 +233,7 @@ def _extent_px(one: Plan) -> tuple[float, float, float, float]:
     """
     extent, world = one.grid.extent, one.grid.world_px(one.zoom)
     corners = np.array(extent or (), np.float64).reshape(-1, 2)
-    # Equal up to rounding: a 1e-12 of the world's width is 40 micrometres.
+    # Equal up to rounding: 1e-12 of the world's width is 40 micrometres.
     u, v = np.unique(np.round(corners, 12), axis=0).T if len(corners) else (corners[:, 0], corners[:, 1])
     if len(np.unique(u)) != 2 or len(np.unique(v)) != 2:
         return -math.inf, -math.inf, math.inf, math.inf

@@ -44,7 +44,7 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Errors(Columns):
-    """Errors of the answers to q queries; NaN where an answer lacks what an error needs.
+    """Errors of the answers to q queries; NaN where an answer lacks the values for an error.
 
     Parameters
     ----------
@@ -170,12 +170,12 @@ def _compare(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gall
     is_answered = at >= 0
     ranking = np.full((len(rows), max(predictions.ranking.shape[1], 1)), -1, np.int64)
     ranking[is_answered, : predictions.ranking.shape[1]] = predictions.ranking[at[is_answered]]
-    strange = np.setdiff1d(ranking[ranking >= 0], gallery)
-    if len(strange):
+    foreign = np.setdiff1d(ranking[ranking >= 0], gallery)
+    if len(foreign):
         raise InvalidInput(
             "{0}: rank {1}, which is of another part than the queries",
             Message("predictions {0}", predictions.source) if predictions.source else Message("predictions"),
-            tiles.id[strange[0]],
+            tiles.id[foreign[0]],
             remedy="leave the tiles of other parts out, or run the method on the part (terrainav benchmark run --part)",
         )
     pose, seconds = np.full((len(rows), len(POSE)), np.nan), np.full(len(rows), np.nan)
@@ -333,7 +333,7 @@ def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) ->
 
 
 def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Distances (q,) in space between positions (latitude, longitude, height); NaN where the other one has a NaN."""
+    """Distances (q,) in space between positions (latitude, longitude, height); NaN where ``other`` has a NaN."""
     found = np.full(len(place[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         frame = LocalFrame(*(float(values[at]) for values in place))
@@ -342,7 +342,7 @@ def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
 
 
 def _between_deg(pose: Sequence[Floats], other: Sequence[Floats]) -> Floats:
-    """Angles (q,) between poses (latitude, longitude, yaw, tilt, roll); NaN where the other one has a NaN."""
+    """Angles (q,) between poses (latitude, longitude, yaw, tilt, roll); NaN where ``other`` has a NaN."""
     found = np.full(len(pose[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         axes = [

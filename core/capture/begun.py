@@ -39,7 +39,7 @@ def check_mission(root: Path, mission: Mission) -> None:
 
 
 def check_settings(root: Path, name: str, settings: Mapping[str, Any]) -> None:
-    """Check settings against those that the first run noted, or note them; OutputError names their file."""
+    """Check settings against the settings that the first run noted, or note them; OutputError names the file."""
     wanted, found = _flatten(settings), _read_settings(root)
     if found is None:
         write_whole(root / BEGUN_FILE, json_bytes({"schema": _SCHEMA, "settings": wanted}), durable=True)

@@ -159,9 +159,9 @@ def has_blocks(folder: Path) -> bool:
 
 
 def captured_mission(plan: Plan) -> Mission:
-    """Mission of a plan as its dataset states it: with the CRS of the source unless that is the Web-Mercator map.
+    """Mission of a plan as its dataset states it: with the CRS of the source, unless that is EPSG:3857.
 
-    Other pixel grids in EPSG:3857 are left to the source, as that code means the map.
+    In missions, this code means the Web-Mercator map, so missions on other pixel grids in EPSG:3857 state no CRS.
     """
     crs = plan.grid.plane.crs
     if crs == WebMercator.crs or plan.mission.imagery.crs:

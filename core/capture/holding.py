@@ -137,7 +137,7 @@ class Lease:
         return _steady_s(), time.time()
 
     def _since_s(self, then_s: tuple[float, float]) -> float:
-        """Seconds since a time, by the clock that shows more: the other one may have stood still or been set back."""
+        """Seconds since a time, by the clock that shows more, as a clock may have stood still or been set back."""
         return max(now - then for now, then in zip(self._clocks_s(), then_s))
 
     def _read(self) -> bytes | None:

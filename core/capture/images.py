@@ -1,4 +1,4 @@
-"""Journals of a capture, which state what images exist and which to make; `ImageJournal` has a line for each image."""
+"""Journals of a capture, which state which images exist and which to make; `ImageJournal` notes each image."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ class ImageJournal(CaptureJournal):
 
 
 def choose(plan: Plan, only: Iterable[int] | None) -> Numbers:
-    """Return the indices of the captures requested, each once; raises InvalidInput for an unknown one."""
+    """Return the indices of the requested captures, each once, ascending; raises InvalidInput for unknown indices."""
     if only is None:
         return np.arange(len(plan), dtype=np.int64)
     chosen = np.unique(np.array(list(only), np.int64))
@@ -173,7 +173,7 @@ def choose(plan: Plan, only: Iterable[int] | None) -> Numbers:
 
 
 def image_endings(plan: Plan) -> tuple[str, ...]:
-    """Endings of the files of each image of a plan; the last is that of the image itself."""
+    """Endings of the files of each image of a plan; the last ending is the image's."""
     return file_endings(plan.mission.output.image_format, on_map=plan.frames.on_map)
 
 

@@ -38,7 +38,7 @@ class Outcome:
     entropy : float or None
         In bits; None for an image that failed.
     reason : str
-        Why it failed; empty for an image that is done.
+        Why the image failed; empty for an image that is done.
     sky_share, unmapped_share, facade_share : float
         Shares of pixels that see sky, ground beyond the Web-Mercator map, and faces of relief that maps do not show.
     size_bytes : int

@@ -303,7 +303,7 @@ def write_tables(
     *,
     in_shards: bool = False,
 ) -> None:
-    """Write the table of a map type, and the files for OpenDroneMap if it has separate JPEG files.
+    """Write the table of a map type, and files for OpenDroneMap if its images are separate JPEG files.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Several captures in one folder, each a dataset: of several imageries, views or references."""
+"""Several captures in one folder, each a dataset of one imagery, view or reference."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def capture_imageries(
     listener: Listener = SILENT,
     **how: Any,
 ) -> CaptureResult:
-    """Capture a mission of several imageries, each into a folder of its name, with ``mission.json`` above them.
+    """Capture a mission of several imageries, each into a subfolder of its name, beside ``mission.json``.
 
     Images of one place have the same column and row in all datasets. Commands on datasets, such as splitting, take the
     folder as a whole.
@@ -83,7 +83,7 @@ def capture_each(
     listener: Listener = SILENT,
     **how: Any,
 ) -> dict[str, CaptureResult]:
-    """Capture plans one after the other, each into a subfolder of a folder that the run holds; resumes them.
+    """Capture or resume plans one after the other, each in a subfolder of a folder that the run holds.
 
     Parameters
     ----------

@@ -131,9 +131,7 @@ def geotiff(
         Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description))),
     ]
     if channels == 4:
-        tags.append(
-            Tag(338, TagType.SHORT, [2])
-        )  # the fourth channel is alpha, and the others are not multiplied by it
+        tags.append(Tag(338, TagType.SHORT, [2]))  # the fourth channel is alpha, by which colours are not multiplied
     return _pixel_file(pixels, place, description, tags)
 
 

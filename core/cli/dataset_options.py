@@ -111,9 +111,9 @@ def _add_clean(commands: Any) -> None:
         metavar="BITS",
         help="reject images below it, 0 to 8 (default %(default)s); the roadmap's entropies decide for all map types",
     )
-    what = cleaning.add_mutually_exclusive_group()
-    what.add_argument("--move", action="store_true", help="also move them to a folder `rejected` beside the others")
-    what.add_argument("--undo", action="store_true", help="move all images back and remove the marks")
+    either = cleaning.add_mutually_exclusive_group()
+    either.add_argument("--move", action="store_true", help="also move them to a folder `rejected` beside the others")
+    either.add_argument("--undo", action="store_true", help="move all images back and remove the marks")
     cleaning.add_argument("--dry-run", action="store_true", help="change nothing in the dataset, print the counts")
     cleaning.add_argument(
         "--plot",
@@ -275,9 +275,9 @@ def _add_pairs(commands: Any) -> None:
 
 def _add_views(group: Any) -> None:
     group.add_argument("--heights", nargs="+", type=float, metavar="M", help="heights above ground (256 121.5)")
-    how = group.add_mutually_exclusive_group()
-    how.add_argument("--yaws", type=int, metavar="N", help="a ring of N views at each height")
-    how.add_argument("--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)")
+    either = group.add_mutually_exclusive_group()
+    either.add_argument("--yaws", type=int, metavar="N", help="a ring of N views at each height")
+    either.add_argument("--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)")
     group.add_argument("--rounds", type=float, metavar="N", help="rounds of the spiral (3)")
     group.add_argument(
         "--tilt",
@@ -296,7 +296,7 @@ def _add_views(group: Any) -> None:
 
 
 def shared_options() -> list[Option]:
-    """Options of missions that ``terrainav pairs`` shares, with its help; pairs have one map type."""
+    """Options of missions that ``terrainav pairs`` also has, with help for pairs; ``map_type`` takes one value."""
     return [
         replace(
             option,

@@ -88,7 +88,7 @@ def _source_name(source: str) -> str:
 def requested_source(
     asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None, **more: Any
 ) -> NamedSource:
-    """Return the requested source with the options of the run, and further fields of `SourceOptions`."""
+    """Return the requested source with the options of the run; ``more`` are further fields of `SourceOptions`."""
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
@@ -481,7 +481,7 @@ def print_written(result: CaptureResult | PairResult) -> None:
 
 
 def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
-    """Print the first failed images, and where the others are listed."""
+    """Print the first failed images, and the place of the whole list."""
     for failure in failed[:NAMED_FAILURES]:
         print(printable(f"failed: {failure.map_type}/{failure.name}: {failure.reason}"), file=sys.stderr)
     if len(failed) > NAMED_FAILURES:

@@ -44,9 +44,9 @@ def _list_sources(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import shelf
     from ..imagery.entry import shipped
 
-    own = shelf()
-    entries = (*shipped(), *own.entries)
-    for problem in own.problems.values():
+    user_sources = shelf()
+    entries = (*shipped(), *user_sources.entries)
+    for problem in user_sources.problems.values():
         print(f"terrainav: {printable(problem)}", file=sys.stderr)
     if arguments.json:
         print(json.dumps([entry.to_dict() for entry in entries], indent=1))
@@ -87,7 +87,7 @@ def _show_source(arguments: argparse.Namespace) -> int:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
-    # A source may offer other systems than its catalogue entry's; it refuses those that it does not offer.
+    # A source may offer more systems than the one in its catalogue entry; it refuses any others.
     crs = source.grid.plane.crs if arguments.crs else ""
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
@@ -179,9 +179,9 @@ def run_cameras(arguments: argparse.Namespace) -> int:
 def _list_cameras(arguments: argparse.Namespace) -> int:
     from ..mission.cameras import camera_shelf, shipped_cameras
 
-    own = camera_shelf()
-    presets = (*shipped_cameras(), *own.entries)
-    for problem in own.problems.values():
+    user_cameras = camera_shelf()
+    presets = (*shipped_cameras(), *user_cameras.entries)
+    for problem in user_cameras.problems.values():
         print(f"terrainav: {printable(problem)}", file=sys.stderr)
     if arguments.json:
         rows = [

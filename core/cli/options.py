@@ -165,7 +165,7 @@ def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] 
 
 
 def _add_actions(listing: argparse.ArgumentParser) -> Any:
-    """Add the actions of a command that lists things, beginning with ``list``."""
+    """Add the action ``list`` to a command; return the group for further actions."""
     actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     every = actions.add_parser("list", help="list all (the default action)")
     add_json(every, argparse.SUPPRESS)

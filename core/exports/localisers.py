@@ -1,7 +1,7 @@
 """Write benchmarks in the layouts of published sets for visual localisation.
 
-Files and names are those that University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and AnyVisLoc
-read.
+The programs University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and AnyVisLoc read the files by
+their names.
 """
 
 from __future__ import annotations

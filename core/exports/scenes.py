@@ -101,7 +101,7 @@ class SceneGround:
 
     @cached_property
     def _outline(self) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes of the rim of the mosaic."""
+        """Latitudes and longitudes of points along the mosaic's edges."""
         return self.benchmark.mosaic.rim()
 
     @cached_property

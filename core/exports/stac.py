@@ -66,7 +66,7 @@ def write_stac(folder: Address, target: Address, map_type: str | None = None) ->
     """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` into a dataset's folder; return their paths.
 
     Items are all existing images, including images that cleaning has rejected. Earlier descriptions are replaced.
-    Parameters and errors are those of `write_croissant`; the dataset may also be at an address, and OutputError is also
+    Parameters and errors are as for `write_croissant`; the dataset may also be at an address, and OutputError is also
     raised without pyarrow.
     """
     import_pyarrow("stac")

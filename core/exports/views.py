@@ -25,7 +25,7 @@ ORIGIN_FILE = "origin.json"
 
 @dataclass(frozen=True, eq=False)
 class Views:
-    """The n camera frames of a map type, except failed and rejected ones.
+    """The n camera frames of a map type that neither failed nor are rejected.
 
     Parameters
     ----------

@@ -40,8 +40,8 @@ class Gathered:
     ) -> tuple[bytes, dict[str, Member]]:
         """Pack the images of a table into a tar.
 
-        The bytes depend only on the images and the table. All members of an image have the same key. Their endings are
-        those of the image and its sidecar files, ``.json`` for the image's row of the table, and endings such as
+        The bytes depend only on the images and the table. All members of an image have the same key. They have
+        the endings of the image and its sidecar files, ``.json`` for the image's row of the table, and endings such as
         ``.depth.tif`` for products. The image's name cannot be the key, as WebDataset treats everything after the first
         dot as the ending.
 
