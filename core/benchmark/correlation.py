@@ -80,28 +80,28 @@ class _Correlation:
     def locate(self, query: Query) -> Answer:
         """Localise a query; the answer is empty if the query shows more ground than the reference, or is uniform."""
         lat, lon = self._lat_lon(self._mosaic.width_px / 2.0, self._mosaic.height_px / 2.0)
-        coarse = _seen_from_above(query, lat, lon, self._mosaic, self._searched.step)
+        coarse = _project(query, lat, lon, self._mosaic, self._searched.step)
         if coarse is None:
             return Answer()
-        agreement = _agreement(coarse, self._searched.grey.shape, self._transforms)
-        if agreement is None:
+        coefficients = _coefficients(coarse, self._searched.grey.shape, self._transforms)
+        if coefficients is None:
             return Answer()
-        lat, lon = self._lat_lon(*self._finest(query, coarse, agreement))
-        return Answer(self._ranked(coarse, agreement), lat, lon)
+        lat, lon = self._lat_lon(*self._refine(query, coarse, coefficients))
+        return Answer(self._rank_tiles(coarse, coefficients), lat, lon)
 
     def _lat_lon(self, column: float, row: float) -> tuple[float, float]:
         """Latitude and longitude of a position in the mosaic."""
         lat, lon = self._mosaic.ground(np.array(column), np.array(row))
         return float(lat), float(lon)
 
-    def _finest(self, query: Query, coarse: _Patch, agreement: Floats) -> tuple[float, float]:
+    def _refine(self, query: Query, coarse: _Patch, coefficients: Floats) -> tuple[float, float]:
         """Refine the best candidates at full resolution; returns column and row of the camera in the mosaic."""
         step = self._searched.step
         best, found = -math.inf, (math.nan, math.nan)
-        for top, left in _peaks(agreement, min(coarse.grey.shape) // 2):
+        for top, left in _peaks(coefficients, min(coarse.grey.shape) // 2):
             lat, lon = self._lat_lon((left + coarse.camera[0]) * step, (top + coarse.camera[1]) * step)
             # Project again: the ground that a map's pixel shows depends on the latitude.
-            patch = _seen_from_above(query, lat, lon, self._mosaic, 1)
+            patch = _project(query, lat, lon, self._mosaic, 1)
             if patch is None:
                 continue
             # Three reduced pixels around the candidate: two for its error and one for rounding.
@@ -111,16 +111,16 @@ class _Correlation:
             window = self._whole.grey[y : patch.top + high + reach, x : patch.left + wide + reach]
             if window.shape[0] < high or window.shape[1] < wide:
                 continue
-            near = _agreement(patch, window.shape, _transforms(window))
+            near = _coefficients(patch, window.shape, _transforms(window))
             if near is not None and near.max() > best:
                 best = float(near.max())
-                down, across = _summit(near)
+                down, across = _maximum(near)
                 found = x + across + patch.camera[0], y + down + patch.camera[1]
         return found
 
-    def _ranked(self, patch: _Patch, agreement: Floats) -> list[str]:
+    def _rank_tiles(self, patch: _Patch, coefficients: Floats) -> list[str]:
         """Rank tiles by the highest coefficient of positions that put the query's centre in the tile's middle half."""
-        high, wide = agreement.shape
+        high, wide = coefficients.shape
         column, row, width = self._tiles
         left, right = (
             np.clip(np.floor(column + side * width / 4.0 - patch.centre[0]), 0, wide - 1).astype(int)
@@ -132,14 +132,14 @@ class _Correlation:
         )
         score = np.array(
             [
-                agreement[t : b + 1, le : r + 1].max()
+                coefficients[t : b + 1, le : r + 1].max()
                 for le, r, t, b in zip(left.tolist(), right.tolist(), top.tolist(), bottom.tolist())
             ]
         )
         return [self._ids[at] for at in np.argsort(-score, kind="stable")[:100].tolist()]
 
 
-def _seen_from_above(query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
+def _project(query: Query, lat_deg: float, lon_deg: float, mosaic: ReferenceMosaic, step: int) -> _Patch | None:
     """Project a query from an assumed camera position; None if it is tiny or larger than the reference."""
     agl = query.height_m - query.ground_m
     ground = WGS84.raised(query.ground_m)
@@ -199,7 +199,9 @@ def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.comple
     return np.fft.rfft2(around), np.fft.rfft2(around * around)
 
 
-def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]) -> Floats | None:
+def _coefficients(
+    patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]
+) -> Floats | None:
     """Correlation coefficients (h, w) of a patch at each offset in a reference; None if uniform or larger than it."""
     high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
     energy = float((patch.grey * patch.grey).sum())
@@ -215,13 +217,13 @@ def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[
     sums = summed(whole * mask)
     spread = summed(squares * mask) - sums * sums / count
     # Where the reference is uniform, the quotient would consist of rounding errors.
-    some = spread > _FLAT * max(float(spread.max()), 1.0)
-    return np.where(some, summed(whole * grey) / np.sqrt(np.where(some, spread, 1.0) * energy), -1.0)
+    has_texture = spread > _FLAT * max(float(spread.max()), 1.0)
+    return np.where(has_texture, summed(whole * grey) / np.sqrt(np.where(has_texture, spread, 1.0) * energy), -1.0)
 
 
-def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
+def _peaks(coefficients: Floats, apart_px: int) -> list[tuple[int, int]]:
     """Rows and columns of the highest values, at least ``apart_px`` from each other along an axis."""
-    left, found = agreement.copy(), []
+    left, found = coefficients.copy(), []
     # Three candidates for the refinement at full resolution.
     for _ in range(3):
         at = int(left.argmax())
@@ -237,12 +239,12 @@ def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
     return found
 
 
-def _summit(agreement: Floats) -> tuple[float, float]:
+def _maximum(coefficients: Floats) -> tuple[float, float]:
     """Row and column of the maximum, to a fraction of a pixel by parabolas through its neighbours."""
-    row, column = divmod(int(agreement.argmax()), agreement.shape[1])
-    down = _vertex(agreement[max(row - 1, 0) : row + 2, column]) if 0 < row < len(agreement) - 1 else 0.0
-    inside = 0 < column < agreement.shape[1] - 1
-    across = _vertex(agreement[row, max(column - 1, 0) : column + 2]) if inside else 0.0
+    row, column = divmod(int(coefficients.argmax()), coefficients.shape[1])
+    down = _vertex(coefficients[max(row - 1, 0) : row + 2, column]) if 0 < row < len(coefficients) - 1 else 0.0
+    inside = 0 < column < coefficients.shape[1] - 1
+    across = _vertex(coefficients[row, max(column - 1, 0) : column + 2]) if inside else 0.0
     return row + down, column + across
 
 

@@ -89,9 +89,9 @@ class _Features:
         ground = self._points[[one.trainIdx for one in good]].reshape(-1, 2)
         pose = self._pose(query, image, ground) if len(good) >= _LEAST_MATCHES else None
         if pose is None:
-            return Answer(self._ranked(ground))
+            return Answer(self._rank_tiles(ground))
         values, agree = pose
-        return Answer(self._ranked(ground[agree]), **values)
+        return Answer(self._rank_tiles(ground[agree]), **values)
 
     def _pose(self, query: Query, image: Floats, ground: Floats) -> tuple[dict[str, float], Numbers] | None:
         """Pose of a query and indices of the matches that agree on it; None if too few agree."""
@@ -126,7 +126,7 @@ class _Features:
             return None
         return dict(zip(POSE, (*position, *attitude))), agree.astype(np.int64)
 
-    def _ranked(self, ground: Floats) -> list[str]:
+    def _rank_tiles(self, ground: Floats) -> list[str]:
         """Rank tiles by their number of matches; omits tiles without any."""
         left, right, top, bottom = (side[:, np.newaxis] for side in self._tiles)
         x, y = ground[:, 0], ground[:, 1]

@@ -196,8 +196,8 @@ def plan_benchmark(
                 planned.names[beyond[0]],
                 remedy="tilt less, or take a narrower camera",
             )
-    widths = settings.tile_widths_m or (round(_side_of_ground_m(first), 1),)
-    box = _grown(_ground(queries), max(widths) if settings.margin_m is None else settings.margin_m)
+    widths = settings.tile_widths_m or (round(_median_side_m(first), 1),)
+    box = _enlarged(_ground(queries), max(widths) if settings.margin_m is None else settings.margin_m)
     gsd_m = first.resolution.delivered_m_per_px
     mosaic = _mosaic(settings, box, gsd_m, grids[str(settings.reference)])
     tiles = {width: _tiles(settings, mosaic, width) for width in widths}
@@ -214,7 +214,7 @@ def _inside(
     return whole
 
 
-def _cut(mosaic: Plan) -> Plan:
+def _clipped(mosaic: Plan) -> Plan:
     """Plan of one map frame, clipped to its source's imagery."""
     windows, (west, top, east, bottom) = mosaic.windows, _extent_px(mosaic)
     left, upper = np.maximum(windows.left_px, west), np.maximum(windows.top_px, top)
@@ -242,7 +242,7 @@ def _extent_px(one: Plan) -> tuple[float, float, float, float]:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def _side_of_ground_m(queries: Plan) -> float:
+def _median_side_m(queries: Plan) -> float:
     """Side of a square with the median area of the queries' ground."""
     lat, lon = queries.corners.lat_deg, queries.corners.lon_deg
     ring = np.repeat(np.arange(len(lat)), lat.shape[1])
@@ -258,7 +258,7 @@ def _ground(queries: Mapping[str, Plan]) -> Box:
     return Box(float(lat.max()), float(lon.min()), float(lat.min()), float(lon.max()))
 
 
-def _grown(box: Box, margin_m: float) -> Box:
+def _enlarged(box: Box, margin_m: float) -> Box:
     """Box with a margin, within the map."""
     farthest = np.array(max(abs(box.north_deg), abs(box.south_deg)))
     more_lat = math.degrees(margin_m / float(WGS84.meridional_radius_m(farthest)))
@@ -309,7 +309,7 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
     wrong: InvalidInput | None = None
     if px <= MAX_PICTURE_SIDE_PX:
         try:
-            return _cut(plan(mission, grid))
+            return _clipped(plan(mission, grid))
         except InvalidInput as refused:
             if refused.field != "max_px":
                 raise

@@ -204,75 +204,75 @@ def _add_benchmark_make(actions: Any) -> None:
     making = actions.add_parser(
         "make", help="capture queries from one or more imageries, and the reference to find them in"
     )
-    asked = making.add_argument_group("benchmark")
-    asked.add_argument(
+    group = making.add_argument_group("benchmark")
+    group.add_argument(
         "--queries",
         nargs="+",
         required=True,
         metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
         help="imagery of the queries; each of several shows all of them",
     )
-    asked.add_argument(
+    group.add_argument(
         "--reference",
         required=True,
         metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
         help="imagery in which to find them",
     )
-    asked.add_argument(
+    group.add_argument(
         "--tiles",
         nargs="+",
         type=float,
         metavar="M",
         help="widths of the reference's tiles (default: of a square with the area that a query shows)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--tile-overlap",
         type=_share,
         default=TILE_OVERLAP,
         metavar="SHARE",
         help="share of a tile shared with its neighbour, such as 0.5 or 50%% (%(default)g)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--margin",
         dest="reference_margin",
         type=float,
         metavar="M",
         help="margin of the reference around the ground of the queries (default: the width of the widest tile)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--positive",
         type=float,
         default=POSITIVE_IOU,
         metavar="IOU",
         help="least intersection over union of a correct tile (%(default)g)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--semi-positive",
         type=float,
         default=SEMI_POSITIVE_IOU,
         metavar="IOU",
         help="least intersection over union of a nearly correct tile (%(default)g)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--split",
         choices=SPLITS,
         default=CROSS_AREA,
         help="cross-area: no ground in two parts, of queries or of tiles (default); same-area: by places, with one "
         "reference for all",
     )
-    asked.add_argument(
+    group.add_argument(
         "--inside",
         action="store_true",
         help="leave out queries that see beyond their imagery or the reference",
     )
-    asked.add_argument(
+    group.add_argument(
         "--shares",
         nargs=3,
         type=float,
         metavar=("TRAIN", "VALIDATION", "TEST"),
         help="shares of the parts (0.8 0.1 0.1)",
     )
-    asked.add_argument(
+    group.add_argument(
         "--gap", type=float, default=0.0, metavar="M", help="minimum distance between ground of two parts (0)"
     )
     but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
