@@ -18,7 +18,7 @@ In reading order:
 - `methods`: the kind of picture and the methods that fit the error budget
 - `resolution`: ground sample distances of a plan
 - `views`: ground that the cameras of a plan see
-- `plan`: a mission worked out, as arrays
+- `plan`: a planned mission, as arrays
 - `inside`: captures that lie wholly on the source's imagery
 - `estimate`: figures of a plan: time, bytes, coverage, overlap
 - `outlines`: geometries to draw of a plan, cut at the antimeridian

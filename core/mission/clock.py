@@ -43,7 +43,7 @@ def implausible(
     Parameters
     ----------
     unit : Message or None
-        Unit that the file was read in; None where it states dates.
+        Unit in which the file's times were read; None if the file states dates.
     dated : bool
         Whether the times are known to count from 1970.
     """
@@ -65,7 +65,7 @@ def check_column(times_s: Sequence[float], where: str, *, dated: bool = False) -
     Raises
     ------
     InvalidInput
-        The times are `implausible`; dates from 1990 to 2099 may span less than a second.
+        Implausible times, see `implausible`; dates from 1990 to 2099 may span less than a second.
     """
     if not len(times_s) or is_dated(np.array(times_s)).all():
         return

@@ -251,8 +251,8 @@ def choose_methods(
     Raises
     ------
     InvalidInput
-        No methods fit the budget and the mission does not accept that; the mission asks for a method without a bound;
-        or as `plan` raises it.
+        No methods fit the budget, and the mission does not accept to exceed it; the mission asks for a method without
+        a bound; or as `plan` raises it.
     """
     no_camera_frame = ""
     if grid.centre_decimals is not None:

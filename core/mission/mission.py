@@ -67,7 +67,7 @@ class Mission:
     area : Box, Polygon, Polygons or Points
         Ground to cover, or points to capture, which have heights.
     agl_m : float
-        Height above ground in metres, > 0; for Points, that of the first one.
+        Height above ground in metres, > 0; for Points, the height of the first point.
     wind : Wind or None
         Wind that displaces the captures; None for still air.
     no_fly : tuple of Polygon
@@ -78,7 +78,7 @@ class Mission:
     Raises
     ------
     InvalidInput
-        A value outside its domain; names its field.
+        A value outside its domain; the error names its field.
     """
 
     area: Area

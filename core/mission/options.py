@@ -99,7 +99,7 @@ class Option:
         Raises
         ------
         InvalidInput
-            Not a valid value; names the value, where it was given and what is valid.
+            An invalid value; the message states the value, where it was given, and valid values.
         """
         if self.flag:
             return _read_flag(value, f"{where} {self.name}")

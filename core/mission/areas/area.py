@@ -67,7 +67,7 @@ def check_yaw(yaw_deg: float) -> None:
     field_named(Attitude, "yaw_deg").settled(yaw_deg)
 
 
-class _Covered:
+class _CoveredArea:
     """An area that rows of captures cover, as opposed to points."""
 
     covers_ground: ClassVar[bool] = True
@@ -81,7 +81,7 @@ class _Covered:
 
 
 @dataclass(frozen=True)
-class Box(_Covered):
+class Box(_CoveredArea):
     """A box in degrees; where its west exceeds its east, it crosses the antimeridian."""
 
     north_deg: float
@@ -137,7 +137,7 @@ class Box(_Covered):
 
 
 @dataclass(frozen=True)
-class Polygon(_Covered):
+class Polygon(_CoveredArea):
     """A polygon with holes; edges are straight in longitude and latitude (RFC 7946).
 
     Parameters
@@ -201,7 +201,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
 
 
 @dataclass(frozen=True)
-class Polygons(_Covered):
+class Polygons(_CoveredArea):
     """Several polygons that one mission covers, each by separate rows.
 
     Equal polygons count once. Ground where different polygons overlap counts for each, and is covered for each.

@@ -63,7 +63,7 @@ def parse_coords(
     Raises
     ------
     InvalidInput
-        The text or a line of the file cannot be read; names it.
+        The text or a line of the file cannot be read; the message names it.
     """
     if kind is not None and kind not in KINDS:
         raise InvalidInput("mission {0!r}: must be one of {1}", kind, ", ".join(KINDS))

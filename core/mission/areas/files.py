@@ -55,7 +55,7 @@ def load_polygons(
     Raises
     ------
     InvalidInput
-        The file cannot be read, has an unknown reference system, no polygon, or an invalid one, see `check_rings`.
+        The file cannot be read, has an unknown reference system, no polygon, or an invalid polygon, see `check_rings`.
     OutputError
         The file is KML, and lxml is not installed.
     """

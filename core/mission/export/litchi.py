@@ -1,7 +1,7 @@
 """A plan for Litchi, which flies DJI drones: the CSV of its Mission Hub.
 
 Columns, codes and ranges are those of files written by the Mission Hub (44 columns in metric units), as described at
-https://www.litchiutilities.com/docs/litchiCsv.php; limits of a mission are those of DJI's SDK.
+https://www.litchiutilities.com/docs/litchiCsv.php; limits of a mission come from DJI's SDK.
 """
 
 from __future__ import annotations

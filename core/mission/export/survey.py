@@ -271,7 +271,7 @@ def _polygon(plan: Plan, rows: _SurveyRows) -> tuple[list[list[float]], float, i
     shares = np.linspace(0.05, 0.95, 37)
     for below, above in sorted(product(shares, shares), key=sum):
         ends = below * rows.spacing_m, above * rows.spacing_m
-        sides = _capped(*near, *ends, margin), _capped(*far, *ends, margin)
+        sides = _extended(*near, *ends, margin), _extended(*far, *ends, margin)
         along = np.concatenate([sides[0][0], sides[1][0][::-1]])
         across = np.concatenate([sides[0][1], sides[1][1][::-1]])
         spacing, deviation = _fitted(rows, along, across, offset)
@@ -303,7 +303,7 @@ def _straightened(offset_m: Floats, along_m: Floats, tolerance_m: float, outward
     return along_m[kept] + outward * max(float(short.max()), 0.0), offset_m[kept]
 
 
-def _capped(
+def _extended(
     along_m: Floats, offset_m: Floats, below_m: float, above_m: float, tolerance_m: float
 ) -> tuple[Floats, Floats]:
     """Side extended beyond the outermost rows; corners are moved where the side crosses the rows, else added."""

@@ -1,8 +1,8 @@
 """A plan for DJI's drones: the KMZ of WPML in which DJI Pilot 2, FlightHub 2 and DJI Fly store waypoint flights.
 
 Elements, values and ranges are those of DJI's reference (https://developer.dji.com/doc/cloud-api-tutorial/en, DJI
-WPML). DJI does not document the files of DJI Fly; these follow public programs that write them. Programs show and edit
-``template.kml``, and drones fly ``waylines.wpml``; here both describe the same flight.
+WPML). DJI does not document the files of DJI Fly; here, they follow public programs that write such files. Programs
+show and edit ``template.kml``, and drones fly ``waylines.wpml``; here both describe the same flight.
 """
 
 from __future__ import annotations
@@ -389,7 +389,7 @@ class _TriggeredRows(NamedTuple):
     Parameters
     ----------
     spacing_m : dict
-        Last waypoint of each row and distance between its images, by the first waypoint.
+        By first waypoint of a row, the last waypoint and the distance between the images of the row.
     inside : set
         Waypoints of rows, at which no action takes an image.
     between : array of bool

@@ -72,7 +72,7 @@ _TEXTS = {
 }
 
 
-class _Parted(NamedTuple):
+class _PartedFormat(NamedTuple):
     """Format with a file for each part of a flight."""
 
     contents: Callable[[Plan], list[Iterable[bytes]]]
@@ -91,10 +91,12 @@ def _decoded(read: Callable[[Reader, str], list[FlownPath]]) -> Callable[[Reader
 
 #: Formats of one file, or several for a flight in parts.
 _PARTED = {
-    ".litchi.csv": _Parted(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
-    ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes, Reader.kmz),
-    ".plan": _Parted(_encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)),
-    ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes, _decoded(Reader.plan)),
+    ".litchi.csv": _PartedFormat(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
+    ".kmz": _PartedFormat(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes, Reader.kmz),
+    ".plan": _PartedFormat(
+        _encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)
+    ),
+    ".survey.plan": _PartedFormat(_encoded(survey_texts), check_survey, survey_notes, _decoded(Reader.plan)),
 }
 #: Endings of plan files.
 ENDINGS = (".csv", ".geojson", ".kml", ".gpkg", ".gpx", *_PARTED)

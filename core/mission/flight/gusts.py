@@ -13,7 +13,7 @@ step dt: x(t + dt) = (I + E) x(t) + v, where E = exp(A dt) - I and v is normal w
 Q = ∫ exp(A s) N exp(A s)ᵀ ds from 0 to dt (Van Loan 1978, "Computing integrals involving the matrix exponential", IEEE
 Trans. Automatic Control 23(3)). Van Loan's block exponential in a single step fails where dt is long compared with the
 fastest time constant, and Q from the stationary P, as P - exp(A dt) P exp(A dt)ᵀ, cancels where dt is short. Here the
-series of both are summed at dt / 2^k, where they converge quickly, and doubled k times.
+series of E and Q are summed at dt / 2^k, where they converge quickly, and doubled k times.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def flight_system(sigma_m_per_s: float, airspeed_m_per_s: float, agl_m: float) -
     Parameters
     ----------
     sigma_m_per_s : float
-        Standard deviation of the horizontal gusts; that of the vertical ones is `vertical_share` of it.
+        Standard deviation of the horizontal gusts; the vertical gusts have `vertical_share` of it.
     airspeed_m_per_s : float
         Speed through the (frozen) turbulence, > 0.
     agl_m : float

@@ -76,8 +76,8 @@ def fly(
     Returns
     -------
     Disturbance
-        Equal on every platform and with every numpy to a millionth of its sigma, which is how far the rounding of
-        processors is amplified by nearly singular covariances; equal for the first exposures that two flights share.
+        Equal on every platform and with every numpy to a millionth of sigma: so far do nearly singular covariances
+        amplify the rounding of processors. Flights that share their first exposures have equal errors there.
 
     Raises
     ------

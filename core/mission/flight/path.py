@@ -164,15 +164,15 @@ def flight_path(plan: Planned) -> FlightPath:
     route = plan.mission.route
     is_routed = route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
     if is_routed or plan.mission.no_fly:
-        return _Maker(plan).path()
-    alone = _captures_alone(plan)
+        return _PathBuilder(plan).path()
+    alone = _captures_only(plan)
     if plan.relief.is_level:
         return alone
-    raised = _Maker(plan).path()
+    raised = _PathBuilder(plan).path()
     return alone if len(raised) == len(alone) else raised
 
 
-def _captures_alone(plan: Planned) -> FlightPath:
+def _captures_only(plan: Planned) -> FlightPath:
     meant, count = plan.meant, len(plan.row)
     ground = np.asarray(plan.ground_m)
     return FlightPath(
@@ -212,7 +212,7 @@ class _Points(NamedTuple):
         return _Points(*(values[which] for values in self))
 
 
-class _Maker:
+class _PathBuilder:
     """Computes a path that also has points other than captures."""
 
     def __init__(self, plan: Planned) -> None:
@@ -244,7 +244,7 @@ class _Maker:
         self._base_m = float(ground[0]) if self._home is None else self._ground_at_home(self._home)
         self._into_deg, self._out_deg = self._directions()
         self._ways: dict[tuple[int, bool], tuple[_Points, float]] = {}
-        self._track = self._made_track()
+        self._track = self._build_track()
         self._at_capture = np.flatnonzero(self._track.kind == CAPTURE)
         self._track_s = np.append(0.0, np.cumsum(self._legs_s(self._track)))
 
@@ -323,9 +323,9 @@ class _Maker:
 
     def _least_m(self, lat: Floats, lon: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
         """Least heights that legs may have at positions, and heights to give to new points there."""
-        return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
+        return self._leg_heights_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
 
-    def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
+    def _leg_heights_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
         """Heights as `_least_m` returns them, from the greatest height nearby and the ground below."""
         least = highest_m + self._mission.terrain.clearance_m
         # Half a metre more, so that a round hill does not need a point every few metres.
@@ -375,7 +375,7 @@ class _Maker:
         points = _Points.create(kind, lat, lon, np.fmax(row_ends.height, least))
         return points.take(free), which[free]
 
-    def _made_track(self) -> _Points:
+    def _build_track(self) -> _Points:
         """Captures with turnarounds, lead-ins, detours and raised legs."""
         turns = np.flatnonzero(np.diff(self._row))
         behind, left = self._extensions(turns, TURNAROUND)
@@ -411,13 +411,13 @@ class _Maker:
         points = self._raised(points, np.append(agl, agl[-1]))
         added: list[tuple[int, _Points]] = []
         for below in self._relief.profiles(points.lat, points.lon, self._plane):
-            least, given = self._kept_m(below.highest_m, below.ground_m, agl[below.leg])
+            least, given = self._leg_heights_m(below.highest_m, below.ground_m, agl[below.leg])
             line = points.height[below.leg]
             line = line + below.share * (points.height[below.leg + 1] - line)
             for one in np.unique(below.leg[least - line > _NOISE_M]).tolist():
                 at = slice(*np.searchsorted(below.leg, [one, one + 1]))
                 ends = float(points.height[one]), float(points.height[one + 1])
-                which, height = _lifted(below.share[at], least[at], given[at], ends)
+                which, height = _raised_nodes(below.share[at], least[at], given[at], ends)
                 lat, lon = below.lat_deg[at][which], below.lon_deg[at][which]
                 added.append((one, _Points.create(TRANSIT, lat, lon, height)))
         return _inserted(points, added)
@@ -535,7 +535,7 @@ class _Maker:
         """Least height that is safe on all legs; minus infinity over level ground."""
         return max(
             (
-                float(self._kept_m(below.highest_m, below.ground_m, agl_m)[1].max())
+                float(self._leg_heights_m(below.highest_m, below.ground_m, agl_m)[1].max())
                 for below in self._relief.profiles(points.lat, points.lon, self._plane)
             ),
             default=-math.inf,
@@ -588,7 +588,7 @@ def _inserted(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
     return whole.take(np.argsort(np.concatenate(keys), kind="stable"))
 
 
-def _lifted(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
+def _raised_nodes(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
     """Nodes of a leg that a path must pass to be nowhere below ``least``: indices and heights, (k,) each.
 
     The node that lies lowest is raised, and the same is repeated on both sides of it.

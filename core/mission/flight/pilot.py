@@ -36,8 +36,8 @@ class Sun(NamedTuple):
         fov_deg : float
             Diagonal field of view of a camera that looks straight down; 0 for other cameras.
         """
-        start = _stands(self.height_deg, self.azimuth_deg)
-        end = _stands(self.end_height_deg, self.end_azimuth_deg)
+        start = _position_text(self.height_deg, self.azimuth_deg)
+        end = _position_text(self.end_height_deg, self.end_azimuth_deg)
         text = start if start == end else Message("{0}, at the end {1}", start, end)
         heights = self.height_deg, self.end_height_deg
         if min(heights) < 0.0:
@@ -51,7 +51,7 @@ class Sun(NamedTuple):
         return text
 
 
-def _stands(height_deg: float, azimuth_deg: float) -> Message:
+def _position_text(height_deg: float, azimuth_deg: float) -> Message:
     where = _DIRECTIONS[round(azimuth_deg / 45.0) % len(_DIRECTIONS)]
     if height_deg < 0.0:
         return Message("{0:.0f}° below the horizon in the {1}", -height_deg, where)

@@ -6,7 +6,7 @@ In reading order:
 - `parallels`: rows along parallels
 - `paper`: the UTM grid of the published datasets
 - `entry`: the entry of a flight into its rows
-- `rotated`: rows in a plane: rotated, crossed, or in the source's CRS
+- `rotated`: rows in a plane: rotated, crosshatched, or in the source's CRS
 - `polygons`: several polygons as one flight
 - `no_fly`: removal of captures over no-fly areas
 - `frames`: map frames and camera frames

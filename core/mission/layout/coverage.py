@@ -134,7 +134,7 @@ def _reached(strip: Numbers, end: Floats) -> Floats:
 
 def _pieces(rectangles: Rectangles, first: Numbers, last: Numbers) -> tuple[Numbers, Floats, Floats]:
     """Strip, start and end of every rectangle's piece in each of its strips ``first`` to ``last`` (excluded)."""
-    owner, strip = _spread(first, last)
+    owner, strip = _expand_ranges(first, last)
     return strip, rectangles.x0[owner], rectangles.x1[owner]
 
 
@@ -191,8 +191,8 @@ class _Cells(NamedTuple):
         west, north, east, south = within
         x, first_x, last_x = _lines(rectangles.x0, rectangles.x1, west, east)
         y, first_y, last_y = _lines(rectangles.y0, rectangles.y1, north, south)
-        owner, column = _spread(first_x, last_x)
-        pair, row = _spread(first_y[owner], last_y[owner])
+        owner, column = _expand_ranges(first_x, last_x)
+        pair, row = _expand_ranges(first_y[owner], last_y[owner])
         column, owner = column[pair], owner[pair]
         order = np.argsort(row * len(x) + column, kind="stable")
         return cls(x, y, column[order], row[order], owner[order])
@@ -261,7 +261,7 @@ def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats
     return lines, np.searchsorted(lines, low, "right") - 1, np.searchsorted(lines, high, "left")
 
 
-def _spread(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
+def _expand_ranges(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
     """Numbers in the ranges ``first`` to ``last`` (excluded), with the index of the range of each."""
     counts = np.maximum(last - first, 0)
     owner = np.repeat(np.arange(len(counts)), counts)
@@ -445,8 +445,8 @@ def shares(column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level
     rectangles : Rectangles
         (n,).
     rows_are_level : bool
-        Whether rows run along the sides of rectangles: the neighbour is then the nearest in the next row, otherwise
-        that of the same column.
+        Whether rows run along the sides of rectangles: the neighbour in the next row is then the nearest rectangle,
+        otherwise the rectangle of the same column.
     """
     left, top, right, bottom = rectangles
     width, height = right - left, bottom - top

@@ -420,13 +420,13 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
     world_m = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
         if grid.plane.wraps
-        else float(np.median(grid.plane.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
+        else float(np.median(grid.plane.ground_m(*_thinned(layout.lat_deg, layout.lon_deg))[0]))
     )
     span = float(np.median(px_m / np.maximum(world_m, 1.0)))
     return fitting_detail(span, grid, (grid.min_zoom, highest_zoom(mission, grid)))
 
 
-def _some(*values: Floats) -> tuple[Floats, ...]:
+def _thinned(*values: Floats) -> tuple[Floats, ...]:
     """Every k-th value of arrays (n,), at most 1000 values, whose median hardly differs."""
     return tuple(value[:: -(-len(value) // 1000)] for value in values)
 

@@ -280,7 +280,7 @@ class _ParallelRows:
         places = tried[sees]
         highest, lowest = (np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0)))
         if self._out_of_sight(highest - self._north) or self._out_of_sight(self._south - lowest):
-            raise self._gaps()
+            raise self._coverage_error()
         return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
 
     def _out_of_sight(self, missing: Floats) -> bool:
@@ -290,7 +290,7 @@ class _ParallelRows:
         between = 0 < nearest < _TRIED - 1
         return float(missing[nearest]) > (2.0 / _TRIED if between else 0.0)
 
-    def _gaps(self) -> InvalidInput:
+    def _coverage_error(self) -> InvalidInput:
         if self._mission.attitude.tilt_deg or self._mission.attitude.roll_deg:
             return InvalidInput(
                 "rows from {0:g} m cannot be placed so that their images cover this area",
@@ -306,7 +306,7 @@ class _ParallelRows:
     def refuse_gaps(self, centres: Floats) -> None:
         """Refuse rows outside the range of cameras, whose frames are elsewhere."""
         if bool(((centres < self._least - _CONVERGED) | (centres > self._most + _CONVERGED)).any()):
-            raise self._gaps()
+            raise self._coverage_error()
 
     def _edges(self, centres: Floats) -> FrameEdges:
         """Edges of frames at the centres, extrapolated outside the range of cameras.

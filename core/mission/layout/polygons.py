@@ -1,4 +1,4 @@
-"""Several polygons as one flight, in an order and with entries that keep it short."""
+"""Several polygons as one flight, in an order and with entries that keep the flight short."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
 
     Returns
     -------
-    Layout, passes, and the indices of the first captures of polygons in flight order; none for a single polygon.
+    Layout, passes, and the indices of the first captures of polygons in flight order (empty for a single polygon).
 
     Raises
     ------
@@ -256,14 +256,14 @@ def _improved(gaps: Numbers) -> list[int]:
             here = order[-1]
             order.append(min(left, key=lambda part: (int(gaps[here, part]), part)))
             left.remove(order[-1])
-        order = _turned_round(order, gaps)
+        order = _two_opt(order, gaps)
         length = int(gaps[order[:-1], order[1:]].sum())
         if least is None or length < least:
             best, least = order, length
     return best
 
 
-def _turned_round(order: list[int], gaps: Numbers) -> list[int]:
+def _two_opt(order: list[int], gaps: Numbers) -> list[int]:
     """Order improved by reversing stretches (2-opt)."""
     count = len(order)
     # No distance is flown before the first polygon or after the last.

@@ -135,8 +135,8 @@ def lay_out_rotated(
     narrowed_m : float
         Reduces the common rectangle of images on all sides.
     lower : float
-        Greatest ratio of heights above ground to the mission's: oblique views of lower ground are farther away, so the
-        area is enlarged.
+        Greatest ratio of a capture's height above ground to the mission's height: oblique views show lower ground
+        farther away, so the area is enlarged.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def _laid_out(
     sides = _common(mission, extent, plane, ground, is_back=False)
     room_m, narrowed_m = rooms_m
     if mission.flight.alternates_facing:
-        sides, back = _alike(sides, _common(mission, extent, plane, ground, is_back=True))
+        sides, back = _symmetric(sides, _common(mission, extent, plane, ground, is_back=True))
     if narrowed_m:
         sides, back = _narrower(sides, narrowed_m), None if back is None else _narrower(back, narrowed_m)
     (width,), (height,) = sides.size_m
@@ -295,7 +295,7 @@ def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
     return Sides(*(np.where(is_back, flown_back, flown_out) for flown_out, flown_back in zip(sides, back)))
 
 
-def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
+def _symmetric(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
     """Common part of the rectangles of rows flown out and of rows flown back, turned; and this part turned back.
 
     Rectangles are turned by 180 degrees.
@@ -527,11 +527,11 @@ def _part_share(area: Box | Polygon, source: ProjectedPlane, extent: tuple[tuple
     points = np.concatenate([np.stack(ring, axis=1) for ring in shape.rings])
     if (points >= rectangle[0]).all() and (points <= rectangle[2]).all():
         return 1.0
-    whole, held = (sum(_clipped_m2(shape, some)) for some in (_around(points), rectangle))
+    whole, held = (sum(_clipped_m2(shape, some)) for some in (_bounding_corners(points), rectangle))
     return min(max(held / whole, 0.0), 1.0)
 
 
-def _around(points: Floats) -> Floats:
+def _bounding_corners(points: Floats) -> Floats:
     """Corners (4, 2) of the rectangle around points (n, 2)."""
     (west, south), (east, north) = points.min(axis=0), points.max(axis=0)
     return np.array([[west, south], [east, south], [east, north], [west, north]])

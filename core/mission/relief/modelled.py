@@ -110,7 +110,7 @@ class ModelledRelief:
 
     def covers(self, lat_deg: Floats, lon_deg: Floats) -> bool:
         """Whether the relief around captures (n,) had been read; if not, as for oblique images, read it now."""
-        if _holds(self._ground, lat_deg, lon_deg):
+        if _contains(self._ground, lat_deg, lon_deg):
             return True
         lat, lon = (np.concatenate(at) for at in zip(self._positions, (lat_deg, lon_deg)))
         self._enclosing = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
@@ -518,7 +518,7 @@ class ModelledRelief:
 
         Estimated from `_SAMPLES` points spread over the area.
         """
-        lat, lon, height = self._spread()
+        lat, lon, height = self._area_samples()
         point, camera, vectors = self._containing(poses, height_m, corners, (lat, lon, height))
         dlon = lon[point] - poses.lon_deg[camera]
         held = np.arange(len(point))
@@ -548,7 +548,7 @@ class ModelledRelief:
         area = self.mission.area
         if not area.covers_ground:
             return 0.0
-        spread, edge = self._spread(), self._surface_points(*_edge_points(area))
+        spread, edge = self._area_samples(), self._surface_points(*_edge_points(area))
         lat, lon, height = (np.concatenate(parts) for parts in zip(spread, edge))
         missed = np.ones(len(lat), bool)
         missed[self._containing(poses, height_m, corners, (lat, lon, height))[0]] = False
@@ -571,7 +571,7 @@ class ModelledRelief:
         held = (in_front & (np.abs(image_xy) <= 1.0).all(axis=-1))[:, 0]
         return point[held], camera[held], vectors[held]
 
-    def _spread(self) -> tuple[Floats, Floats, Floats]:
+    def _area_samples(self) -> tuple[Floats, Floats, Floats]:
         """Latitudes, longitudes and heights of points spread over the area, where the surface is known."""
         area = self.mission.area
         if not area.covers_ground:
@@ -761,7 +761,7 @@ def _normals_enu(lat_deg: Floats, at_lat_deg: Floats, dlon_deg: Floats) -> Float
     )
 
 
-def _holds(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
+def _contains(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
     """Whether a surface contains all positions (n,)."""
     column, row = surface.position(lat_deg, lon_deg)
     rows, columns = surface.cells
@@ -770,7 +770,7 @@ def _holds(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
 
 def _is_finest(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
     """Whether a surface contains positions (n,) at the finest resolution."""
-    return surface.zoom == surface.grid.native_zoom and _holds(surface, lat_deg, lon_deg)
+    return surface.zoom == surface.grid.native_zoom and _contains(surface, lat_deg, lon_deg)
 
 
 def _extremes(
