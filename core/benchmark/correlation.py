@@ -83,7 +83,7 @@ class _Correlation:
         coarse = _project(query, lat, lon, self._mosaic, self._searched.step)
         if coarse is None:
             return Answer()
-        coefficients = _coefficients(coarse, self._searched.grey.shape, self._transforms)
+        coefficients = _agreement(coarse, self._searched.grey.shape, self._transforms)
         if coefficients is None:
             return Answer()
         lat, lon = self._lat_lon(*self._refine(query, coarse, coefficients))
@@ -111,7 +111,7 @@ class _Correlation:
             window = self._whole.grey[y : patch.top + high + reach, x : patch.left + wide + reach]
             if window.shape[0] < high or window.shape[1] < wide:
                 continue
-            near = _coefficients(patch, window.shape, _transforms(window))
+            near = _agreement(patch, window.shape, _transforms(window))
             if near is not None and near.max() > best:
                 best = float(near.max())
                 down, across = _maximum(near)
@@ -199,9 +199,7 @@ def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.comple
     return np.fft.rfft2(around), np.fft.rfft2(around * around)
 
 
-def _coefficients(
-    patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]
-) -> Floats | None:
+def _agreement(patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]) -> Floats | None:
     """Correlation coefficients (h, w) of a patch at each offset in a reference; None if uniform or larger than it."""
     high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
     energy = float((patch.grey * patch.grey).sum())
