@@ -74,7 +74,7 @@ def clean(
     plot: str | os.PathLike[str] | None = None,
     progress: Report | None = None,
 ) -> tuple[Cleaned, ...]:
-    """Reject the images of all map types of a dataset whose entropy is below a threshold.
+    """Reject images whose entropy is below a threshold, in all map types of a dataset.
 
     Where the dataset has roadmap images, their entropies decide for all map types; elsewhere, each image's entropy
     decides (see `deciding_entropies`). The column ``rejected`` gives the reason. Images that an earlier run moved away

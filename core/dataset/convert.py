@@ -60,7 +60,7 @@ def convert(
     InvalidInput
         As `read_dataset`; an image cannot be read, or the source is a capture. Nothing is written then.
     OutputError
-        The target is in use or cannot be written. Nothing of it is left then.
+        The target is in use or cannot be written. No part of the result is left then.
     """
     source, out = Path(folder), Path(target)
     _check_places(source, out)

@@ -384,7 +384,7 @@ def deviation(part: Numbers, shares: Sequence[float]) -> float:
 
 
 def _assign_parts(sizes: Numbers, order: Sequence[int], shares: Sequence[float], targets: Sequence[float]) -> Numbers:
-    """Assign blocks to parts so that these have about their target numbers of images."""
+    """Assign blocks to parts so that each part has about its target number of images."""
     of_block = np.zeros(len(sizes), np.int64)
     left = list(order)
     for part in (2, 1):

@@ -178,7 +178,7 @@ def make_labels(
     Raises
     ------
     InvalidInput
-        The frame does not exist or cannot hold the positions, or there are none to fit the scaler on.
+        The frame does not exist or cannot hold the positions, or there are no positions to fit the scaler on.
     """
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
     found = choose_frame(lat, lon, frame)
@@ -260,7 +260,7 @@ class Frame:
         return np.stack(transformation(self.crs).forward(lat, lon), axis=-1)
 
     def inverse(self, metres: Floats) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes (n,) in degrees, the latter in [-180, 180), of eastings and northings (n, 2)."""
+        """Latitudes, and longitudes in [-180, 180), (n,) in degrees, of eastings and northings (n, 2)."""
         metres = np.asarray(metres, np.float64)
         east, north = metres[..., 0], metres[..., 1]
         if self.crs == _WEB_MERCATOR:

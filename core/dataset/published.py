@@ -55,8 +55,8 @@ def add_windows(table: Table, folder_name: str) -> Table:
     table : Table
         Table with the sizes of the images.
     folder_name : str
-        Name of the folder of images. Without a flight in it, images are of zoom ``Alt``, as from Google's Static Maps;
-        if the flight fits no whole number of zooms, windows are unknown.
+        Name of the folder of images. Without a flight in the name, images are of zoom ``Alt``, as from Google's Static
+        Maps; if the flight fits no whole number of zooms, windows are unknown.
     """
     if len(table) == 0 or np.isfinite(table.pose_lat_deg).any():
         return table

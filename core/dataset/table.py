@@ -90,8 +90,8 @@ class Table:
         Upper left corners of the windows and size of their pixels, in units of that CRS.
     fx_px, fy_px, cx_px, cy_px : array
         Focal lengths and principal point of the images as written; (0, 0) is the upper left corner of the image, (0.5,
-        0.5) the centre of its first pixel. For map frames, they are those of a camera that looks straight down and sees
-        the frame, which is a pinhole image within the error bound of map frames.
+        0.5) the centre of its first pixel. For map frames, of a camera that looks straight down and sees the frame,
+        which is a pinhole image within the error bound of map frames.
     sky_share, unmapped_share, facade_share : array
         Shares of an image's pixels that see sky, ground beyond the Web-Mercator map, and faces of the relief that a map
         does not show.
@@ -195,7 +195,7 @@ class Table:
         Parameters
         ----------
         known : mapping of str to array or tuple of str
-            Columns by field, at least those that every table has.
+            Columns by field, at least the columns that every table has.
         """
         count = len(known["img_names"])
         # Unknown columns share their cells, as cells are never changed.

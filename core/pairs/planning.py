@@ -281,7 +281,7 @@ class PairPlan:
 
     @property
     def requests(self) -> int:
-        """Number of parts to fetch; those of both satellite and drone count twice."""
+        """Number of parts to fetch; parts of both satellite and drone count twice."""
         return sum(one.requests for one in self.plans.values())
 
     def count_requests(self, view: str) -> int:

@@ -30,8 +30,6 @@ from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 #: Largest distance between the flown geodesics and the line, and between corners that are merged.
 TOLERANCE_M = 0.1
-#: Time that the aircraft takes to roll into a turn and out of it.
-_ROLLING_S = 1.0
 
 
 class FlownLine(NamedTuple):
@@ -221,11 +219,11 @@ class _RoundedLine:
 
     def roll_deg(self, time_s: Floats) -> Floats:
         """Roll of the aircraft at times: the mean bank over the rolling time around each time."""
+        # Time that the aircraft takes to roll into a turn and out of it.
+        rolling_s = 1.0
         turned = np.append(0.0, np.cumsum(self.bank_deg * np.diff(self.time_s)))
-        after, before = (
-            np.interp(time_s + half, self.time_s, turned) for half in (_ROLLING_S / 2.0, -_ROLLING_S / 2.0)
-        )
-        roll: Floats = (after - before) / _ROLLING_S
+        after, before = (np.interp(time_s + half, self.time_s, turned) for half in (rolling_s / 2.0, -rolling_s / 2.0))
+        roll: Floats = (after - before) / rolling_s
         return roll
 
     def distance_m(self, other: _RoundedLine) -> float:

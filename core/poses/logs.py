@@ -52,14 +52,6 @@ _NEEDED = {
     _HOME: ("timestamp", "alt"),
     **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
 }
-#: Start of a DataFlash message; the kind of the message follows.
-_HEAD = b"\xa3\x95"
-#: Length of start and kind.
-_HEAD_BYTES = 3
-#: Kind of a message that defines another kind, whose number and length follow.
-_DEFINITION = 0x80
-#: Length of such a message.
-_DEFINITION_BYTES = 89
 #: Required and optional columns of ArduPilot's messages.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
@@ -77,16 +69,6 @@ _OLD_COLUMNS = {
 #: Messages with a position, best first: from the filter, the second filter, the receiver.
 _PLACES = ("POS", "AHR2", "GPS")
 _S_PER_US = 1e-6
-#: Epoch of GPS time, in Unix seconds.
-_GPS_EPOCH_S = 315_964_800.0
-_WEEK_S = 604_800.0
-#: Lead of GPS time over UTC from a given time on (IERS, Bulletin C).
-_LEAPS = (
-    (0.0, 15.0),  # No DataFlash log before July 2012 has GPS weeks.
-    (1_341_100_800.0, 16.0),
-    (1_435_708_800.0, 17.0),
-    (1_483_228_800.0, 18.0),
-)
 
 
 def missing_reader(package: str) -> OutputError:
@@ -346,22 +328,25 @@ def _open(reader: Any, path: Path) -> Any:
 
 def _check_messages(path: Path, progress: Progress) -> None:
     """Scan the messages of a binary log as pymavlink does, and refuse a log that is mostly something else."""
-    defined = {_DEFINITION: _DEFINITION_BYTES}
+    # A message starts with two fixed bytes and its kind. Messages of kind 128, 89 bytes long, define other kinds: their
+    # number and length follow.
+    start, head_bytes, definition = b"\xa3\x95", 3, 0x80
+    defined = {definition: 89}
     lengths: dict[int, int] = {}
     at = damaged = messages = 0
     with open_foreign(path) as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        while 0 <= (begin := data.find(_HEAD, at)) <= len(data) - _HEAD_BYTES:
-            kind, messages = data[begin + len(_HEAD)], messages + 1
+        while 0 <= (begin := data.find(start, at)) <= len(data) - head_bytes:
+            kind, messages = data[begin + len(start)], messages + 1
             damaged += begin - at
             if kind in defined:
                 # The length at the first message of a kind counts, even if the kind is defined again.
                 at = begin + lengths.setdefault(kind, defined[kind])
             else:
-                at = begin + len(_HEAD)
+                at = begin + len(start)
                 damaged += at - begin
-            if kind == _DEFINITION and at <= len(data):
-                number, length = data[begin + _HEAD_BYTES : begin + _HEAD_BYTES + 2]
-                if length < _HEAD_BYTES:
+            if kind == definition and at <= len(data):
+                number, length = data[begin + head_bytes : begin + head_bytes + 2]
+                if length < head_bytes:
                     raise _BeyondLimits(f"its messages of kind {number} have {length} bytes")
                 defined[number] = length
             if damaged > MAX_LOG_DAMAGE_BYTES:
@@ -499,8 +484,11 @@ def _select_flight(columns: _Columns, flight: int, count: int) -> _Columns | Non
 
 def _utc_s(fixes: _Columns) -> Floats:
     """UTC of the fixes of a DataFlash log; times in 1980 are of a receiver that did not know the time."""
-    gps_s = _GPS_EPOCH_S + fixes["GWk"] * _WEEK_S + fixes["GMS"] * 1e-3
-    since, leaps = np.array(_LEAPS).T
+    epoch_s, week_s = 315_964_800.0, 604_800.0
+    gps_s = epoch_s + fixes["GWk"] * week_s + fixes["GMS"] * 1e-3
+    # Lead of GPS time over UTC from a given time on (IERS, Bulletin C). Logs before July 2012 have no GPS weeks.
+    since = np.array([0.0, 1_341_100_800.0, 1_435_708_800.0, 1_483_228_800.0])
+    leaps = np.array([15.0, 16.0, 17.0, 18.0])
     utc_s: Floats = gps_s - leaps[np.clip(np.searchsorted(since + leaps, gps_s, side="right") - 1, 0, None)]
     return utc_s
 

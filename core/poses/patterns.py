@@ -144,7 +144,7 @@ def facade(
     Raises
     ------
     InvalidInput
-        As for `corridor`; also if no place beside the wall has the distance from all of it.
+        As for `corridor`; also if no place is at the distance from every part of the wall.
     """
     columns: list[tuple[Floats, ...]] = []
     for line in lines:

@@ -30,10 +30,6 @@ from .settings import Sensors
 
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
 COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_yaw_deg")
-#: Decimals of latitudes and longitudes, 1 mm.
-_PLACE_DIGITS = 8
-#: Decimals of heights and headings.
-_DIGITS = 3
 #: Number of errors per pose: east, north, up and heading.
 _ERRORS = 4
 
@@ -129,11 +125,13 @@ def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[obj
     north = np.degrees(errors[:, 1] / WGS84.meridional_radius_m(lat))
     east = np.degrees(errors[:, 0] / (WGS84.normal_radius_m(lat) * np.cos(np.radians(lat))))
     has_place = np.isfinite(lat) & fixed
+    # Degrees are rounded to 1 mm, like heights.
+    place_digits, digits = 8, 3
     columns = (
-        np.round(np.where(has_place, np.clip(lat + north, -90.0, 90.0), np.nan), _PLACE_DIGITS),
-        np.round(np.where(has_place, wrap_lon_deg(lon + east), np.nan), _PLACE_DIGITS),
-        np.round(table.agl_m + errors[:, 2], _DIGITS),
-        np.round(wrap_lon_deg(table.yaw_deg + errors[:, 3]), _DIGITS),
+        np.round(np.where(has_place, np.clip(lat + north, -90.0, 90.0), np.nan), place_digits),
+        np.round(np.where(has_place, wrap_lon_deg(lon + east), np.nan), place_digits),
+        np.round(table.agl_m + errors[:, 2], digits),
+        np.round(wrap_lon_deg(table.yaw_deg + errors[:, 3]), digits),
     )
     cells = ([value if value == value else "" for value in column.tolist()] for column in columns)
     return list(zip(table.img_names, *cells)), int((~has_place).sum())

@@ -20,8 +20,6 @@ from ..mission.parts import Flight
 PLACE_DIGITS = 9
 #: Decimals of heights and angles.
 ANGLE_DIGITS = 6
-#: Decimals of seconds.
-_TIME_DIGITS = 6
 #: Called with the share of a file that is read, 0 to 1; returns False to stop.
 Progress = Callable[[float], bool]
 #: Lines, or elements of a document, between two calls of `Progress`.
@@ -168,7 +166,7 @@ class Track:
             _listed(yaw, ANGLE_DIGITS),
             _listed(tilt, ANGLE_DIGITS),
             _listed(roll, ANGLE_DIGITS),
-            _listed(track.time_s, _TIME_DIGITS),
+            _listed(track.time_s, 6),
         )
         return points, len(self) - len(flown)
 
@@ -199,7 +197,7 @@ class Track:
 
 
 def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Headings (n,) along positions; where these stand still, the last heading, or at the start the first one."""
+    """Headings (n,) along positions; where these stand still, the previous heading or, at the start, the first."""
     route = legs(lat_deg, lon_deg)
     # A step below 1 cm has no heading: the vehicle stands still, or a position is logged twice.
     moving = np.append(route.distance_m >= 0.01, False)

@@ -74,7 +74,7 @@ class Measured:
 
 
 def baseline(stage: Sequence[Measured]) -> Measured | None:
-    """Method of a stage whose time others are compared with: the chosen one, or else the cheapest."""
+    """Method of a stage with whose time others are compared: the chosen one, or else the cheapest."""
     with_time = [one for one in stage if one.seconds is not None]
     return next((one for one in with_time if one.chosen), with_time[0] if with_time else None)
 

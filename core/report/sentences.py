@@ -14,10 +14,6 @@ from .measure import Measurement
 from .tables import displaced_text, metres_text, px_text, share_text
 from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
-#: Condition number up to which a scene is benign.
-_BENIGN = 10.0
-#: Condition number up to which a scene is sensitive, not ill-conditioned.
-_SENSITIVE = 1000.0
 #: Explanation of a work-precision diagram.
 DIAGRAM = (
     "Each line is a stage, each marker one of its methods; methods further left are more exact, further down cheaper. "
@@ -157,9 +153,10 @@ def condition_text(condition: float) -> str:
         f"The condition number is {condition:.3g}: an error of one millionth in the input (height, angles, latitude) "
         f"moves the visible ground by up to {condition:.3g} millionths of its distance."
     )
-    if condition <= _BENIGN:
+    # Benign up to 10, ill-conditioned above 1,000.
+    if condition <= 10.0:
         return f"{effect} That is benign: errors of the pose are hardly amplified."
-    if condition <= _SENSITIVE:
+    if condition <= 1000.0:
         return f"{effect} That is sensitive: positions far from the camera need an accurate pose."
     return f"{effect} That is ill-conditioned: positions near the horizon depend strongly on the pose."
 

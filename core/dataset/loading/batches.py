@@ -80,14 +80,14 @@ class LabelledImages:
     targets : sequence of str
         Contents of the labels, in order: the ``image``'s centre on the ground and the ``camera``'s position, as scaled
         eastings and northings; the camera's ``height`` above ground in metres, and its ``attitude``: yaw, tilt and roll
-        in degrees. With these two, ``auto`` augments nothing, as rotating and zooming would make them wrong.
+        in degrees. With either, ``auto`` augments nothing, as rotating and zooming would make it wrong.
     shards_at_once : int
         Number of shards in a group; with shards as captures pack them, a group holds some thousands of images. Shards
         are shuffled, and then the images of each group. A larger number makes the order more random, but keeps more
         shards of an object store.
     cache_mb : float or None
-        Disk space for shards of an object store in the system's temporary folder; None for that of three times
-        ``shards_at_once`` shards.
+        Disk space for shards of an object store in the system's temporary folder; None for the space of three
+        times ``shards_at_once`` shards.
 
     Attributes
     ----------
@@ -405,7 +405,7 @@ class Batches:
 
 
 class EpochPosition:
-    """Position of an iteration in an epoch: the number of batches taken, without those made ahead."""
+    """Position of an iteration in an epoch: the number of batches taken, without batches made ahead."""
 
     def __init__(self, samples: Ordered, batch_size: int, batches: int) -> None:
         self._samples, self._batch_size, self._batches = samples, batch_size, batches
