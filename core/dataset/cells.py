@@ -108,7 +108,7 @@ class CutCells:
         """First bytes (n, width) of a column's cells; a shorter cell is followed by the text after it."""
         if width == 0:
             return np.empty((len(self.lines), 0), np.uint8)
-        # View the bytes from each position on as one item: indexing then copies whole items.
+        # View the bytes from each position on as one item, so that indexing copies whole items.
         at_each: NDArray[np.void] = np.ndarray(len(self._raw) - width, f"V{width}", self._raw, 0, (1,))
         found: NDArray[np.uint8] = at_each[self._starts[column]].view(np.uint8).reshape(-1, width)
         return found

@@ -1,7 +1,7 @@
 """Clean datasets: mark images with too little detail in the table, and optionally move them away.
 
-Nothing is deleted. The table is written before any file is moved, and each file is always in one of its two places, so
-that another run can finish or undo an interrupted one.
+Nothing is deleted. The table is written before any file is moved, and each file is always in one of two folders, so
+that another run can finish or undo an interrupted run.
 """
 
 from __future__ import annotations

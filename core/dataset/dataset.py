@@ -468,7 +468,7 @@ def open_image(
 ) -> Image.Image:
     """Read an image, grey (``L``) or ``RGB``, and decode it.
 
-    Transparency is dropped: pixels keep the colours below it. Colours become grey by ITU-R BT.601. Images are resized
+    Transparency is dropped: pixels keep their colours. Colours become grey by ITU-R BT.601. Images are resized
     with Pillow's bilinear filter, which averages all pixels merged into one.
 
     Parameters
@@ -478,7 +478,7 @@ def open_image(
     img_size : tuple (width, height, channels) or None
         In px, and 1 (grey) or 3 (colour); None leaves both as they are.
     expected_px : tuple (width, height)
-        Size that the table states, NaN where it does not.
+        Size that the table states, NaN if it states none.
     as_shown : bool
         Convert a GeoTIFF with bands other than 8-bit grey or colour to what is displayed, instead of refusing it.
 

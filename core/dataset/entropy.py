@@ -63,7 +63,7 @@ def entropy(image: NDArray[np.uint8]) -> float:
 
 
 def _grey(image: NDArray[np.uint8]) -> Image.Image:
-    """Grey image (mode L) of an RGB one (h, w, 3)."""
+    """Grey image (mode L) of an RGB image (h, w, 3)."""
     height, width = image.shape[:2]
     # Larger bands do not fit the processor's cache and take three times as long.
     rows = max((1 << 19) // width, 1)
@@ -90,7 +90,7 @@ def otsu(values: NDArray[np.float64]) -> float | None:
     """Threshold that separates values into two groups with the least variance inside them, after Otsu (1979).
 
     Otsu's criterion is the largest variance between the groups. It is computed at every gap between values instead of
-    at the bins of a histogram, so it does not depend on their width.
+    at the bins of a histogram, whose width would matter.
 
     Parameters
     ----------

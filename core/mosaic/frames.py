@@ -204,7 +204,7 @@ class CameraImages:
         rays : int
             Rays traced along each axis of an image.
         margin : float
-            Share of its size that a box is enlarged by, more than ground curves between rays.
+            Share of a box's size by which the box is enlarged: more than the ground curves between rays.
         """
         edges = np.full((4, len(self)), np.nan)
         # 2048 images at a time take some 30 MB.

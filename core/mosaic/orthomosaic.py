@@ -52,7 +52,7 @@ class Orthomosaic:
     images, used : int
         Number of all images, and of those that the mosaic shows.
     shown_share : float
-        Share of its pixels that show ground.
+        Share of the mosaic's pixels that show ground.
     """
 
     path: str

@@ -131,7 +131,7 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: PairView, ground: Ell
     agl = np.full(lat_deg.shape, view.agl_m)
     axis = Camera().rays_enu(((0.0, 0.0),), view.yaw_deg, view.tilt_deg)[0]
     lat, lon = lat_deg.copy(), lon_deg.copy()
-    # Each pass gains the digits of stand-off over the Earth's radius: a handful are enough, unless it cannot converge.
+    # Each pass divides the error by the Earth's radius over the stand-off: few are needed if the iteration converges.
     for _ in range(40):
         seen = trace(lat, agl, np.broadcast_to(axis, (*lat.shape, 3)), ground)
         if not seen.hit.all():

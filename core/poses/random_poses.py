@@ -43,7 +43,7 @@ class Distribution:
     Raises
     ------
     InvalidInput
-        An unknown kind, numbers that are not finite, an upper end below the lower one, or a negative standard
+        An unknown kind, numbers that are not finite, an upper end below the lower end, or a negative standard
         deviation.
     """
 

@@ -97,7 +97,7 @@ class Track:
         return replace(self, attitude_deg=(yaw, np.zeros_like(tilt), np.zeros_like(tilt)))
 
     def thinned(self, every_s: float | None = None, every_m: float | None = None) -> Track:
-        """Drop positions less than ``every_s`` seconds, or ``every_m`` metres along the way, after the last one kept.
+        """Drop positions less than ``every_s`` seconds, or ``every_m`` metres of way, after the position kept before.
 
         Raises
         ------
