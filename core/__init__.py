@@ -1,7 +1,6 @@
 """TerrAInav without a GUI: missions over map imagery, their capture, and the resulting datasets.
 
-Rooms, each importing only from earlier ones: text, external, storage, geodesy, mission and imagery, world, dataset,
-capture, report and pairs, cli. The modules here are shared by all of them:
+See docs/contributing.md for the rooms and their order of imports. All rooms share the modules here:
 
 - `errors`: all errors raised on purpose, and messages
 - `limits`: limits on input, waiting and storage

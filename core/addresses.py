@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from urllib.parse import parse_qsl, unquote
 
 _MASK = "***"
-#: Scheme of an address; pathlib leaves one slash of two. A single letter is a drive.
+#: Scheme of an address, with one slash or more, as pathlib shortens two to one. A single letter is a drive, no scheme.
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]{1,30}:/+", re.IGNORECASE)
-#: Schemes without ports, where anything after a colon is a secret; S3 also has names that begin with `arn:`.
+#: Schemes without ports: text after a colon is a secret, except in S3 names that begin with `arn:`.
 _BUCKETS = ("s3", "s3a", "gs", "gcs", "az", "abfs", "abfss", "adl", "memory")
 #: A parameter in the query or the fragment: its separator, name and value.
 _PARAMETER = re.compile(r"([?&;#])([\w.%-]{1,100})=([^&;#\s'\"<>]*)")
@@ -21,7 +21,7 @@ def key_parameters(address: str) -> list[str]:
     # Some servers separate parameters with ;, and the fragment may have been meant as part of the query.
     parameters = f"{before.partition('?')[2]}&{after}".replace(";", "&")
     named = parse_qsl(parameters)
-    # Where the signature is a placeholder, the signer's name is public.
+    # If the signature is a placeholder, the signer's name may be written out.
     is_signed = any(
         re.fullmatch("(x-(amz|goog)-)?signature", name, re.IGNORECASE) and value == "{key}" for name, value in named
     )
@@ -70,7 +70,7 @@ def _without_password(word: str) -> str:
         rest = word[found.end() : end]
         is_bucket = found[0].partition(":")[0].lower() in _BUCKETS
         if any(map(_holds_password, _decoded(rest))):
-            # Up to the last @, however often it is percent-encoded.
+            # Mask up to the last @, which may be percent-encoded several times.
             rest = f"{_MASK}@{re.split('@|%(?:25)*40', rest)[-1]}"
         elif any(_is_cut_short(text, is_bucket) for text in _decoded(rest)):
             rest = _MASK
@@ -102,7 +102,7 @@ def _holds_credentials(text: str) -> bool:
 
 
 def _is_cut_short(rest: str, is_bucket: bool) -> bool:
-    """Whether the text after the scheme looks like a user name and the beginning of a password, split at a comma."""
+    """Whether the text after the scheme looks like a user name and part of a password that was cut at a comma."""
     # Punctuation may follow an address in a sentence.
     host = _host(rest).rstrip(",.;:!)]}…")
     has_port = _has_port(host) and not is_bucket
@@ -110,7 +110,7 @@ def _is_cut_short(rest: str, is_bucket: bool) -> bool:
 
 
 def _holds_password(rest: str) -> bool:
-    """Whether the text after the scheme holds a password; one that was not encoded may hold slashes."""
+    """Whether the text after the scheme holds a password; a password that is not encoded may contain slashes."""
     host = _host(rest)
     after = rest[len(host) :]
     is_port = _has_port(host) and not after.startswith("@")

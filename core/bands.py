@@ -16,7 +16,7 @@ from .numbers import real_number
 
 #: Types of pixel values, by numpy's names.
 DATA_TYPES = ("uint8", "uint16", "int16", "float32")
-#: Stretches to 8 bits other than two numbers: none, or from the 2nd to the 98th percentile of the file.
+#: Stretches to 8 bits by name: none, or from the 2nd to the 98th percentile of the file.
 NO_STRETCH, PERCENTILE = "none", "percentile"
 
 #: Pixels (h, w, n) of one of `DATA_TYPES`.
@@ -100,14 +100,14 @@ class Bands:
 
     @property
     def are_colours(self) -> bool:
-        """Whether they are 8-bit red, green and blue, or grey, which every program displays."""
+        """Whether the bands are 8-bit red, green and blue, or grey, which every program displays."""
         return self.data_type == "uint8" and self.shown == tuple(range(len(self)))
 
     def picture_bands(self, channels: int) -> Bands:
         """Bands of a grey (1 channel) or colour (3 channels) picture made from these."""
         metadata = tuple(self.metadata[at] for at in self.shown) if self.metadata else ()
         if channels == 1 and len(self.shown) > 1:
-            # A mean of channels keeps the quantity that they share.
+            # The mean of channels has a quantity only if all channels have the same.
             quantities = {one.quantity for one in metadata}
             return Bands(("grey",), self.data_type, (0,), tuple(quantities) if len(quantities) == 1 else ())
         return Bands(
@@ -128,7 +128,7 @@ class Bands:
 
 
 def full(dtype: np.dtype[Any]) -> Any:
-    """Value of the mask, the channel after the bands, where there is imagery."""
+    """Value of the mask (the channel after the bands) where available is imagery."""
     return dtype.type(1.0 if dtype.kind == "f" else np.iinfo(dtype).max)
 
 
@@ -148,24 +148,24 @@ RGB = Bands(("red", "green", "blue"))
 
 def source_bands(source: object) -> Bands:
     """Bands of a source, by default 8-bit red, green and blue."""
-    # Not `isinstance` of a protocol, which would also get the ranges, for which a file is read.
+    # `isinstance` of a protocol would also read `ranges`, which opens a file.
     bands: Bands = getattr(source, "bands", RGB)
     return bands
 
 
 def source_ranges(source: object) -> tuple[Range, ...]:
-    """Values of each of a source's bands displayed as darkest and brightest."""
+    """Values displayed as darkest and brightest, for each band of a source."""
     ranges: tuple[Range, ...] = getattr(source, "ranges", ((0.0, 255.0),) * len(RGB))
     return ranges
 
 
 def stretch_range(text: str) -> Range | None:
-    """Parse a mission's stretch of two numbers; None for the words.
+    """Parse the two numbers of a mission's stretch; None for a stretch by name.
 
     Raises
     ------
     InvalidInput
-        Neither a word nor two ascending numbers.
+        Neither a name nor two ascending numbers.
     """
     if text in (NO_STRETCH, PERCENTILE):
         return None
@@ -185,7 +185,7 @@ def stretch_range(text: str) -> Range | None:
 
 
 def percentiles(values: Values) -> Range:
-    """Percentiles 2 and 98 of a band's values (n,); 0 and 1 for no values."""
+    """Percentiles 2 and 98 of a band's values (n,); 0 and 1 if available are no values."""
     if not values.size:
         return 0.0, 1.0
     low, high = np.percentile(values, (2.0, 98.0))
@@ -196,7 +196,7 @@ def in_8_bits(values: Values, ranges: Sequence[Range]) -> NDArray[np.uint8]:
     """Stretch the range of each channel of values (h, w, n) to 0 to 255, clipped."""
     shown = np.empty(values.shape, np.uint8)
     for channel, (low, high) in enumerate(ranges):
-        # An empty range separates the values above it from all others.
+        # If the range is empty, values above it become 255 and all others 0.
         scale = 255 / (high - low) if high > low else math.inf
         with np.errstate(invalid="ignore"):
             level = (values[..., channel].astype(np.float64) - low) * scale
@@ -235,8 +235,10 @@ def chosen(wanted: Sequence[str], names: Sequence[str], title: str) -> tuple[int
         number = int(one) - 1 if one.isdecimal() and one.isascii() else -1
         at = by_name.get(one.casefold(), number)
         if not 0 <= at < len(names):
-            there = ", ".join(f"{1 + i}" if name == unnamed(i) else f"{1 + i} {name}" for i, name in enumerate(names))
-            raise InvalidInput("band {0!r}: {1} has {2}", one, title, there, field="bands")
+            available = ", ".join(
+                f"{1 + i}" if name == unnamed(i) else f"{1 + i} {name}" for i, name in enumerate(names)
+            )
+            raise InvalidInput("band {0!r}: {1} has {2}", one, title, available, field="bands")
         if at in found:
             raise InvalidInput("band {0!r}: is named twice", one, field="bands")
         found.append(at)
@@ -249,7 +251,7 @@ def unnamed(index: int) -> str:
 
 
 def colour_channels(names: Sequence[str], first: Sequence[int] = (0, 1, 2)) -> tuple[int, ...]:
-    """Channels displayed as colours: those named red, green and blue of more than three, else the first."""
+    """Channels displayed as colours: red, green and blue by name if available are more than three, else ``first``."""
     if len(names) > 3:
         lower = [name.casefold() for name in names]
         if {"red", "green", "blue"} <= set(lower):

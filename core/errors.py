@@ -4,7 +4,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    # Imported before the command handles Ctrl-C: only modules that Python has already loaded.
+    # The command imports this module before it handles Ctrl-C, so at run time it must load no others.
     from collections.abc import Sequence
     from typing import Any, Callable
 
@@ -112,7 +112,7 @@ class TerrAInavError(Exception):
         super().__init__(self.message)
 
     def __copy__(self) -> TerrAInavError:
-        """Copy without the traceback, also where a library, such as Dask, registers a copy with it."""
+        """Copy without the traceback; libraries such as Dask may register copies that keep it."""
         made = type(self).__new__(type(self), *self.args)
         made.__dict__.update(self.__dict__)
         return made
@@ -152,7 +152,7 @@ class Cancelled(TerrAInavError):
 
 
 def _without_credentials(value: Any) -> Any:
-    """Return a value of a message, as masked text if it shows a password or a key in an address."""
+    """Return a value of a message, as text with passwords and keys of addresses masked if it contains any."""
     if isinstance(value, (OptionName, Message, TerrAInavError, int, float)):
         return value
     text = str(value)
@@ -169,7 +169,7 @@ def _kept(value: object) -> object:
     if isinstance(value, TerrAInavError):
         import copy
 
-        # Its traceback would keep every frame alive.
+        # The error's traceback would keep every frame alive.
         return copy.copy(value)
     if isinstance(value, Exception) and len(value.args) == 1 and isinstance(value.args[0], Message):
         return value.args[0]

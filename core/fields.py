@@ -1,7 +1,7 @@
 """Fields of a mission, each declared once as a dataclass field.
 
 The checks, the command's options, the plugin's form, mission files and the documentation all follow from `declared`.
-Titles and help are fragments in lower case; the place that shows one capitalises it.
+Titles and help are lower-case fragments, capitalised where they are shown.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def declared(
     title : str
         Name for users, such as "height above ground".
     help : str
-        What it does, without unit, limits and default, which are shown beside it.
+        Effect of the field, without unit, limits and default, which are shown beside it.
     label : str
         Title in a form, with ``&`` before the letter of its keyboard shortcut.
     unit : str
@@ -69,7 +69,7 @@ def declared(
     suggested
         Initial value in a form, if the default is None.
     advanced : bool
-        Whether few users need it.
+        Whether only few users need the field.
     check : callable or None
         Raises InvalidInput for values that limits and choices do not exclude.
     schema : mapping or None
@@ -136,7 +136,7 @@ class Field:
 
     @property
     def needed(self) -> bool:
-        """Whether it has no default."""
+        """Whether the field has no default."""
         return self.default is MISSING
 
     @property
@@ -175,7 +175,7 @@ class Field:
         if low is None:
             return Message("at most {0:g}", high) if self.below is None else Message("below {0:g}", high)
         if self.below is None:
-            # The upper limit of such a range is that of the arithmetic, of no use to the user.
+            # Such an upper limit only bounds the arithmetic; users need not see it.
             return Message("from {0:g} to {1:g}", low, high) if self.above is None else Message("above {0:g}", low)
         if self.above is None:
             return Message("at least {0:g} and below {1:g}", low, high)
@@ -219,7 +219,7 @@ class Field:
                 if value == int(value):
                     return int(value)
             except (TypeError, ValueError, OverflowError):
-                # An integer beyond the range of floats is beyond every limit; others are refused below.
+                # An integer too large for a float exceeds every limit; other values are refused below.
                 if isinstance(value, int):
                     return math.copysign(math.inf, 1 if value > 0 else -1)
         raise self._refused(Message(self.title), repr(value), _TYPES[self.kind])
@@ -238,7 +238,7 @@ class Field:
         )
         if within and (self.kind is int or math.isfinite(value)):
             return
-        # In the unit that users type, such as percent.
+        # Report limits in the unit that users type, such as percent.
         times, symbol = self.unit.times, self.unit.symbol
         right = self._range(times)
         if within or not right:

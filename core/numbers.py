@@ -1,6 +1,6 @@
-"""Numbers in foreign text: plain ASCII digits only, where Python accepts more.
+"""Parsing of numbers in foreign text: only plain ASCII digits, whereas Python accepts more.
 
-Imports nothing large, as the command needs this to parse its options.
+Keep imports small: the command needs this module to parse its options.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from .limits import MAX_JSON_DIGITS
 def real_number(text: str) -> float:
     """Parse a number like ``float``, but refuse ``1_20`` and digits of other scripts.
 
-    Raises ValueError in the words of ``float``.
+    Raises ValueError with the same message as ``float``.
     """
     if "_" in text or not text.isascii():
         raise ValueError(f"could not convert string to float: {text!r}")
@@ -19,9 +19,9 @@ def real_number(text: str) -> float:
 
 
 def integer(text: str) -> int:
-    """Parse a whole number like ``int``, of the digits that `real_number` accepts; raises ValueError likewise.
+    """Parse a whole number like ``int``, with the restrictions and the ValueError of `real_number`.
 
-    Thousands of digits are refused: Python before 3.11 would take long to convert them.
+    Numbers of thousands of digits are refused: Python before 3.11 converts them slowly.
     """
     if "_" in text or not text.isascii() or len(text) > MAX_JSON_DIGITS:
         raise ValueError(f"invalid literal for int() with base 10: {text!r}")

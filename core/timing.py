@@ -1,4 +1,4 @@
-"""Measured durations: processor time of the calling thread, in rounds in which compared works take turns."""
+"""Measured durations: processor time of the calling thread, in rounds that run all compared functions in turn."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ Clock = Callable[[], float]
 
 
 class Effort(NamedTuple):
-    """Least and greatest number of rounds; between the two, rounds go on until each work has run for ``seconds``."""
+    """Least and greatest number of rounds; after the least, timing stops once each function has run for ``seconds``."""
 
     least: int
     most: int
     seconds: float
 
 
-#: Works of half a second and more are repeated little, as users wait for a report.
+#: Functions of half a second and more run for few rounds, as users wait for the report.
 THOROUGH = Effort(7, 25, 0.25)
-#: One run after the warm-up, where the time does not matter.
+#: One run after the warm-up, if the time does not matter.
 QUICK = Effort(1, 1, 0.0)
 
 
@@ -45,7 +45,7 @@ class Quartiles(NamedTuple):
 
 @dataclass(frozen=True)
 class Seconds:
-    """Seconds that a work took in each round; works measured together share their rounds."""
+    """Seconds that a function took in each round; functions timed together share rounds."""
 
     rounds: tuple[float, ...]
 
@@ -77,7 +77,7 @@ class Seconds:
         return Seconds(tuple(taken * factor for taken in self.rounds))
 
     def ratio(self, other: Seconds) -> Quartiles:
-        """Quartiles of the ratio of these seconds to others, round by round."""
+        """Quartiles of the ratio of these seconds to others, computed round by round."""
         return Quartiles.from_values([own / its for own, its in zip(self.rounds, other.rounds)])
 
     def is_distinct(self, other: Seconds) -> bool:
@@ -94,22 +94,22 @@ class Seconds:
 
 
 def timed(work: Callable[[], Result], effort: Effort = THOROUGH) -> tuple[Result, Seconds]:
-    """Run a work repeatedly; return its result and the seconds that it takes."""
+    """Run a function repeatedly; return its result and the seconds that it takes."""
     return timed_together([work], effort)[0]
 
 
 def timed_together(
     works: Sequence[Callable[[], Result]], effort: Effort = THOROUGH, clock: Clock = time.thread_time
 ) -> list[tuple[Result, Seconds]]:
-    """Time works to be compared, in turns, so that other load on the machine affects all alike.
+    """Time functions in turn, so that other load on the machine affects all alike.
 
     Parameters
     ----------
     clock : callable
-        Returns seconds, however coarse. The default counts the processor time of the calling thread only: works that
-        use other threads or processes need another clock.
+        Returns seconds, in steps of any size. The default counts the processor time of the calling thread only:
+        functions that use other threads or processes need another clock.
     """
-    # Repeat short works so that a step of the clock is at most 1 % of a run.
+    # Repeat short functions so that a step of the clock is at most 1 % of a run.
     least_s = 100 * clock_step_s(clock)
     results, counts = [], []
     for work in works:
@@ -124,7 +124,7 @@ def timed_together(
     times: list[list[float]] = [[] for _ in works]
     spent, rounds, order = 0.0, 0, np.random.Generator(np.random.PCG64(1))
     while rounds < effort.least or (rounds < effort.most and spent < effort.seconds * len(works)):
-        # In random order, so that no work always follows one that fills the processor's cache.
+        # Use a random order, so that no function always follows another that fills the processor's cache.
         for index in order.permutation(len(works)).tolist():
             taken = _run(works[index], counts[index], clock)
             times[index].append(taken / counts[index])
@@ -141,7 +141,7 @@ def _run(work: Callable[[], object], count: int, clock: Clock) -> float:
 
 
 def clock_step_s(clock: Clock = time.thread_time) -> float:
-    """Resolution of a clock in seconds, measured, as some systems report one that is too fine."""
+    """Measure the resolution of a clock in seconds; some systems report too fine a resolution."""
     steps = []
     for _ in range(5):
         start = now = clock()

@@ -14,16 +14,16 @@ LENGTHS_M = {"m": 1.0, "ft": M_PER_FT}
 
 @dataclass(frozen=True)
 class Unit:
-    """Names of a unit, and how users type numbers in it.
+    """Names of a unit, and the form in which users type numbers.
 
     Parameters
     ----------
     symbol : Message or str
-        After a number in a sentence; empty for none.
+        Follows a number in a sentence; empty for none.
     words : Message or str
-        In full, in brackets after a title.
+        Name in full, in brackets after a title.
     suffix : str
-        After a number in an entry field.
+        Follows the number in an entry field.
     decimals : int
         Decimals of an entry field.
     typed_words : Message or str

@@ -1,4 +1,4 @@
-"""Waiting for other threads in a way that Ctrl-C and the caller can end."""
+"""Waits for other threads that Ctrl-C and the caller can end."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", defa
 
 @contextmanager
 def cancellable(cancelled: Callable[[], bool] | None) -> Iterator[None]:
-    """Have waits of this thread raise Cancelled as soon as ``cancelled()`` is true."""
+    """Make waits of this thread raise Cancelled as soon as ``cancelled()`` is true."""
     token = _cancelled.set(cancelled)
     try:
         yield
@@ -43,7 +43,7 @@ def wait_until_done(future: Future[Any], look: Callable[[], object]) -> None:
     Cancelled
         The enclosing `cancellable` is cancelled.
     """
-    # In short waits, as Windows handles Ctrl-C only between them.
+    # Use short waits, as Windows handles Ctrl-C only between waits.
     while not wait([future], 0.1).done:
         check_cancelled()
         look()

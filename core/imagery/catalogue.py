@@ -1,4 +1,4 @@
-"""The sources known by name, shipped and the user's, and the check of runs against their terms."""
+"""Sources by name, from the shipped catalogue or the user, and the check of runs against terms."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .source import Source
 from .tiles import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
-#: Highest zoom of a template where none is stated.
+#: Highest zoom of a template that states none.
 DEFAULT_MAX_ZOOM = 22
 
 
@@ -36,12 +36,12 @@ class CatalogueName(EntrySource):
 
     @property
     def is_local(self) -> bool:
-        """Whether it is the embedded world."""
+        """Whether this is the embedded world."""
         return self.entry.kind == "world"
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
-        """Date and grid by the options; the embedded world also has polar charts."""
+        """Date and grid chosen by the options; the embedded world also has polar charts."""
         if not (self.is_local and self.options.crs):
             return super()._wanted
         self.entry.grid(self.options.tile_px)
@@ -61,11 +61,11 @@ class URLTemplate(EntrySource):
 
     @property
     def needs_key(self) -> bool:
-        """Whether it contains {key}, whether or not it is otherwise valid."""
+        """Whether the text contains {key}, even if it is not a valid template."""
         return "{key}" in self.text
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if it is for its hosts."""
+        """Return the environment's key if the hosts of the template may receive it."""
         return environment_key(self._template.hosts, named_by_user=self.options.named_by_user)
 
     def _find(self) -> CatalogueEntry:
@@ -79,7 +79,7 @@ def sources() -> tuple[CatalogueEntry, ...]:
 
 
 def source_name(text: str) -> str:
-    """Name of the source with a title, or with an entry of a list, in any case; other text is returned unchanged.
+    """Name of the source with this title, or this text in lists, in any case; other text is returned unchanged.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def source_name(text: str) -> str:
 
 
 def entry_named(name: str) -> CatalogueEntry:
-    """Entry of a name or a title, in any case.
+    """Entry of a source by name or title, in any case.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def entry_named(name: str) -> CatalogueEntry:
 def alternatives(
     map_types: tuple[str, ...], bounds_deg: tuple[float, float, float, float] | None = None
 ) -> tuple[str, ...]:
-    """Titles and names of sources that allow bulk downloads, best first, with a note where they require consent.
+    """Titles and names of sources that allow bulk downloads, best first, with a note if a source requires consent.
 
     Parameters
     ----------
@@ -188,14 +188,14 @@ def check_policy(
     Raises
     ------
     TermsError
-        With the terms and, where consent does not help, sources that allow the run.
+        Contains the terms and, if consent does not help, sources that allow the run.
     """
     instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()
     source.policy.check(source.title, requests, accept_terms, instead)
 
 
 def shared_requests(asked: Sequence[tuple[Source | NamedSource, int]]) -> list[int]:
-    """Requests of each source of one run, together with those of the others under the same terms.
+    """Requests of each source of a run, added to the requests of the sources with the same terms.
 
     Parameters
     ----------
@@ -207,12 +207,12 @@ def shared_requests(asked: Sequence[tuple[Source | NamedSource, int]]) -> list[i
 
 
 def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:
-    """Return the user's entries, under their providers' terms, and the errors of others; see `read_shelf`."""
+    """Return the user's valid entries, with the providers' terms, and the errors of invalid ones; see `read_shelf`."""
     return read_shelf(config_file(FILE, folder), Message("sources"), _entry)
 
 
 def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
-    """Return the user's valid entries; raises as `shelf`, which also returns the errors of the others."""
+    """Return the user's valid entries; raises as `shelf` does."""
     return shelf(folder).entries
 
 
@@ -227,18 +227,18 @@ def described(
     placeholders: Iterable[str] = (),
     **stated: Any,
 ) -> dict[str, Any]:
-    """Data of an entry for a URL template, as `add` takes it.
+    """Data of an entry for a URL template, for `add`.
 
     Parameters
     ----------
     url : str
-        Template, with {key} in place of the key, which is in ``key_env``.
+        Template, with {key} in place of the key, which the environment variable ``key_env`` contains.
     max_zoom, native_zoom : int or None
-        22 and the highest zoom by default.
+        By default 22, and ``max_zoom``.
     default_date : str
         For a template with {date}; without it, each mission must state a date.
     placeholders : iterable of str
-        Files that count as missing, by their SHA-256 or 16 of its digits.
+        SHA-256, or the first 16 digits or more, of files that count as missing.
     **stated
         Further fields of an entry: title (its host by default), attribution, licence and other terms.
 
@@ -260,7 +260,7 @@ def described(
         "native_zoom": highest if native_zoom is None else native_zoom,
     }
     if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
-        # As entered, with its subdomains.
+        # Keep the text as entered, with its subdomains.
         data["urls"] = {"": url.strip()}
     files = Placeholder().extended(placeholders).sha256
     if files:
@@ -284,7 +284,7 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     name : str
         An unused name of lower-case letters, digits, hyphens and underscores.
     data : mapping
-        As an entry of ``resources/sources.json``: from `described`, or `CatalogueEntry.to_data`.
+        In the form of ``resources/sources.json``: from `described`, or `CatalogueEntry.to_data`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""From the bytes of an answer to pixels, or to the reason why it is not imagery."""
+"""Decode the bytes of an answer to pixels, or find the reason why they are not imagery."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from .http.transport import Response
 from .placeholder import PLACEHOLDER_REASON, Placeholder
 from .source import composite_on_white
 
-#: End of the entropy-coded data of a JPEG: a marker that must not occur within (ITU-T T.81, B.1.1.5). A leading single
-#: byte is found ten times as fast as ``\xff+``, also where many follow each other.
+#: Marker that ends the entropy-coded data of a JPEG, in which it cannot occur (ITU-T T.81, B.1.1.5). The pattern begins
+#: with a single byte, as ``\xff+`` is ten times as slow, even for long runs of this byte.
 _JPEG_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]", re.DOTALL)
 _JPEG_FILL = re.compile(rb"\xff*")
 _JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
@@ -33,7 +33,7 @@ _GIF_BLOCK = re.compile(rb"[!,;]")
 
 
 class WrongSizeError(PartError):
-    """A picture of another size than requested; its first two values are its width and height."""
+    """A picture has another size than requested; the error's first two values are the picture's width and height."""
 
 
 def decode(
@@ -48,7 +48,7 @@ def decode(
     """Pixels of a PNG, JPEG, WebP or GIF, decoded completely.
 
     Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do. Fully
-    transparent pixels have no imagery; a picture of these alone is refused.
+    transparent pixels have no imagery; a picture without other pixels is refused.
 
     Parameters
     ----------
@@ -56,22 +56,22 @@ def decode(
     width_px, height_px : int
         Required size; a picture of another size is not decoded.
     content_type : str
-        Stated by the server; for messages only.
+        Type that the server states, used in messages only.
     alpha : bool
-        Return translucent pixels as they are, and pictures without imagery too.
+        Keep the alpha channel, and accept pictures without imagery.
     any_size : bool
-        Resize a picture of up to four times the width and height: each pixel is the mean of those it covers.
+        Resize pictures of up to four times the width and height; each resulting pixel is a mean of source pixels.
 
     Returns
     -------
     array (height_px, width_px, 3 or 4) uint8
-        Red, green, blue; where some pixels have no imagery, a fourth channel that is 0 there and 255 elsewhere; with
-        ``alpha``, the alpha channel of the picture.
+        Red, green, blue; if some pixels have no imagery, also a fourth channel, 0 without and 255 with imagery. With
+        ``alpha``, the fourth channel is the alpha channel of the picture.
 
     Raises
     ------
     PartError
-        With the reason only, not the part. `BrokenPictureError` where another copy may be sound, `WrongSizeError` for
+        Names the reason, not the part. `BrokenPictureError` if another copy may be sound, `WrongSizeError` for
         another size.
     """
     larger = 4 if any_size else 1
@@ -130,7 +130,7 @@ def read_answer(
 
 
 def refuse_marked(body: bytes, headers: Mapping[str, str], placeholder: Placeholder) -> None:
-    """Raise PartError for a body or header that is the placeholder's."""
+    """Raise PartError if the body or a header is a mark of the placeholder."""
     for name, value in placeholder.header:
         if name.lower() in headers and value in ("*", headers[name.lower()]):
             raise PartError("no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()]))
@@ -156,17 +156,17 @@ def picture_size(body: bytes) -> tuple[int, int]:
 
 
 def _broken(why: Exception | Message) -> BrokenPictureError:
-    """Error of a picture that Pillow cannot decode, for whichever exception it raised."""
+    """Error of a picture that Pillow cannot decode, by the exception it raised or the reason found here."""
     said = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
     return BrokenPictureError("broken image ({0})", said)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
-    """Picture with its header read, by the reader for its first bytes; checked for integrity where it is ``whole``.
+    """Open a picture with the reader for its first bytes and read its header; check the integrity of a ``whole`` file.
 
-    Comments and other notes of a JPEG or GIF are removed: Pillow takes unbounded time and memory for them.
+    Comments and other metadata of a JPEG or GIF are removed: Pillow would spend unbounded time and memory on them.
     """
-    # Readers are called directly: Image.open warns of large pictures before their size can be refused here.
+    # Call the readers directly: Image.open warns of large pictures before this module can refuse their size.
     if body.startswith(b"\x89PNG\r\n\x1a\n"):
         if whole:
             # Decoding skips the checksums of the pixels' chunks.
@@ -196,25 +196,25 @@ def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile
 def webp_problem() -> str:
     """Reason why WebP pictures are unsafe to read with this Pillow; empty if they are safe.
 
-    A distribution patches its libwebp without a new version; a wheel of Pillow contains the version of its time.
+    Distributions patch libwebp without a new version number, so only wheels of Pillow are judged by it.
     """
     version = str(features.version("webp") or "")  # type: ignore[no-untyped-call]
     numbers = tuple(int(part) for part in version.split(".") if part.isdigit())
-    # The first version without CVE-2023-4863, by which a picture may run any code.
+    # 1.3.2 is the first version without CVE-2023-4863, which lets a picture run any code.
     if not _brings_libraries() or numbers >= (1, 3, 2):
         return ""
     return Message("a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version)
 
 
 def _brings_libraries() -> bool:
-    """Whether this Pillow contains its libraries, as wheels do."""
+    """Whether this Pillow includes the libraries that it uses, as wheels do."""
     package = Path(PIL.__file__).parent
     beside = (package.parent / "pillow.libs", package.parent / "Pillow.libs", package / ".dylibs")
     return sys.platform == "win32" or any(folder.is_dir() for folder in beside)
 
 
 def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
-    """JPEG without its notes; refused with broken segments or, where it is ``whole``, with scans cut off.
+    """Remove metadata from a JPEG; refuse broken segments and, in a ``whole`` file, scans cut off.
 
     libjpeg would fill the missing rest of a scan with grey.
     """
@@ -234,7 +234,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
                 break
         if marker == _JPEG_END:
             break
-        # Before the scans Pillow reads byte by byte.
+        # Before the scans, Pillow reads byte by byte, so count fill bytes there.
         segments += 1 if scans else at - begin - 1
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
@@ -252,7 +252,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
 
 
 def _plain_gif(body: bytes) -> bytes:
-    """GIF without the notes before its image."""
+    """Remove the extensions before a GIF's image, except the transparent colour."""
     at = 13 + (3 << (body[10] & 7) + 1 if body[10] & 0x80 else 0)
     kept = [body[:at]]
     while found := _GIF_BLOCK.search(body, at):
@@ -281,7 +281,7 @@ def _rgb(image: ImageFile.ImageFile, alpha: bool) -> PixelValues:
 
 
 def _resized(pixels: PixelValues, width_px: int, height_px: int, alpha: bool) -> PixelValues:
-    """Means of the pixels that each covers; without imagery where one of these has none."""
+    """Resize by means of covered pixels; a result has imagery only if all pixels it covers have."""
     means = np.array(Image.fromarray(pixels).resize((width_px, height_px), Image.Resampling.BOX))
     if means.shape[2] == 4 and not alpha:
         means[..., 3] = np.where(means[..., 3] == 255, 255, 0)
@@ -289,7 +289,7 @@ def _resized(pixels: PixelValues, width_px: int, height_px: int, alpha: bool) ->
 
 
 def _imagery(rgba: PixelValues) -> PixelValues:
-    """Colours over white; with a fourth channel, 0 or 255, where some pixels have no imagery."""
+    """Lay colours over white; add a fourth channel, 0 or 255, if some pixels have no imagery."""
     alpha = rgba[..., 3:]
     if not alpha.any():
         raise PartError("no imagery (a transparent image)")

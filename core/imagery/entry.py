@@ -24,8 +24,8 @@ from .systems import WORLD_DEG, Bounds, project_box, read_plane
 from .tiles import KEY_ENV, Template, url_host
 
 _FORMS = {"day": "YYYY-MM-DD", "year": "YYYY"}
-#: Kinds of sources, and the modules whose `open_entry` opens one. Named, not imported: they import large libraries, and
-#: the world stands above this room.
+#: Kinds of sources, each with the module whose `open_entry` opens one. Modules are named and not imported, as they
+#: import large libraries, and this room must not import the world.
 PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
 #: Types of the fields of an entry, and their names in errors.
 _FIELD_TYPES: dict[str, tuple[tuple[type, ...], str]] = {
@@ -59,14 +59,14 @@ class Dates:
     Parameters
     ----------
     kind : str
-        ``day`` or ``year``: every one, as YYYY-MM-DD or YYYY; ``listed``: those of ``values``; ``any``: whatever the
-        server takes.
+        ``day``: every day, as YYYY-MM-DD; ``year``: every year, as YYYY; ``listed``: the dates of ``values``; ``any``:
+        any text that the server accepts.
     first, last : str
-        Empty where unknown or open.
+        Empty if unknown or open.
     default : str
-        Date used where none is given. Empty, for ``any`` only, where a date must be given.
+        Date used if none is given. Empty if a date must be given, for ``any`` only.
     values : mapping
-        Of ``listed``: date to its form in the URL.
+        For ``listed``: maps each date to its form in the URL.
     """
 
     kind: str
@@ -164,7 +164,7 @@ def time_dimension_dates(values: Iterable[str], default: str) -> Dates | None:
     values : iterable of str
         Single times, and intervals written ``first/last/step``.
     default : str
-        Empty where the server states none.
+        Empty if the server states none.
     """
     times = [value.strip() for value in values if value.strip()]
     default = default.strip()
@@ -187,7 +187,7 @@ def time_dimension_dates(values: Iterable[str], default: str) -> Dates | None:
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """A source by name.
+    """A source of the catalogue or of the user.
 
     Parameters
     ----------
@@ -195,11 +195,11 @@ class CatalogueEntry:
     kind : str
         world, xyz or static-map.
     map_types : tuple of str
-        Empty where there is a single kind of picture.
+        Empty if there is a single kind of picture.
     urls : mapping of map type to URL template
-        Of xyz only. The map type "" stands for a single kind of picture, or for {map_type}.
+        For xyz only. The map type "" stands for a single kind of picture, or for a URL with {map_type}.
     hosts : tuple of str
-        Hosts for which the policy holds, with their subdomains, also in a user's template.
+        Hosts to which the policy applies, subdomains included, also in a user's template.
     tile_px : tuple of int
         Available tile sizes, the default first.
     min_zoom, max_zoom, native_zoom : int
@@ -207,9 +207,9 @@ class CatalogueEntry:
     policy : Policy
     placeholder : Placeholder
     key_env, signing_env : str or None
-        Environment variables of the key, where one is needed, and of the signing secret.
+        Environment variables of the key, if the source needs one, and of the signing secret.
     bounds_deg : tuple of float
-        West, south, east, north of the ground for which it is suggested as an alternative.
+        West, south, east, north of the ground for which the source is suggested as an alternative.
     levels : tuple of (zoom, name) pairs
         As in `Template`.
     plane : ProjectedPlane or None
@@ -217,9 +217,9 @@ class CatalogueEntry:
     tile_limits : tuple of (zoom, first column, first row, last column, last row)
         Available tiles of a zoom, both ends included; other zooms extend over the whole plane.
     user : bool
-        Whether a user has added it; such an entry may state less.
+        Whether a user has added the entry, which may then state less.
     any_size : bool
-        Whether tiles of another size than the grid's are resized to it. Set by programs only, never in a file.
+        Whether tiles of another size are resized to the grid's. Set by programs only, never in a file.
     """
 
     name: str
@@ -365,7 +365,7 @@ class CatalogueEntry:
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
             raise InvalidInput("tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px)))
-        # Bounds of shipped entries are those of a country; those of services enclose the imagery.
+        # Shipped entries state the bounds of a country; services state the bounds of the imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
         # Static Maps limits the size of its pictures, and the decimals of their centres.
@@ -378,7 +378,7 @@ class CatalogueEntry:
         return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
 
     def _limited(self, extent: tuple[tuple[float, float], ...] | None) -> tuple[tuple[float, float], ...] | None:
-        """Part of an extent on the map that has tiles; unchanged where it crosses the antimeridian."""
+        """Part of an extent on the map that has tiles; unchanged if the extent crosses the antimeridian."""
         whole_map = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
         u, v = zip(*(extent or whole_map))
         if min(u) < 0.0 or max(u) > 1.0:
@@ -387,7 +387,7 @@ class CatalogueEntry:
         return extent if found == whole_map else found
 
     def _extent(self, stated: Bounds | None) -> tuple[tuple[float, float], ...] | None:
-        """Corners of the tiles within stated edges, all as fractions of the plane; None for the whole plane."""
+        """Corners of the extent of the tiles within a box, both as fractions of the plane; None for the whole plane."""
         boxes = [
             (left / (1 << zoom), top / (1 << zoom), (right + 1) / (1 << zoom), (bottom + 1) / (1 << zoom))
             for zoom, left, top, right, bottom in self.tile_limits
@@ -398,13 +398,13 @@ class CatalogueEntry:
             return None
         west, north = (max(edges) for edges in list(zip(*boxes))[:2])
         east, south = (min(edges) for edges in list(zip(*boxes))[2:])
-        # Bounds without any tile are ignored.
+        # Ignore a box without any tile.
         if not (west < east and north < south):
             west, north, east, south = boxes[0]
         return ((west, north), (east, north), (east, south), (west, south))
 
     def date(self, wanted: str | None) -> str:
-        """Date of the imagery; empty where there is a single one."""
+        """Date of the imagery, by default the default; empty if the source has only one."""
         if self.dates is None:
             if wanted:
                 raise InvalidInput("date {0!r}: {1} has no dates to choose from", wanted, self.title, field="date")
@@ -433,18 +433,18 @@ class CatalogueEntry:
         return self.attribution.replace("{date}", date)
 
     def covers(self, bounds_deg: tuple[float, float, float, float]) -> bool:
-        """Whether the bounds contain a box of west, south, east, north."""
+        """Whether the entry's bounds contain a box of west, south, east, north."""
         west, south, east, north = self.bounds_deg
         return bounds_deg[0] >= west and bounds_deg[1] >= south and bounds_deg[2] <= east and bounds_deg[3] <= north
 
 
 def _differing(value: Policy | Dates, default: Policy | Dates) -> dict[str, Any]:
-    """Fields that differ from those of another value."""
+    """Fields that differ from the default."""
     return {name: stated for name, stated in asdict(value).items() if stated != getattr(default, name)}
 
 
 def _check_types(data: Mapping[str, Any]) -> None:
-    """Refuse unknown and missing fields, and values of another type, in terms of JSON."""
+    """Refuse unknown and missing fields, and values of another type; errors use the terms of JSON."""
     required = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
     for name in required:
         if name not in data:
@@ -486,7 +486,7 @@ def shipped_data() -> Mapping[str, Mapping[str, Any]]:
 
 @cache
 def shipped_entry(name: str) -> CatalogueEntry:
-    """Entry of a name in ``resources/sources.json``."""
+    """Entry of ``resources/sources.json`` by name."""
     return CatalogueEntry.from_dict(name, shipped_data()[name])
 
 
@@ -499,17 +499,17 @@ def serving(host: str) -> CatalogueEntry | None:
 
 
 def find_providers(text: str) -> tuple[CatalogueEntry, ...]:
-    """Shipped entries of the providers whose hosts occur in the addresses of a text, in whatever spelling.
+    """Shipped entries of the providers whose hosts occur in the addresses of a text, in any spelling.
 
     Parameters
     ----------
     text : str
-        An address, or text with addresses: a data source of QGIS, a name of GDAL, XML. User names, ports, passwords,
-        percent-encoding, XML entities and placeholders in braces are resolved.
+        An address, or text with addresses, such as a data source of QGIS, a name of GDAL, or XML. User names,
+        passwords, ports, percent-encoding, XML entities and placeholders do not matter.
     """
     # User, host and port of an address, after one or more slashes. A single letter before the colon is a drive.
     authority = r"(?<=[A-Za-z0-9+.-]{2}):[/\\]{1,9}([^\s/\\?#&|'\"<>,]+)"
-    # Such as ${z}, {switch:a,b} and [1-4] of templates.
+    # Placeholders of templates, such as ${z}, {switch:a,b} and [1-4].
     placeholder = r"\$?\{[\w:,.-]*\}|\[\w-\w\]"
     found: dict[str, None] = {}
     for written in _readings(text):
@@ -520,7 +520,7 @@ def find_providers(text: str) -> tuple[CatalogueEntry, ...]:
 
 
 def _readings(text: str) -> list[str]:
-    """Return a text as it is, and decoded up to three times: a data source may hold another that holds an address."""
+    """Return a text, and the text decoded up to three times, as data sources may be nested."""
     readings = [text]
     for decode in (html.unescape, unquote):
         for written in list(readings):
@@ -542,7 +542,7 @@ def strictest(providers: Iterable[CatalogueEntry]) -> CatalogueEntry | None:
 
 
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
-    """Return an entry with its provider's terms, which hold however the tiles are requested."""
+    """Return an entry with its provider's terms, which apply in whatever way tiles are requested."""
     templates = (Template(url, levels=entry.levels, plane=entry.plane) for url in entry.urls.values())
     hosts = (host for template in templates for host in template.hosts)
     known = strictest(provider for provider in map(serving, hosts) if provider is not None)

@@ -33,8 +33,8 @@ from .policy import Policy
 from .source import Part, Window, tile_parts
 from .tiles import Tile, tile_address
 
-#: Functions that views of a file may call. Others may produce large values from nothing, or take for ever in one call
-#: (LIKE, GLOB).
+#: SQL functions that views of a file may call. Others may create huge values, or (LIKE, GLOB) take for ever in a single
+#: call.
 _FUNCTIONS = frozenset(
     "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
 )
@@ -56,14 +56,14 @@ class MBTilesSource:
     connection : sqlite3.Connection
         Closed with the source.
     limit : _TimeLimit
-        That of the connection.
+        Time limit of the connection.
     rows : mapping
         Metadata of the file.
     grid : PixelGrid
     alpha : bool
-        Return the alpha channel of the tiles.
+        Whether `fetch` returns the alpha channel of tiles.
     from_north : bool
-        Whether rows count from the north; in the standard, they count from the south.
+        Whether rows count from the north; the standard counts from the south.
     """
 
     map_types: tuple[str, ...] = ()
@@ -120,7 +120,7 @@ class MBTilesSource:
             raise PartError("{0}: {1}", tile, reason) from reason
 
     def close(self) -> None:
-        """Close the file; reads of other threads end at once and raise Cancelled."""
+        """Close the file; reads in other threads end at once and raise Cancelled."""
         self._limit.stop()
         with self._lock:
             if self._connection is not None:
@@ -159,7 +159,7 @@ class MBTilesSource:
 def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTilesSource:
     """Open an MBTiles file as a source.
 
-    The tile size, and zooms that the metadata lack, are read from the tiles. With ``alpha``, translucent tiles are
+    The tile size is read from the tiles, as are zooms if the metadata lack them. With ``alpha``, translucent tiles are
     returned unchanged.
 
     Raises
@@ -169,11 +169,11 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
     """
     file = Path(path)
     try:
-        there = file.is_file()
+        exists = file.is_file()
     except OSError as wrong:
         raise InvalidInput("MBTiles {0}: cannot be read ({1})", file, wrong.strerror) from wrong
-    if not there:
-        raise InvalidInput("MBTiles {0}: is not there", file)
+    if not exists:
+        raise InvalidInput("MBTiles {0}: is not exists", file)
     connection, limit = None, _TimeLimit()
     try:
         connection = _opened(file, limit)
@@ -196,18 +196,18 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
 
 
 class _TimeLimit:
-    """Time limit of SQLite's work, as a view may loop for ever; for one thread at a time."""
+    """Time limit of queries, as views may loop for ever; for use by one thread at a time."""
 
     def __init__(self) -> None:
         self._until_s = 0.0
         self.stopped = False
 
     def start(self) -> None:
-        """Start the time of a query."""
+        """Start timing a query."""
         self._until_s = time.monotonic() + MAX_QUERY_S
 
     def stop(self) -> None:
-        """End the query under way, and all to come."""
+        """End the running query and all later ones."""
         self.stopped = True
 
     def has_ended(self) -> bool:
@@ -228,8 +228,8 @@ def _opened(file: Path, limit: _TimeLimit) -> sqlite3.Connection:
     try:
         return _readable(file, "mode=ro", limit)
     except sqlite3.OperationalError as wrong:
-        # A file in WAL mode needs further files beside it, which a read-only folder refuses. Without a log, nobody is
-        # writing, and the file can be read as it is.
+        # A file in WAL mode needs further files beside it, which a read-only folder does not allow. Without a log, no
+        # program is writing, and the file can be opened as immutable.
         log = file.with_name(file.name + "-wal")
         if fault(wrong) != "unwritable" or (log.exists() and log.stat().st_size):
             raise
@@ -237,8 +237,8 @@ def _opened(file: Path, limit: _TimeLimit) -> sqlite3.Connection:
 
 
 def _readable(file: Path, mode: str, limit: _TimeLimit) -> sqlite3.Connection:
-    """Open a file that anybody may have made, and read its first page, which opening alone does not."""
-    # A short wait for a program that writes the file, so that `close` is noticed in between.
+    """Open an untrusted file, and read its first page to detect errors, as SQLite opens files without reading."""
+    # Wait only shortly for a program that writes the file, so that `close` takes effect between waits.
     connection = connect(file, mode, 0.25)
     try:
         connection.execute("PRAGMA trusted_schema = OFF")
@@ -246,7 +246,7 @@ def _readable(file: Path, mode: str, limit: _TimeLimit) -> sqlite3.Connection:
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * MAX_STORED_TILE_BYTES)
         connection.set_authorizer(_allowed)
         limit.start()
-        # Steps between checks: each may copy a whole tile.
+        # 100 steps between checks, as each step may copy a whole tile.
         connection.set_progress_handler(limit.has_ended, 100)
         connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except FILE_ERRORS:
@@ -266,8 +266,8 @@ def _allowed(action: int, _first: str | None, second: str | None, *_others: str 
 def _check_defined(connection: sqlite3.Connection) -> None:
     """Refuse computed tables of tiles and metadata that depend on other computed tables.
 
-    SQLite expands views before it checks any limit: a chain of thirty views, each of which names its predecessor twice,
-    takes all memory.
+    SQLite expands views before it checks any limit: a chain of thirty views, each naming the previous view twice, fills
+    all memory.
     """
     defined = [
         (str(kind), str(name), str(sql or ""))
@@ -276,8 +276,9 @@ def _check_defined(connection: sqlite3.Connection) -> None:
             (MAX_VIEW_CHARACTERS + 1,),
         )
     ]
-    # Tables with computed columns, and virtual tables; quoted text and names, and comments of SQL.
+    # Matches tables with computed columns, and virtual tables.
     is_computed = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
+    # Matches quoted text, quoted names and comments.
     quoted = r"'[^']*'|\"[^\"]*\"|`[^`]*`|\[[^\]]*\]|--[^\n]*|/\*.*?(?:\*/|\Z)"
     computed = {
         name
@@ -303,14 +304,14 @@ def _check_defined(connection: sqlite3.Connection) -> None:
 
 
 def _may_name(sql: str, name: str) -> bool:
-    """Whether a definition may name a table; always for a name that can be spelled in several ways."""
+    """Whether a definition may name a table; True for every name that can be spelled in several ways."""
     if re.fullmatch(r"\w+", name) is None:
         return True
     return re.search(rf"(?<!\w){name}(?!\w)", sql, re.IGNORECASE) is not None
 
 
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, tuple[Any, Any]]:
-    """Metadata, and some tile with its zoom and row; empty without tiles."""
+    """Return the metadata, and some tile (empty if exists are none) with its zoom and row."""
     found = connection.execute(
         "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN ('name', 'attribution', 'date', 'license', "
         "'licence', 'format', 'bounds', 'minzoom', 'maxzoom', 'scheme') LIMIT 100",
@@ -326,19 +327,19 @@ def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, 
 
 
 def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
-    """Whether rows count from the north: by the scheme in the metadata, unless their bounds contradict it.
+    """Whether rows count from the north, by the scheme in the metadata, unless the bounds exists contradict it.
 
     Parameters
     ----------
     zoom, row : object
-        Of some tile, as stored.
+        Zoom and row of some tile, as stored.
     """
     if rows.get("scheme", "").strip().lower() != "xyz":
         return False
     bounds = _bounds(rows.get("bounds", ""))
     if bounds is None or not (isinstance(zoom, int) and 0 <= zoom <= HIGHEST_ZOOM and isinstance(row, int)):
         return True
-    # Some programs copy the scheme from the origin of the tiles, and store rows from the south.
+    # Some programs copy the scheme of the tiles' source, but store rows from the south.
     _, south, _, north = bounds
 
     def meets(row_from_north: int) -> bool:
@@ -349,13 +350,13 @@ def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
 
 
 def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
-    """Corners of the bounds in the metadata; None where they are invalid."""
+    """Corners of the bounds in the metadata; None if invalid."""
     edges = _bounds(bounds)
     return None if edges is None else extent_of_box(*edges)
 
 
 def _bounds(bounds: str) -> tuple[float, float, float, float] | None:
-    """West, south, east and north from the metadata; None where they are invalid."""
+    """West, south, east and north from the metadata; None if invalid."""
     try:
         west, south, east, north = (real_number(part) for part in bounds.split(","))
     except ValueError:
@@ -375,11 +376,11 @@ def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes
 
 
 def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
-    """Lowest and highest zoom, from the metadata where they are valid, otherwise from the tiles."""
+    """Lowest and highest zoom, from the metadata if valid, otherwise from the tiles."""
     lowest, highest = (whole_number(rows.get(name, "")) for name in ("minzoom", "maxzoom"))
     if lowest is not None and highest is not None and lowest <= highest <= HIGHEST_ZOOM:
         return lowest, highest
-    # In two subqueries, each of which SQLite answers by an index.
+    # Use two subqueries, as SQLite answers each by an index.
     found: Any = connection.execute(
         "SELECT (SELECT min(zoom_level) FROM tiles), (SELECT max(zoom_level) FROM tiles)"
     ).fetchone()

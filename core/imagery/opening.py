@@ -1,4 +1,4 @@
-"""From the text that names a source in a mission to a value that describes the source, and opens it."""
+"""Interpret the text that names a source in a mission; the result describes the source and opens it."""
 
 from __future__ import annotations
 
@@ -39,43 +39,43 @@ class SourceOptions:
     Parameters
     ----------
     seed : int
-        Of the embedded world.
+        Seed of the embedded world.
     key, secret : str or None
-        API key and signing secret; None for those of the environment.
+        API key and signing secret; None to read them from the environment.
     date : str or None
         Date of the imagery; None for the source's default.
     crs : str
-        Coordinate reference system of the pictures, one in which the source has pixels: ``EPSG:code``, with EPSG:3857
-        for the Web-Mercator map. Empty for the source's CRS, or the map of a service that has it.
+        Coordinate reference system of the pictures, in which the source must have pixels: ``EPSG:code``, with EPSG:3857
+        for the Web-Mercator map. Empty for the source's CRS; of a service, for EPSG:3857 if available.
     area_deg : tuple of float, or None
-        West, south, east and north of the ground, if known: selects the most suitable CRS of a service.
+        West, south, east and north of the ground, to select the most suitable CRS of a service; None if unknown.
     tile_px : int or None
-        Tile size; None for the source's, 256 for a template.
+        Tile size; None for the default of the source, which is 256 for a template.
     max_zoom : int or None
-        Highest zoom of a template; None for 22. Catalogue entries state theirs.
+        Highest zoom of a template; None for 22. Has no effect on catalogue entries.
     connections : int
         Most requests at a time; the provider may allow fewer.
     transport : Transport or None
-        None for a new one over requests.
+        None to create a `RequestsTransport`.
     cache : TileCache or None
-        Keeps tiles for later runs, where the provider allows it; None to keep none.
+        Keeps tiles for later runs if the provider allows it; None to keep none.
     placeholders : tuple of str
-        Further files of the provider that count as missing, by their SHA-256 or 16 of its digits.
+        SHA-256, or the first 16 digits or more, of further files that count as missing.
     bands : tuple of str
-        Bands of the source in the wanted order, by name or by number from 1; empty for all, or for those of colours.
+        Bands in the wanted order, by name or by number from 1; empty for all, or for red, green and blue.
     stretch : str
-        How values become 8 bits: ``none``, ``percentile``, or two numbers.
+        Conversion of values to 8 bits: ``none``, ``percentile``, or two numbers.
     as_stored : bool
-        Return all bands in the source's data type, for GeoTIFF; otherwise red, green and blue of 8 bits.
+        Whether to return all bands in the source's data type, for GeoTIFF; otherwise red, green and blue of 8 bits.
     heights : bool
-        Return heights: the first band of a raster file as float32, on a grid that may be in degrees.
+        Whether to return heights: the first band of a raster file as float32, on a grid that may be in degrees.
     encoded : bool
-        Return the colours of tiles unchanged, with their alpha, as they encode numbers such as heights.
+        Whether to return colours and alpha of tiles unchanged, as they encode numbers such as heights.
     named_by_user : bool
-        The user, not a file, has named the source: the host of an address with {key} receives the environment's key.
-        Otherwise only the hosts of TERRAINAV_KEY_HOSTS do.
+        Whether the user, not a file, has named the source. If so, any host of an address with {key} may receive the
+        environment's key; otherwise only hosts in TERRAINAV_KEY_HOSTS may.
     sharers : int
-        Independent runs that use the provider at the same time, each with its share of the limits (`Policy.shared`);
+        Number of independent runs that use the provider at once, each with a share of the limits (`Policy.shared`);
         0 for a single run.
     """
 
@@ -106,14 +106,14 @@ class SourceOptions:
 
 
 def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSource:
-    """Source that a text names; it may not exist, which only its members find out.
+    """Describe the source that a text names, without a check that the source exists.
 
     Parameters
     ----------
     text : str
         A name of the catalogue or of the user's sources; a URL template; ``wmts:URL``, ``wms:URL``, ``arcgis:URL``
-        or ``ogcapi:URL`` (see `services`); an MBTiles file; any other raster file, or a path of such files with {date}
-        in it.
+        or ``ogcapi:URL`` (see `services`); an MBTiles file; another raster file, or a path with {date} of several such
+        files.
     options : SourceOptions
 
     Raises
@@ -136,7 +136,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
 
 
 def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
-    """Refuse bands and a stretch for a source, named as in a mission, of red, green and blue of 8 bits."""
+    """Refuse bands and a stretch for a source that has 8-bit red, green and blue only."""
     if bands:
         raise InvalidInput(
             "bands {0}: {1} has red, green and blue alone, as all sources but raster files",
@@ -173,7 +173,7 @@ def open_source(name: str, **options: Any) -> Source:
 
 @dataclass(frozen=True)
 class SourceKind:
-    """A kind of source: how a text names one, and its class.
+    """A kind of source: the texts that name one, and the class that describes it.
 
     Parameters
     ----------
@@ -181,11 +181,12 @@ class SourceKind:
     named_by : str
         `FILE`, `ADDRESS`, `SERVICE`, `NAMED` or `PROJECT`.
     module, source : str
-        Module of this package, imported when needed, and its subclass of `NamedSource`.
+        Module of this package, imported when needed, and the name of its subclass of `NamedSource`.
     endings : tuple of str
-        Extensions of its files, whether or not they exist.
+        Extensions of files of this kind; paths with them are recognised even if no file exists.
     recognised_by : callable
-        Whether a text without such an ending names one, unless an earlier kind does.
+        Called with a text without such an extension; returns whether the text names a source of this kind, unless an
+        earlier kind recognises it.
     """
 
     name: str
@@ -196,28 +197,28 @@ class SourceKind:
     recognised_by: Callable[[str], object] = lambda _: None
 
     def recognises(self, text: str) -> bool:
-        """Whether a text names such a source, unless an earlier kind does."""
+        """Whether a text names a source of this kind, unless an earlier kind recognises the text."""
         by_ending = Path(text).suffix.lower() in self.endings and _is_path(text)
         return by_ending or bool(self.recognised_by(text))
 
     @property
     def is_file(self) -> bool:
-        """Whether a path names it."""
+        """Whether a path names such a source."""
         return self.named_by == FILE
 
     @property
     def is_address(self) -> bool:
-        """Whether an address of tiles or of a service names it."""
+        """Whether an address of tiles or of a service names such a source."""
         return self.named_by in (ADDRESS, SERVICE)
 
     @property
     def is_service(self) -> bool:
-        """Whether the address of a service names it, which has to be asked for dates and terms."""
+        """Whether the address of a service names such a source; the service is requested for dates and terms."""
         return self.named_by == SERVICE
 
 
 def _is_path(text: str) -> bool:
-    """Whether a text may be a path; not an address, nor a template without https://."""
+    """Whether a text may be a path, not an address or a template without https://."""
     if _is_inside_file(text):
         return True
     # These placeholders occur in templates of tiles, not in paths of dated files.
@@ -229,16 +230,16 @@ def _is_inside_file(text: str) -> bool:
 
 
 def _is_any_file(text: str) -> bool:
-    """Whether GDAL may open what a text names; a name of the catalogue is a file as ``./name`` only."""
+    """Whether GDAL may open a text as a file; a file named like a source of the catalogue must be written ``./name``."""
     return _is_inside_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and file_exists(text))
 
 
-#: Ways to name a source: a path, an address of tiles or of a service, a name, a map of a QGIS project.
+#: Ways to name a source: path, address of tiles, address of a service, name, map of a QGIS project.
 FILE, ADDRESS, SERVICE, NAMED, PROJECT = "file", "address", "service", "name", "project"
 
 
 def _has_prefix(prefix: str) -> Callable[[str], object]:
-    """Whether a text is an address after a prefix such as ``wms:``."""
+    """Return a function that finds whether a text is an address after a prefix such as ``wms:``."""
     return re.compile(rf"{prefix}:.*://", re.IGNORECASE | re.DOTALL).match
 
 
@@ -261,12 +262,12 @@ _QGIS = SourceKind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").ma
 
 
 def source_kind(text: str) -> SourceKind:
-    """Kind of source that a text names, whether or not the source exists."""
+    """Kind of source that a text names, even if the source does not exist."""
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
 def whole_path(text: str) -> str:
-    """Text that names the same source from any current folder: with the absolute path of a file."""
+    """Make the path in a text absolute, so that the text names the same source from any current folder."""
     if not source_kind(text).is_file or text.startswith("/vsi") or RASTER_ADDRESS.fullmatch(text):
         return text
     file = file_of_part(text) or text
@@ -275,20 +276,20 @@ def whole_path(text: str) -> str:
 
 def _imported(module: str) -> ModuleType:
     """Module by its name, relative to this package."""
-    # Not importlib: QGIS hooks `__import__` to unload the modules of a plugin.
+    # Do not use importlib: QGIS hooks `__import__` to unload the modules of a plugin.
     return __import__(resolve_name(module, __package__ or ""), fromlist=["*"])
 
 
 class NamedSource(ABC):
     """A source as a mission names it; each of `KINDS` has a subclass.
 
-    Construction reads nothing, nor do `is_local`, `needs_key`, `stated_policy` and `environment_key`, which depend on
-    the text alone. Other members may open the file or request the capabilities of the service, once, and raise
-    InvalidInput and SourceError as `open` does. A key is needed from `open` on, or earlier where a service requires one
-    for its capabilities.
+    The constructor, `is_local`, `needs_key`, `stated_policy` and `environment_key` depend on the text only and read no
+    file. Other members may, once, open the file or request the capabilities of the service, and raise InvalidInput and
+    SourceError as `open` does. `open` needs the key, and so do other members if a service requires the key for its
+    capabilities.
     """
 
-    #: Whether it may have bands other than red, green and blue of 8 bits.
+    #: Whether sources of this kind may have bands other than 8-bit red, green and blue.
     has_bands = False
 
     def __init__(self, text: str, options: SourceOptions) -> None:
@@ -298,46 +299,46 @@ class NamedSource(ABC):
         return f"{type(self).__name__}({self.text!r})"
 
     def asked(self, options: SourceOptions) -> NamedSource:
-        """Return the same source with other options; what is already known is kept."""
+        """Return the same source with other options; facts already read are kept."""
         other = copy(self)
         other.options = options
         return other
 
     def __getstate__(self) -> dict[str, Any]:
-        """State for another process: without keys, transport and anything open."""
+        """State for another process, without keys, transport and open files."""
         options = replace(self.options, key=None, secret=None, transport=None)
         return {**self._described(), "text": self.text, "options": options}
 
     def _described(self) -> dict[str, Any]:
-        """Known facts that another process need not, or cannot, find out."""
+        """Facts to pass to another process, which then need not read them again."""
         return {}
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine, so that no request is made and no terms hold."""
+        """Whether the pixels are on this machine, so that no requests are made and no terms apply."""
         return False
 
     @property
     def needs_key(self) -> bool:
-        """Whether it needs an API key."""
+        """Whether the source needs an API key."""
         return False
 
     @property
     def stated_policy(self) -> Policy | None:
-        """Terms of the provider; None where only the service states them."""
+        """Terms of the provider; None if only the service states them."""
         return self.policy
 
     def environment_key(self) -> str | None:
-        """Return the environment's key for it, or None; raises SourceError where that key is for other hosts."""
+        """Return the key of the source in the environment, or None; raises SourceError if the key is for other hosts."""
         return None
 
     def layers(self) -> list[Offered] | None:
-        """Layers to choose from, where the text names a service without a layer; otherwise None."""
+        """Layers to choose from if the text names a service without a layer; otherwise None."""
         return None
 
     @property
     def entry(self) -> CatalogueEntry:
-        """Entry that describes it; raises InvalidInput for a file, which has none."""
+        """Entry that describes the source; raises InvalidInput for a file, which has no entry."""
         raise InvalidInput(
             "source {0}: a file states no terms", self.text, remedy="name one of the sources that have some"
         )
@@ -354,12 +355,12 @@ class NamedSource(ABC):
 
     @property
     def map_types(self) -> tuple[str, ...]:
-        """Available map types; empty where there is a single kind of picture."""
+        """Available map types; empty if there is a single kind of picture."""
         return self._known.map_types
 
     @property
     def bands(self) -> Bands:
-        """Bands of its pixels, by the options."""
+        """Bands of the pixels, by the options."""
         return source_bands(self._known)
 
     @property
@@ -375,11 +376,11 @@ class NamedSource(ABC):
     @property
     @abstractmethod
     def date(self) -> str:
-        """Date of the imagery; empty where unknown."""
+        """Date of the imagery; empty if unknown."""
 
     @abstractmethod
     def open(self) -> Source:
-        """Open it, to fetch pixels.
+        """Open the source to fetch pixels.
 
         Raises
         ------
@@ -395,11 +396,11 @@ class EntrySource(NamedSource):
 
     @abstractmethod
     def _find(self) -> CatalogueEntry:
-        """Find the entry; asked once."""
+        """Find the entry; called once."""
 
     @cached_property
     def entry(self) -> CatalogueEntry:
-        """Entry that describes it."""
+        """Entry that describes the source."""
         return self._find()
 
     def _described(self) -> dict[str, Any]:
@@ -411,12 +412,12 @@ class EntrySource(NamedSource):
 
     @property
     def _pixels(self) -> ModuleType:
-        """Module that opens entries of its kind."""
+        """Module that opens entries of this kind."""
         return _imported(PIXELS[self.entry.kind])
 
     @property
     def needs_key(self) -> bool:
-        """Whether its entry names an environment variable with a key."""
+        """Whether the entry names an environment variable with a key."""
         return self.entry.key_env is not None
 
     def environment_key(self) -> str | None:
@@ -425,7 +426,7 @@ class EntrySource(NamedSource):
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
-        """Date and grid by the options; both are checked together, as a plan uses the grid only."""
+        """Date and grid by the options; checked together, as a plan reads the grid only."""
         grid = self.entry.grid(self.options.tile_px)
         if self.options.crs not in ("", grid.plane.crs):
             raise refused_crs(self.options.crs, self.entry.title, [grid.plane.crs])
@@ -438,11 +439,11 @@ class EntrySource(NamedSource):
 
     @property
     def date(self) -> str:
-        """Chosen date, or the default; empty where there is a single one."""
+        """Chosen date, or the default; empty if the source has only one."""
         return self._wanted[0]
 
     def open(self) -> Source:
-        """Open it with the given key, or with the environment's."""
+        """Open the source with the given key, or the environment's."""
         entry, date, options = self.entry, self.date, self.options
         key = options.key or (self.environment_key() if entry.key_env else None)
         if entry.key_env and not key:
@@ -466,21 +467,21 @@ class DescribedSource(EntrySource):
 
 
 class FileSource(NamedSource):
-    """A file of pictures; its description is read once."""
+    """A file of pictures, whose description is read once."""
 
     #: Whether a date may be chosen.
     takes_date = False
 
     @abstractmethod
     def _open(self, date: str) -> Source:
-        """Open the file of a date, empty for any; raises InvalidInput where it cannot be opened."""
+        """Open the file of a date, empty for any; raises InvalidInput if the file cannot be opened."""
 
     def __getstate__(self) -> dict[str, Any]:
         """State for another process, which may have another current folder."""
         return {**super().__getstate__(), "text": whole_path(self.text)}
 
     def open(self) -> Source:
-        """Open it; raises InvalidInput where it cannot be opened, and for a date that is not available."""
+        """Open the file; raises InvalidInput if that fails, and for a date that is not available."""
         date = self.options.date or ""
         if date and not self.takes_date:
             raise InvalidInput("date {0!r}: {1} has no dates to choose from", date, self.text, field="date")
@@ -493,12 +494,12 @@ class FileSource(NamedSource):
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine, not fetched by GDAL."""
+        """Whether the pixels are on this machine, not fetched by GDAL."""
         return FETCHED.search(self.text) is None
 
     @property
     def stated_policy(self) -> Policy:
-        """Terms of the provider that serves it; those in the file are not read."""
+        """Terms of the provider that serves the file; terms in the file are not read."""
         known = None if self.is_local else strictest(find_providers(self.text))
         return Policy() if known is None else known.policy
 
@@ -510,10 +511,10 @@ class FileSource(NamedSource):
 
     @property
     def grid(self) -> PixelGrid:
-        """Pixel grid up to its native zoom."""
+        """Pixel grid, up to the native zoom."""
         return self._known.grid
 
     @property
     def date(self) -> str:
-        """Chosen date, or the one in the file."""
+        """Chosen date, or the date stated in the file."""
         return self._known.date

@@ -1,4 +1,4 @@
-"""The terms of a provider: how much, how fast, and whether it may be kept."""
+"""Terms of a provider: number and rate of requests, and whether pictures may be kept."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class TermsError(SourceError):
 
 @dataclass(frozen=True)
 class Policy:
-    """A provider's terms, as far as a program can keep them.
+    """A provider's terms, as far as a program can comply.
 
     Parameters
     ----------
     bulk_allowed : str
-        ``yes``; ``ask``, where the user must have agreed to the terms; ``no``, which nothing overrides.
+        ``yes``; ``ask`` if the user must have agreed to the terms; ``no``, which nothing overrides.
     max_tiles : int or None
         Most requests of one run without consent (``ask``) or at all (``no``).
     cache_allowed : bool
@@ -66,7 +66,7 @@ class Policy:
     max_connections : int or None
     requests_per_s : float or None
     licence : str
-        Of the imagery.
+        Licence of the imagery.
     terms : str
         Summary of the terms for downloads.
     terms_url : str
@@ -96,32 +96,32 @@ class Policy:
                 raise InvalidInput("{0} {1}: must be a number above 0, or left out", name, value)
 
     def connections(self, wanted: int) -> int:
-        """Return the number of connections to open where ``wanted`` are requested."""
+        """Return the number of connections to open, at most ``wanted``."""
         return wanted if self.max_connections is None else min(wanted, self.max_connections)
 
     @property
     def most_sharers(self) -> int | None:
-        """Most runs at a time whose shares are a connection and a request per second at least; None for any number."""
+        """Most simultaneous runs that each get at least one connection and one request per second; None if unlimited."""
         limits = [self.max_connections, self.requests_per_s and max(math.floor(self.requests_per_s), 1)]
         known = [int(one) for one in limits if one]
         return min(known, default=None)
 
     def shared(self, sharers: int) -> Policy:
-        """Share of each of several independent runs at the same time.
+        """Share of the limits for each of several independent, simultaneous runs.
 
-        While the shares of the runs under way add up to the whole at most, no second has more requests than the
-        provider allows, whenever runs begin and end. For that, a share is a whole number of requests per second, spaced
-        a little wider than evenly, and its first request comes more than a second after the run has begun: by then, the
-        last request of a predecessor with the same share is past.
+        As long as the shares of simultaneous runs add up to no more than the limits, no second has more requests than
+        the provider allows, whenever runs begin and end. To ensure this, a share is a whole number of requests per
+        second, spaced slightly wider than evenly, and a run starts its first request after more than a second: by then,
+        the last request of an earlier run with the same share is over a second old.
 
         Parameters
         ----------
         sharers : int
-            Up to `most_sharers`; 0 for a single run, which has the whole.
+            Number of runs, up to `most_sharers`; 0 for a single run, which has no reduced limits.
         """
         if sharers == 0 or (self.requests_per_s is None and self.max_connections is None):
             return self
-        # Seconds by which requests may be late on their way, so that one more would fall into a second.
+        # Longest assumed delay of a request in the network, which could move one more request into a second.
         delay_s = 0.1
         rate, connections = self.requests_per_s, self.max_connections
         if rate is not None:
@@ -143,24 +143,24 @@ class Policy:
         requests : int
             Requests of the run.
         accept_terms : bool
-            The user has agreed to the terms; counts for ``ask`` only.
+            Whether the user has agreed to the terms; has an effect for ``ask`` only.
         instead : tuple of str
             Sources to suggest.
 
         Raises
         ------
         TermsError
-            With the terms.
+            Contains the terms.
         """
         if self.stops(requests) and not (self.bulk_allowed == "ask" and accept_terms):
             raise TermsError(title, self, requests, instead)
 
     def stops(self, requests: int) -> bool:
-        """Whether a number of requests exceeds the most without consent, or at all."""
+        """Whether a number of requests exceeds `max_tiles`, so that consent is required or the run is refused."""
         return self.bulk_allowed != "yes" and self.max_tiles is not None and requests > self.max_tiles
 
     def text(self) -> Message:
-        """Description for people of how much may be downloaded."""
+        """Description for people of the allowed downloads."""
         if self.bulk_allowed == "yes" or self.max_tiles is None:
             bulk = Message("unlimited requests")
         elif self.bulk_allowed == "ask":

@@ -16,11 +16,11 @@ import numpy as np
 from ...geodesy.mercator import u_to_lon, v_to_lat
 from ..tiles import Tile
 
-#: Seconds that a reader waits for another program's lock: cancelling must take half a second at most.
+#: Seconds that a reader waits for another program's lock, as cancelling must take half a second at most.
 READ_WAIT_S = 0.25
-#: Seconds that a writer waits for it: it delays a capture at the end only.
+#: Seconds that a writer waits for the lock; this delays a capture at its end only.
 WRITE_WAIT_S = 2.0
-#: Tiles in one transaction: other captures wait a few hundredths of a second for it.
+#: Tiles in one transaction; other captures wait a few hundredths of a second for such a transaction.
 BATCH_TILES = 500
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS metadata (name text, value text);
@@ -34,7 +34,7 @@ CREATE TABLE IF NOT EXISTS freshness (
 ) WITHOUT ROWID;
 CREATE INDEX IF NOT EXISTS freshness_used ON freshness (used_s)
 """
-#: Errors of reading a file, whose bytes anybody may have written: SQLite quotes the file, which need not be UTF-8.
+#: Errors of reading a file with arbitrary bytes; ValueError because SQLite quotes the file, which may not be UTF-8.
 FILE_ERRORS = (sqlite3.Error, ValueError, TypeError, OverflowError, MemoryError)
 
 
@@ -65,9 +65,9 @@ class About(NamedTuple):
 
 
 def fault(error: Exception) -> str:
-    """Kind of an error of SQLite: ``busy``, ``unwritable`` or ``corrupt``.
+    """Classify an error of SQLite as ``busy``, ``unwritable`` or ``corrupt``.
 
-    Found by its words, as Python has SQLite's error codes from 3.11 on.
+    By the words of the message, as Python offers SQLite's error codes from 3.11 on only.
     """
     words = str(error)
     if "locked" in words or "schema has changed" in words:
@@ -78,13 +78,13 @@ def fault(error: Exception) -> str:
 
 
 def database_uri(path: Path, mode: str) -> str:
-    """URI of a database file, whatever characters its name has; ``mode`` as in SQLite's URIs."""
+    """URI of a database file, with special characters quoted; ``mode`` as in SQLite's URIs."""
     shown = quote(path.absolute().as_posix())
     return f"file://{'' if shown.startswith('/') else '/'}{shown}?{mode}"
 
 
 def connect(path: Path, mode: str = "mode=rw", wait_s: float = WRITE_WAIT_S) -> sqlite3.Connection:
-    """Open a database, for one thread at a time; transactions begin and end explicitly."""
+    """Open a database for use by one thread at a time, with explicit transactions."""
     connection = sqlite3.connect(
         database_uri(path, mode), uri=True, timeout=wait_s, isolation_level=None, check_same_thread=False
     )
@@ -94,7 +94,7 @@ def connect(path: Path, mode: str = "mode=rw", wait_s: float = WRITE_WAIT_S) -> 
 
 @contextmanager
 def transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    """Write all or nothing."""
+    """Commit all changes of the block, or none if it raises."""
     connection.execute("BEGIN IMMEDIATE")
     try:
         yield
@@ -120,10 +120,10 @@ def live_bytes(connection: sqlite3.Connection) -> int:
 
 
 def shrink(connection: sqlite3.Connection, until_s: float) -> None:
-    """Give free pages back to the file system, for as long as `time.monotonic` is before ``until_s``."""
+    """Return free pages to the file system, until `time.monotonic` reaches ``until_s``."""
     while connection.execute("PRAGMA freelist_count").fetchone()[0] and time.monotonic() < until_s:
         connection.execute("PRAGMA incremental_vacuum(2000)").fetchall()
-    # Partial, and reported as busy, while others are reading.
+    # While others are reading, the checkpoint is partial and reports busy.
     connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
 
@@ -138,7 +138,7 @@ def create(path: Path, about: About) -> sqlite3.Connection:
             if path.exists():
                 return connection
         except FILE_ERRORS as wrong:
-            # SQLite does not wait for the lock that the switch to WAL needs.
+            # SQLite does not wait for the lock needed to switch to WAL, so try again.
             if fault(wrong) != "busy" or time.monotonic() > until_s:
                 connection.close()
                 raise
@@ -148,12 +148,12 @@ def create(path: Path, about: About) -> sqlite3.Connection:
 
 def _prepare(connection: sqlite3.Connection, about: About) -> None:
     if connection.execute("PRAGMA page_count").fetchone()[0] == 0:
-        # Only an empty file takes it.
+        # SQLite accepts this setting for empty files only.
         connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.execute("PRAGMA journal_mode = WAL").fetchall()
-    # A loss of power may cost the last transactions, but not the file.
+    # A power failure may lose the last transactions but does not corrupt the file.
     connection.execute("PRAGMA synchronous = NORMAL")
-    # "MPBX", by which the MBTiles specification marks a file's header.
+    # "MPBX", which the MBTiles specification prescribes for a file's header.
     application_id = 0x4D504258
     if connection.execute("PRAGMA application_id").fetchone()[0] != application_id:
         with transaction(connection):
@@ -171,14 +171,14 @@ def _set_metadata(connection: sqlite3.Connection, rows: Mapping[str, str]) -> No
 
 
 def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> None:
-    """Widen format, zooms and bounds of the metadata to tiles that were just written."""
+    """Extend zooms and bounds of the metadata to tiles that were just written; set the format if missing."""
     known = dict(connection.execute("SELECT name, value FROM metadata").fetchall())
     zooms = [tile.zoom for tile in written] + [int(known[name]) for name in ("minzoom", "maxzoom") if name in known]
     bounds = _bounds(written)
     if "bounds" in known:
         before = np.array([float(value) for value in known["bounds"].split(",")])
         bounds = np.concatenate([np.minimum(before, bounds)[:2], np.maximum(before, bounds)[2:]])
-    # The names of MBTiles 1.3, and the media type of another format.
+    # MBTiles 1.3 names jpg, png and webp; other formats are given as media types.
     formats = ((b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
     body = next(iter(written.values()))
     new = {
@@ -192,7 +192,7 @@ def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> N
 
 
 def _bounds(tiles: Mapping[Tile, bytes]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """West, south, east, north of tiles together, degrees."""
+    """West, south, east and north, in degrees, of the extent of all tiles."""
     zoom, x, y = np.array(list(tiles), np.float64).T
     columns, rows = np.concatenate([x, x + 1.0]), np.concatenate([y, y + 1.0])
     world = np.tile(np.exp2(zoom), 2)
@@ -201,7 +201,7 @@ def _bounds(tiles: Mapping[Tile, bytes]) -> np.ndarray[tuple[int], np.dtype[np.f
 
 
 def metadata(path: Path) -> tuple[dict[str, str], int]:
-    """Metadata of a file of tiles, and the number of its tiles."""
+    """Return the metadata of a file and the number of tiles in it."""
     with closing(connect(path)) as connection:
         rows = connection.execute("SELECT name, value FROM metadata").fetchall()
         (count,) = connection.execute("SELECT count(*) FROM freshness").fetchone()
@@ -213,7 +213,7 @@ def remove(path: Path) -> bool:
     with closing(connect(path, wait_s=READ_WAIT_S)) as connection:
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE").fetchall()
-            # Merges the log, which takes exclusive access, and removes the -wal and -shm files.
+            # This needs exclusive access; it merges the log and removes the -wal and -shm files.
             connection.execute("PRAGMA journal_mode = DELETE").fetchall()
             connection.execute("BEGIN EXCLUSIVE")
         except sqlite3.OperationalError:
@@ -226,7 +226,7 @@ def remove(path: Path) -> bool:
 
 
 def empty(path: Path, until_s: float) -> None:
-    """Remove all tiles of a file that others may have open, and `shrink` it until ``until_s``."""
+    """Remove all tiles of a file that others may have open, then `shrink` the file."""
     with closing(connect(path)) as connection:
         with transaction(connection):
             connection.execute("DELETE FROM tiles")

@@ -26,9 +26,9 @@ from .tilestore import TileFile, TileStore
 FOLDER_ENV = "TERRAINAV_CACHE_DIR"
 #: Default limit of all files together, bytes.
 LIMIT_BYTES = 4 << 30
-#: Longest time that one `TileCache.trim` takes, seconds; the next goes on with it.
+#: Longest time that one `TileCache.trim` takes, seconds; the next call continues the work.
 _TRIM_S = 1.0
-#: Names of the cache's files: words, a hash, and a number where an earlier file was damaged.
+#: File names of the cache: words, a hash, and a number if earlier files of that name were damaged.
 _NAME = re.compile(r"(?P<stem>.+-[0-9a-f]{12})(~(?P<number>\d+))?\.mbtiles(?P<corrupt>\.corrupt)?")
 
 _log = logging.getLogger(__name__)
@@ -44,7 +44,7 @@ def default_folder() -> Path:
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "terrainav"
     xdg = os.environ.get("XDG_CACHE_HOME", "")
-    # The XDG Base Directory Specification has relative paths ignored.
+    # The XDG Base Directory Specification requires relative paths to be ignored.
     return (Path(xdg) if Path(xdg).is_absolute() else Path.home() / ".cache") / "terrainav"
 
 
@@ -72,14 +72,14 @@ class CacheFile:
 
 
 class TileCache:
-    """A folder of tiles. Several captures may use it at once, in one program or in several.
+    """A folder of tiles, which several captures may use at once, from one program or several.
 
     Parameters
     ----------
     folder : path or None
-        Created with the first store; None for `default_folder`.
+        Created when the first store opens; None for `default_folder`.
     limit_bytes : int
-        Of all files together; the least recently used tiles are removed first.
+        Limit of all files together; the least recently used tiles are removed first.
     clock : callable
         Seconds since 1970.
     """
@@ -100,7 +100,7 @@ class TileCache:
         self._clock = clock
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the folder as it was given: the default differs between machines."""
+        """Pickle the folder as given to the constructor, as the default differs between machines."""
         return TileCache, (self._given, self.limit_bytes, self._clock)
 
     def store(
@@ -114,7 +114,7 @@ class TileCache:
         date: str = "",
         tile_px: int = 256,
     ) -> TileStore:
-        """Return the store of a source's tiles, to be closed after use; an unusable folder is logged, no error.
+        """Return the store of a source's tiles, to be closed after use; an unusable folder is logged only.
 
         Parameters
         ----------
@@ -122,11 +122,11 @@ class TileCache:
             Identifies the source's tiles: its URL template, without the user's key.
         source, title, attribution : str
         map_type, date : str
-            Empty where the source has only one.
+            Empty if the source has only one.
         tile_px : int
         """
         about = About(source, title, attribution, map_type, date, tile_px)
-        # The number is the version of the files' tables: files of another are left alone.
+        # "1" is the version of the files' tables; files of another version are left alone.
         digest = hashlib.sha256("\n".join(("1", key, map_type, date, str(tile_px))).encode()).hexdigest()
         slug = "-".join(filter(None, (_slug(text) for text in (source, map_type, date, str(tile_px)))))
         stem = f"{slug}-{digest[:12]}"
@@ -147,7 +147,7 @@ class TileCache:
         return TileStore(open_file, self.trim, self._clock)
 
     def list(self) -> tuple[CacheFile, ...]:
-        """Return the files that hold tiles, by name."""
+        """Return the files that hold tiles, sorted by name."""
         found = []
         for path in self._paths():
             try:
@@ -176,14 +176,14 @@ class TileCache:
         """
         before = self._folder_bytes()
         everything = (*self._paths(), *self._paths(corrupt=True))
-        # All are tried before the first failure is raised.
+        # Try all files before raising the first failure.
         failures = [_failure(path) for path in (everything if names is None else self._named(names))]
         for failure in filter(None, failures):
             raise failure
         return max(before - self._folder_bytes(), 0)
 
     def trim(self) -> None:
-        """Remove the least recently used tiles until the files are within the limit, for a second at most."""
+        """Remove the least recently used tiles until the files are within the limit; stop after a second."""
         if self._folder_bytes() <= self.limit_bytes:
             return
         for path in self._paths(corrupt=True):
@@ -199,10 +199,10 @@ class TileCache:
             ):
                 database.shrink(connection, until_s)
                 sizes[path] = database.live_bytes(connection)
-                ages.extend((age_s, path) for age_s in _oldest(connection))
+                ages.extend((oldest_s, path) for oldest_s in _oldest(connection))
         excess = sum(sizes.values()) - self.limit_bytes
         if excess > 0:
-            # A tenth more, so that not every write has tiles removed.
+            # Remove a tenth of the limit more, so that not every write trims again.
             goal = excess + 0.1 * self.limit_bytes
             with suppress(*FILE_ERRORS):
                 _remove_oldest(ages, goal, until_s)
@@ -229,7 +229,7 @@ class TileCache:
         return tuple(chosen)
 
     def _paths(self, *, corrupt: bool = False) -> tuple[Path, ...]:
-        """Files of the cache, or those that were set aside; other files of the folder are ignored."""
+        """Files of the cache, or the damaged files that were set aside; other files of the folder are ignored."""
         try:
             with os.scandir(self.folder) as entries:
                 names = sorted(entry.name for entry in entries if entry.is_file())
@@ -246,10 +246,10 @@ class TileCache:
             return 0
 
     def _current(self, stem: str) -> Path:
-        """Path for a file that is not damaged.
+        """Path of the file in use, which is not marked as damaged.
 
-        A file that was set aside keeps its number and its successor takes the next: a program that still has the old
-        file open must not find the log (WAL) of the new one when it closes.
+        A file that was set aside keeps its number, and the new file takes the next number: a program that still has
+        the old file open must not find the log (WAL) of the new file on closing.
         """
         highest, corrupt = 1, False
         for path in self._paths() + self._paths(corrupt=True):
@@ -270,7 +270,7 @@ class TileCache:
             # Another program has already set it aside.
             return
         except OSError:
-            # Windows renames no open file. The marker alone makes the next file take another number.
+            # Windows does not rename open files; an empty marker also makes the next file take another number.
             aside.touch()
         for ending in ("-wal", "-shm"):
             with suppress(OSError):
@@ -278,7 +278,7 @@ class TileCache:
 
 
 def _slug(text: str) -> str:
-    """Text as up to 60 letters, digits, dots and hyphens, which any file system takes."""
+    """Reduce a text to at most 60 letters, digits, dots and hyphens, valid in names on any file system."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
     return re.sub(r"[^a-z0-9.]+", "-", plain).strip("-.")[:60]
 
@@ -326,13 +326,13 @@ def _has_tiles(path: Path) -> bool:
 
 
 def _oldest(connection: sqlite3.Connection) -> list[int]:
-    """Last use of a file's least recently used tile, seconds since 1970; empty without tiles."""
+    """Time of use of the least recently used tile, seconds since 1970, as a list; empty without tiles."""
     (used_s,) = connection.execute("SELECT min(used_s) FROM freshness").fetchone()
     return [] if used_s is None else [int(used_s)]
 
 
 def _remove_oldest(ages: list[tuple[int, Path]], goal: float, until_s: float) -> None:
-    """Remove tiles, oldest first among all files, until ``goal`` bytes are removed or the time is over."""
+    """Remove tiles, oldest first among all files, until ``goal`` bytes are removed or `time.monotonic` reaches ``until_s``."""
     heapq.heapify(ages)
     while ages and goal > 0 and time.monotonic() < until_s:
         _, path = heapq.heappop(ages)
@@ -342,16 +342,16 @@ def _remove_oldest(ages: list[tuple[int, Path]], goal: float, until_s: float) ->
                     "SELECT zoom_level, tile_column, tile_row, coalesce(length(tile_data), 0) FROM freshness "
                     "LEFT JOIN tiles USING (zoom_level, tile_column, tile_row) WHERE used_s <= ? "
                     "ORDER BY used_s LIMIT ?",
-                    # Up to the oldest of the next file; of the last file, any.
+                    # Up to the oldest tile of the other files; without other files, any tile.
                     (ages[0][0] if ages else 1 << 62, database.BATCH_TILES),
                 ).fetchall()
-                gone = []
+                removed = []
                 for *row, size in rows:
-                    gone.append(tuple(row))
+                    removed.append(tuple(row))
                     goal -= size
                     if goal <= 0:
                         break
-                database.delete(connection, gone)
+                database.delete(connection, removed)
             database.shrink(connection, until_s)
-            for age_s in _oldest(connection):
-                heapq.heappush(ages, (age_s, path))
+            for oldest_s in _oldest(connection):
+                heapq.heappush(ages, (oldest_s, path))

@@ -1,4 +1,4 @@
-"""The tiles of one source, map type and date: read from their file, kept in memory until a thread writes them."""
+"""Cached tiles of one source, map type and date: read from a file; new tiles wait in memory until a thread writes them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .database import (
     transaction,
 )
 
-#: Longest time that tiles wait to be written together, seconds: a killed run may lose so much.
+#: Longest time that tiles wait to be written together, seconds; a killed run may lose the tiles of this time.
 FLUSH_S = 1.0
 
 _log = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ class Kept(NamedTuple):
     used_s: int
 
     def seal(self, tile: Tile) -> int:
-        """Checksum of picture, place and freshness: JPEG has none, and any byte of a file may be wrong."""
+        """Checksum of file, tile address and freshness, as JPEG has no checksum and any byte may be damaged."""
         return zlib.crc32(repr((*tile, *self.freshness)).encode(), zlib.crc32(self.body))
 
 
@@ -52,7 +52,7 @@ class BrokenTileError(Exception):
 class TileFile:
     """An open file of tiles; safe to use from several threads and processes.
 
-    Reading and writing have a connection each: in WAL mode neither waits for the other.
+    There is one connection for reading and one for writing: in WAL mode neither waits for the other.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class TileFile:
     Raises
     ------
     sqlite3.Error
-        As all methods do; see `fault`.
+        From all methods; see `fault`.
     """
 
     def __init__(self, path: Path, about: About) -> None:
@@ -147,10 +147,10 @@ class NoStore:
         return False
 
     def keep(self, tile: Tile, response: Response) -> None:
-        """Drop an answer."""
+        """Store nothing."""
 
     def renew(self, tile: Tile, kept: Kept, headers: Mapping[str, str]) -> None:
-        """Drop a confirmation."""
+        """Store nothing."""
 
     def note_use(self, tile: Tile, kept: Kept) -> None:
         """Note nothing."""
@@ -165,15 +165,15 @@ class NoStore:
 class TileStore(NoStore):
     """Tiles of one source, map type and date, kept from run to run; safe to use from several threads.
 
-    No fault of the file fails a picture: without the file, nothing is found and nothing kept. A thread writes what is
-    new, a second's worth at a time.
+    Errors of the file never fail a picture: without the file, no tile is found or kept. A thread writes new tiles once
+    a second.
 
     Parameters
     ----------
     open_file : callable
-        Opens the file; takes a damaged file that is to be set aside first, or None.
+        Opens the file; its argument is a damaged file to set aside first, or None.
     written : callable
-        Called after tiles were written, to keep the cache within its size.
+        Called after tiles were written, to keep the cache within its limit.
     clock : callable
         Seconds since 1970.
     """
@@ -219,7 +219,7 @@ class TileStore(NoStore):
     def is_fresh(self, kept: Kept) -> bool:
         """Whether a stored tile may be used without a request."""
         now_s = self._clock()
-        # A tile from the future was stored by a wrong clock, so its expiry is wrong, too.
+        # A tile stored in the future comes from a wrong clock, so its expiry is wrong, too.
         return kept.freshness.is_fresh(now_s) and kept.fetched_s <= now_s
 
     def keep(self, tile: Tile, response: Response) -> None:
@@ -231,7 +231,7 @@ class TileStore(NoStore):
         self._keep(tile, kept.body, kept.freshness.renewed(headers, self._clock()))
 
     def note_use(self, tile: Tile, kept: Kept) -> None:
-        """Note that a tile was used, to the hour: finer, every run would write every row again."""
+        """Note that a tile was used, at most once an hour, so that not every run writes every row again."""
         now_s = int(self._clock())
         if now_s - kept.used_s >= 3600:
             with self._lock:
@@ -244,7 +244,7 @@ class TileStore(NoStore):
         self._change(tile, None)
 
     def flush(self) -> None:
-        """Write what is waiting; it goes on waiting while another program has the file locked."""
+        """Write waiting tiles; they go on waiting while another program has the file locked."""
         with self._flushing:
             with self._lock:
                 file, changes, used = self._file, dict(self._changes), dict(self._used)
@@ -265,7 +265,7 @@ class TileStore(NoStore):
         self._written()
 
     def close(self) -> None:
-        """Write what is waiting and close the file; from then on nothing is found and nothing kept."""
+        """Write waiting tiles and close the file; after that, no tile is found or kept."""
         with self._lock:
             self._closed = True
             writer = self._writer
@@ -275,7 +275,7 @@ class TileStore(NoStore):
         before = self._file
         self.flush()
         if self._file is not before:
-            # Damage that showed in writing has opened another file.
+            # Writing found damage and opened another file.
             self.flush()
         with self._lock:
             file, self._file = self._file, None
@@ -290,7 +290,7 @@ class TileStore(NoStore):
     def _change(self, tile: Tile, kept: Kept | None) -> None:
         size = 0 if kept is None else len(kept.body)
         with self._lock:
-            # Nothing more is stored where the disk is slower than the network, or locked.
+            # Store no more if the disk is slower than the network, or the file is locked.
             if not self._storing() or self._waiting_bytes + size > 64 << 20:
                 return
             self._changes[tile] = kept
@@ -310,7 +310,7 @@ class TileStore(NoStore):
             self._writer.start()
 
     def _write_behind(self) -> None:
-        """Write each second while there is something to write."""
+        """Write every second while tiles wait."""
         while True:
             self._hurry.wait(FLUSH_S)
             self._hurry.clear()
@@ -342,7 +342,7 @@ class TileStore(NoStore):
                     self._stop_storing(f"cache {file.path}: another program holds it; nothing more is stored")
 
     def _open(self, broken: TileFile | None) -> None:
-        """Open the file, or one in place of a broken file; the caller holds the lock."""
+        """Open the file, or another in place of a damaged file; the caller holds the lock."""
         self._file = None
         try:
             if broken is not None:

@@ -35,7 +35,7 @@ Picture = TypeVar("Picture")
 
 
 class OutOfReach(PartError):
-    """No attempt had an answer, or only server errors (5xx)."""
+    """All attempts failed without an answer or with server errors (5xx)."""
 
 
 class NotThere(PartError):
@@ -43,11 +43,11 @@ class NotThere(PartError):
 
 
 class BrokenPictureError(PartError):
-    """A complete answer cannot be decoded: a cache on the way may hold a bad copy."""
+    """A complete answer cannot be decoded; a proxy's cache may hold a damaged copy."""
 
 
 class Pace:
-    """When the next request may start: a rate, and a hold that a server asked for.
+    """Times at which requests may start, by a rate and by waits that the server asked for.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Pace:
         self._held_until_s = 0.0
 
     def turn_s(self) -> float:
-        """Take the next turn and return the seconds until then."""
+        """Reserve the next turn and return the seconds until it."""
         with self._lock:
             now_s = time.monotonic()
             at_s = max(now_s, self._next_s, self._held_until_s)
@@ -70,7 +70,7 @@ class Pace:
             return at_s - now_s
 
     def held_s(self) -> float:
-        """Seconds for which the server still wants no request."""
+        """Seconds left of the wait that the server asked for."""
         with self._lock:
             return max(self._held_until_s - time.monotonic(), 0.0)
 
@@ -82,7 +82,7 @@ class Pace:
 
 @dataclass
 class _Request:
-    """A requested part: headers and check of each attempt, their seconds, and how the last one failed."""
+    """A requested part: headers and check of its attempts, their total seconds, and the failure of the last attempt."""
 
     headers: Mapping[str, str] | None
     allow: Callable[[str], object] | None
@@ -107,13 +107,13 @@ class Client:
     first_after_s : float
         Seconds from now to the first request.
     secrets : tuple of str
-        Keys masked in every error, in whatever spelling the provider quotes them.
+        Keys to mask in every error, in any spelling in which the provider may quote them.
     tries : int
         Attempts at one part.
     first_wait_s : float
         As `FIRST_WAIT_S`.
     longest_retry_after_s : float
-        Where the server asks for a longer wait, the run stops, to be resumed later.
+        If the server asks for a longer wait, the run stops; it can be resumed later.
     """
 
     def __init__(
@@ -140,10 +140,10 @@ class Client:
         self._first_wait_s = first_wait_s
         self._longest_retry_after_s = longest_retry_after_s
         self._closed = threading.Event()
-        #: Set when the server was out of reach: until it answers, each part is tried once.
+        #: Set while the server is out of reach; each part is then tried once only.
         self._away = threading.Event()
         self._silent_until_s = 0.0
-        #: Parts in a row that timed out.
+        #: Number of successive parts that timed out.
         self._late_parts = 0
 
     def get(
@@ -153,7 +153,7 @@ class Client:
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> Response:
-        """Return the answer of status 200; 304 where ``headers`` are conditions, 206 where they name a range.
+        """Return the answer of status 200, or of 304 or 206 if ``headers`` contain conditions or a range.
 
         Redirects are followed.
 
@@ -170,7 +170,7 @@ class Client:
         Raises
         ------
         PartError
-            This part is not available, with `OutOfReach` and `NotThere` for two of the reasons.
+            This part is not available; `OutOfReach` and `NotThere` are two of the reasons.
         SourceError
             The provider refuses all requests.
         Cancelled
@@ -230,12 +230,12 @@ class Client:
         Raises
         ------
         PartError, SourceError, Cancelled
-            As `get` does; PartError also where ``read`` raises it.
+            As `get` does; PartError also if ``read`` raises it.
         """
         response, times = self.get(url, what, headers, allow), 1
         picture = self._picture_or_problem(response, read)
         if isinstance(picture, BrokenPictureError):
-            # Past the caches on the way, which may hold a bad copy (RFC 9111, 5.2.1.4); HTTP/1.0 has Pragma.
+            # Bypass proxies' caches, which may hold a damaged copy (RFC 9111, 5.2.1.4); Pragma is for HTTP/1.0.
             past_caches = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
             response, times = self.get(url, what, past_caches, allow), 2
             picture = self._picture_or_problem(response, read)
@@ -244,11 +244,11 @@ class Client:
         return response, picture
 
     def out_of_reach(self) -> bool:
-        """Whether the last part had no answer, within the last half minute."""
+        """Whether the last part failed without an answer within the last half minute."""
         return time.monotonic() < self._silent_until_s
 
     def redacted(self, text: str) -> str:
-        """Return ``text`` with the keys masked, in whatever spelling."""
+        """Return ``text`` with the keys masked, in any spelling."""
         return self._secrets.masked(text)
 
     def message(self, response: Response) -> str:
@@ -276,11 +276,11 @@ class Client:
         return kind("{0}: {1}", what, request.reason)
 
     def _is_rested(self) -> bool:
-        """Whether several parts in a row have timed out, the last a moment ago: the server is given a rest."""
+        """Whether requests are suspended because several successive parts timed out, the last within half a minute."""
         return self._late_parts >= MAX_LATE_PARTS and self.out_of_reach()
 
     def _followed(self, url: str, what: object, request: _Request) -> Response:
-        """Return the answer at the end of the redirects, each of which waits for its turn."""
+        """Follow redirects, each in its turn, and return the final answer."""
         first = url
         for _ in range(MAX_REDIRECTS + 1):
             if request.allow is not None:
@@ -293,7 +293,7 @@ class Client:
         raise TransportError("more than {0} redirects", MAX_REDIRECTS, again=False)
 
     def _attempt(self, url: str, origin: str, what: object, request: _Request) -> Response:
-        # A connection first, then the turn: requests whose turn has passed would start all at once.
+        # Take the connection before the turn: requests that wait with past turns would start all at once.
         while not self._free.acquire(timeout=0.1):
             self._refuse_closed()
         began_s = time.monotonic()
@@ -317,7 +317,7 @@ class Client:
         raise PartError("{0}: {1}", what, failure)
 
     def _picture_or_problem(self, response: Response, read: Callable[[Response], Picture]) -> Picture | PartError:
-        """Read a picture; an error is returned, so that the caller can raise it without a chain that quotes a key."""
+        """Read a picture, or return the error, so that the caller can raise it without a chain that quotes a key."""
         try:
             return read(response)
         except PartError as wrong:
@@ -328,7 +328,7 @@ class Client:
             return self._unexpected.failure(wrong, self.redacted)
 
     def _without_secrets(self, response: Response) -> Response:
-        """Remove headers that quote a key: some are written to files."""
+        """Remove headers that quote a key, as some headers are written to files."""
         written = "\n".join(response.headers.values())
         if self.redacted(written) == written:
             return response
@@ -336,7 +336,7 @@ class Client:
         return response._replace(headers=kept)
 
     def _judge(self, response: Response, what: object) -> str:
-        """Return the reason to try again; raises where that is pointless."""
+        """Return the reason for another attempt; raise if another attempt is pointless."""
         message = self.message(response)
         line = _status_line(response.status) + (f": {message}" if message else "")
         if response.status in (401, 402, 403, 407, 451) or (
@@ -350,7 +350,7 @@ class Client:
         return line
 
     def _asked_wait_s(self, response: Response, reason: str) -> float:
-        """Seconds that the server asks to wait, which hold for every request; 0 without such a wish."""
+        """Seconds that the server asks to wait, for all requests; 0 if it does not ask."""
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:
             raise SourceError("{0}: {1}; it asks to come back in {2:.0f} s: resume then", self._title, reason, seconds)
@@ -359,7 +359,7 @@ class Client:
         return seconds
 
     def _backoff_s(self, url: str, attempt: int) -> float:
-        """Seconds between attempts, spread by the URL so that parts that failed together are not retried together."""
+        """Seconds between attempts; they vary with the URL, so that parts that failed together are retried apart."""
         digest = hashlib.sha256(f"{attempt} {url}".encode()).digest()
         spread = int.from_bytes(digest[:4], "big") / 2**32
         return min(self._first_wait_s * 2.0**attempt, LONGEST_WAIT_S) * (0.5 + spread)
@@ -385,9 +385,9 @@ def _is_conditional(headers: Mapping[str, str] | None) -> bool:
 
 
 def retry_after_s(response: Response, now_s: float) -> float:
-    """Seconds to wait by a response's Retry-After (RFC 9110, 10.2.3); 0 without one.
+    """Seconds to wait according to a response's Retry-After header (RFC 9110, 10.2.3); 0 without it.
 
-    A date is compared with the response's Date, so that the clocks need not agree.
+    A date is compared with the response's Date header, so that the clocks need not agree.
 
     Parameters
     ----------
@@ -407,7 +407,7 @@ def retry_after_s(response: Response, now_s: float) -> float:
 
 
 def _is_quota(status: int, message: str) -> bool:
-    # 429 is a rate limit first of all; only a used-up quota ends the run at once.
+    # 429 usually means a rate limit; only an exhausted quota ends the run at once.
     if status == HTTPStatus.TOO_MANY_REQUESTS:
         return "quota" in message.lower() or "daily" in message.lower()
     return bool(_QUOTA.search(message))
@@ -421,7 +421,7 @@ def _status_line(status: int) -> str:
 
 
 def redirect_target(answer: Response) -> str | None:
-    """Location of a redirect, as it is stated; None for other answers."""
+    """Location of a redirect, possibly relative; None for other answers."""
     is_redirect = answer.status in (301, 302, 303, 307, 308)
     return (answer.headers.get("location") or None) if is_redirect else None
 

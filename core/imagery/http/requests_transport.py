@@ -1,4 +1,4 @@
-"""The transport of the headless core: over requests and urllib3, with deadlines and cancelling."""
+"""Transport of the headless core, based on requests and urllib3, with deadlines and cancelling."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ from .transport import (
     user_agent,
 )
 
-#: Most hosts with a pool of connections: a template's subdomains, and targets of redirects.
+#: Most hosts with a pool of connections; subdomains and targets of redirects count.
 _HOSTS = 64
-#: Seconds between checks of the requests under way: closing may take half a second.
+#: Seconds between checks of running requests, as closing may take half a second at most.
 _LOOK_S = 0.1
 
 
 class _Host(NamedTuple):
-    """Connections and headers for one host, looked up once, as that takes longer than a request.
+    """Connections and headers for one host, determined once, as this takes longer than a request.
 
-    ``prefix`` stands before the path of each request: a proxy takes whole http URLs.
+    ``prefix`` precedes the path of each request, as proxies need whole http URLs.
     """
 
     pool: HTTPConnectionPool
@@ -55,8 +55,8 @@ class _Host(NamedTuple):
 class RequestsTransport:
     """Transport over urllib3's connection pools with the settings of requests.
 
-    Requests finds the proxies and certificates of the environment, once for each host. Each request then uses urllib3's
-    pool directly, which takes two fifths of the processor time of a Session.
+    The library requests finds proxies and certificates of the environment once for each host. Each request then uses
+    urllib3's pool directly, which takes two fifths of the processor time of a `requests.Session`.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class RequestsTransport:
         self._timeout = urllib3.Timeout(connect=timeouts.connect_s, read=timeouts.read_s)
         self._max_body_bytes = max_body_bytes
         self._watch = Watch()
-        # Images do not compress further; without an encoding, Content-Length is their length.
+        # Images do not compress further, and without an encoding Content-Length is the length of the image.
         self._headers = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
@@ -88,7 +88,7 @@ class RequestsTransport:
         self._session.mount("http://", self._adapter)
         self._session.mount("https://", self._adapter)
         self._hosts: dict[tuple[str, str], _Host] = {}
-        # Also without `close`, so that no connection and no log filter is left.
+        # Free connections and log filters even if `close` is not called.
         self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
 
     def get(
@@ -115,7 +115,7 @@ class RequestsTransport:
         raise TransportError(problem, again=problem.again, away=problem.away, late=problem.late)
 
     def close(self) -> None:
-        """Free the connections and end what is under way."""
+        """Free the connections and end running requests."""
         self._watch.close()
         self._free()
 
@@ -147,7 +147,7 @@ class RequestsTransport:
         named = parts.scheme, parts.netloc
         found = self._hosts.get(named)
         if found is None:
-            # As many as urllib3 keeps: it closes those that it drops.
+            # urllib3 keeps as many pools and closes others, which must not be used here.
             if len(self._hosts) >= _HOSTS:
                 self._hosts.clear()
             found = self._hosts[named] = self._opened(parts)
@@ -162,17 +162,17 @@ class RequestsTransport:
         if proxy:
             managers = self._adapter.proxy_manager_for(proxy if "://" in proxy else f"http://{proxy}")
         pool = managers.connection_from_url(url)
-        # The default is named, too: not every version of requests finds it here.
+        # Name the default, too, as not every version of requests finds it here.
         bundle = DEFAULT_CA_BUNDLE_PATH if settings["verify"] is True else settings["verify"]
         self._adapter.cert_verify(pool, url, bundle, settings["cert"])  # type: ignore[no-untyped-call]
-        # The whole URL for a proxy, otherwise the path.
+        # `request_url` returns the whole URL for a proxy, otherwise the path.
         prefix = str(self._adapter.request_url(request, settings["proxies"]))  # type: ignore[no-untyped-call]
         return _Host(pool, dict(request.headers), prefix.rstrip("/"))
 
     def _body(self, answer: urllib3.HTTPResponse) -> bytes:
-        """Body as it is sent, up to the limit."""
+        """Read the body without unpacking it; raise if it exceeds the limit."""
         chunks, size = [], 0
-        # Not `stream`, which reads lines of any length from a chunked body.
+        # Do not use `stream`, which reads lines of any length from a chunked body.
         while chunk := answer.read(1 << 16, decode_content=False):
             chunks.append(chunk)
             size += len(chunk)
@@ -181,7 +181,7 @@ class RequestsTransport:
         return b"".join(chunks)
 
     def _problem(self, failure: Exception, host: str | None) -> TransportError:
-        """Error without the words of the libraries, which quote the URL."""
+        """Error without the text of the libraries, which quotes the URL."""
         if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
             return TransportError("no trusted connection to {0} (TLS)", host, again=False, away=True)
         # urllib3 wraps errors as arguments of others.
@@ -192,7 +192,7 @@ class RequestsTransport:
             return too_many_headers()
         if isinstance(failure, urllib3.exceptions.ProxyError):
             return TransportError("the proxy does not answer", away=True)
-        # Before the timeouts, of which it is one.
+        # Check before TimeoutError, a base class of ConnectTimeoutError.
         if isinstance(failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)):
             late = isinstance(failure, urllib3.exceptions.ConnectTimeoutError)
             return TransportError("no connection to {0}", host, away=True, late=late)
@@ -227,7 +227,7 @@ def _quiet(watch: Watch) -> Callable[[], None]:
 
 
 class _Adapter(HTTPAdapter):
-    """Adapter whose connections can be abandoned while they wait."""
+    """Adapter whose connections can be abandoned during a wait."""
 
     def __init__(self, connections: int, watch: Watch, max_answer_bytes: int) -> None:
         self._pools = _pool_classes(watch, max_answer_bytes)
@@ -248,7 +248,7 @@ class _EndlessError(OSError):
 
 
 class _Counted(io.RawIOBase):
-    """Stream of one answer from a socket, up to a limit: a line or chunk of it may claim any length."""
+    """Stream of an answer from a socket that raises beyond a limit, as lines and chunks may claim any length."""
 
     def __init__(self, raw: io.RawIOBase, most_bytes: int) -> None:
         self._raw, self._left_bytes = raw, most_bytes
@@ -344,7 +344,7 @@ class Exchange:
 
 def _shut_down(waited_on: socket.socket) -> None:
     try:
-        # The base class's method: that of a TLS socket drops the state that another thread is reading.
+        # Call the base class's method: a TLS socket's method drops state that another thread is reading.
         socket.socket.shutdown(waited_on, socket.SHUT_RDWR)
     except OSError:
         return  # already closed
@@ -375,7 +375,7 @@ class Watch:
             yield exchange
         finally:
             with self._lock:
-                # From now on the socket may serve another request.
+                # After this, the socket may serve another request.
                 self._running.discard(exchange)
                 left = [] if self._running else self._when_idle
                 self._when_idle = self._when_idle if self._running else []
@@ -384,7 +384,7 @@ class Watch:
                 call()
 
     def when_idle(self, call: Callable[[], None]) -> None:
-        """Call a function once no request is under way: now, or in the thread whose request ends last."""
+        """Call a function when no request is running: now, or in the thread whose request ends last."""
         with self._lock:
             if self._running:
                 self._when_idle.append(call)
@@ -392,7 +392,7 @@ class Watch:
         call()
 
     def close(self) -> None:
-        """Abandon all requests, under way and to come."""
+        """Abandon all requests, running and future."""
         with self._lock:
             self._closed = True
             for exchange in self._running:
@@ -410,7 +410,7 @@ class Watch:
                 exchange.attach(waits_on)
 
     def run(self, connect: Callable[[], None], drop: Callable[[], None]) -> None:
-        """Run ``connect`` (name, TCP, TLS), which cannot be interrupted, on a thread that can be abandoned.
+        """Run ``connect`` (DNS, TCP, TLS), which cannot be interrupted, in a thread that can be abandoned.
 
         Raises
         ------

@@ -1,7 +1,7 @@
-"""HTTP as the sources need it: one attempt at one URL gives a whole response or an error, and how responses are read.
+"""HTTP for sources: a single attempt at a URL, which returns a whole response or raises; interpretation of headers.
 
-Retries, redirects, rate limits and the meaning of a status are in `client`, so that another HTTP library (QGIS's
-network stack) has only `Transport` to implement; `requests_transport` is the one over requests.
+Retries, redirects, rate limits and the meaning of a status are in `client`, so that another HTTP library, such as
+QGIS's network stack, needs to implement `Transport` only. `requests_transport` implements it with requests.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...limits import MAX_HEADER_CHARACTERS, MAX_HEADERS
 from ...resources import version
 from ...text.plain import one_line, whole_number
 
-#: Lifetime of an answer that states none, seconds: a week, the least that the tile usage policy of OpenStreetMap asks.
+#: Lifetime of an answer that states none, seconds: a week, the minimum that OpenStreetMap's tile usage policy requires.
 HEURISTIC_LIFETIME_S = 7 * 86400
 #: Longest lifetime, seconds (RFC 9111, 1.2.2).
 LONGEST_LIFETIME_S = 2**31
@@ -26,7 +26,7 @@ _DIRECTIVE = re.compile(r"([\w!#$%&'*+.^`|~-]+)(?:\s*=\s*(\"(?:[^\"\\]|\\.)*\"|[
 
 
 class Response(NamedTuple):
-    """An answer, whole. Names of headers are in lower case."""
+    """A complete answer, with header names in lower case."""
 
     status: int
     headers: Mapping[str, str]
@@ -34,7 +34,7 @@ class Response(NamedTuple):
 
 
 class TransportError(TerrAInavError):
-    """An attempt without an answer. Its text contains no URL, as URLs may hold keys.
+    """An attempt failed without a usable answer. The message contains no URL, as URLs may hold keys.
 
     Parameters
     ----------
@@ -67,14 +67,14 @@ class Transport(Protocol):
     """One attempt at one URL; safe to call from several threads at once."""
 
     def get(self, url: str, headers: Mapping[str, str] | None = None, *, origin: str = "") -> Response:
-        """Return an answer of any status, redirects too; its body complete by Content-Length, and unpacked.
+        """Return the answer, of any status, redirects included; the body is complete by Content-Length and unpacked.
 
         Parameters
         ----------
         url : str
         headers : mapping or None
         origin : str
-            First URL of a chain of redirects: a transport sends its credentials to that server only.
+            First URL of a chain of redirects; a transport sends its credentials to the server of this URL only.
 
         Raises
         ------
@@ -85,11 +85,11 @@ class Transport(Protocol):
         """
 
     def close(self) -> None:
-        """Close the connections and end the requests under way."""
+        """Close the connections and end running requests."""
 
 
 class Timeouts(NamedTuple):
-    """Seconds to connect, between two pieces of an answer, and for one whole attempt."""
+    """Longest seconds to connect, between two pieces of an answer, and for a whole attempt."""
 
     connect_s: float = 10.0
     read_s: float = 20.0
@@ -107,14 +107,14 @@ def too_many_headers() -> TransportError:
 
 
 def check_length(received_bytes: int, headers: Mapping[str, str]) -> None:
-    """Raise TransportError for a body shorter than its Content-Length; names of headers in lower case."""
+    """Raise TransportError for a body shorter than its Content-Length; header names are in lower case."""
     length = whole_number(headers.get("content-length", ""))
     if length is not None and "transfer-encoding" not in headers and received_bytes < length:
         raise TransportError("an answer cut off after {0} of {1} bytes", received_bytes, length)
 
 
 def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> bytes:
-    """Body without a Content-Encoding, which no request asks for, decompressed up to a limit.
+    """Undo a Content-Encoding, which servers may apply unasked, up to a limit of size.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
     Raises
     ------
     TransportError
-        The body is too long, damaged, or compressed in another way than gzip or deflate.
+        The body is too long, damaged, or compressed by a method other than gzip and deflate.
     """
     coding = headers.get("content-encoding", "").strip().lower()
     if coding in ("", "identity") or not body:
@@ -137,7 +137,7 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
             one_line(coding, 40),
             again=False,
         )
-    # 32: zlib or gzip, by the header. Some servers omit the header of zlib.
+    # 32 detects zlib or gzip by the header; negative bits are for servers that omit the header of zlib.
     for window_bits in (32 + zlib.MAX_WBITS, -zlib.MAX_WBITS):
         unpacking = zlib.decompressobj(window_bits)
         try:
@@ -157,8 +157,8 @@ def user_agent() -> str:
 
 
 def http_date_s(text: str) -> float | None:
-    """Seconds since 1970 of a date of HTTP; None for other text."""
-    # The three forms have 24 to 33 characters.
+    """Parse a date of HTTP to seconds since 1970; None for other text."""
+    # Each of the three forms has 24 to 33 characters.
     if len(text) > 64:
         return None
     try:
@@ -170,18 +170,18 @@ def http_date_s(text: str) -> float | None:
 
 
 class Freshness(NamedTuple):
-    """How long a stored answer is fresh, and how it is confirmed afterwards (RFC 9111, for a private cache).
+    """Lifetime of a stored answer, and validators to confirm it afterwards (RFC 9111, for a private cache).
 
     Parameters
     ----------
     expires_s : int
         Seconds since 1970.
     lifetime_s : int
-        Applies again after a confirmation (304) that states none.
+        Lifetime, which starts again after a confirmation (304) that states none.
     stale_allowed : bool
         Whether the answer may be used after it expires while the provider is out of reach.
     etag, last_modified : str
-        Validators as received; empty without.
+        Validators as received; empty if missing.
     """
 
     expires_s: int
@@ -200,7 +200,7 @@ class Freshness(NamedTuple):
         return {name: value for name, value in headers.items() if value}
 
     def renewed(self, headers: Mapping[str, str], now_s: float) -> Freshness | None:
-        """Freshness after a 304 with ``headers``; None where the answer may no longer be stored."""
+        """Freshness after a 304 with ``headers``; None if the answer may no longer be stored."""
         new = freshness(headers, now_s, self.lifetime_s)
         if new is None:
             return None
@@ -213,9 +213,9 @@ class Freshness(NamedTuple):
 
 
 def freshness(headers: Mapping[str, str], now_s: float, otherwise_s: float = HEURISTIC_LIFETIME_S) -> Freshness | None:
-    """Freshness of an answer that has just arrived; None where it must not be stored.
+    """Freshness of an answer that has just arrived; None if the answer must not be stored.
 
-    Requests for tiles differ in their URLs only, so any Vary except ``*`` is met.
+    Requests for tiles differ in URL only, so Vary has no effect unless it is ``*``.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def freshness(headers: Mapping[str, str], now_s: float, otherwise_s: float = HEU
     now_s : float
         Seconds since 1970.
     otherwise_s : float
-        Lifetime where the headers state none.
+        Lifetime if the headers state none.
     """
     directives = cache_control(headers.get("cache-control", ""))
     if "no-store" in directives or "*" in headers.get("vary", ""):
@@ -240,7 +240,7 @@ def freshness(headers: Mapping[str, str], now_s: float, otherwise_s: float = HEU
 
 
 def cache_control(text: str) -> dict[str, str]:
-    """Directives of a Cache-Control header and their values; of repeated ones, the smallest number."""
+    """Directives of a Cache-Control header and their values; of repeated directives, the smallest number."""
     found: dict[str, str] = {}
     for name, value in _DIRECTIVE.findall(text[:MAX_HEADER_CHARACTERS]):
         plain = value.strip('"')
@@ -270,9 +270,9 @@ def _lifetime_s(headers: Mapping[str, str], directives: Mapping[str, str], now_s
 
 
 def _age_s(headers: Mapping[str, str], now_s: float) -> float:
-    """Age of an answer on arrival, by caches on the way or by its Date (RFC 9111, 4.2.3).
+    """Age of an answer on arrival, by its Age and Date headers (RFC 9111, 4.2.3).
 
-    The duration of the request is ignored: it takes seconds, and tiles live for hours.
+    The duration of the request is ignored, as requests take seconds and tiles are fresh for hours.
     """
     stated_s = float(whole_number(headers.get("age", "")) or 0)
     sent_s = http_date_s(headers.get("date", ""))

@@ -1,4 +1,4 @@
-"""The choice of the bands of a picture, and which of its pixels have imagery."""
+"""Choice of the bands of a picture, and the mask of its pixels with imagery."""
 
 from __future__ import annotations
 
@@ -30,28 +30,28 @@ _NAME_CHARACTERS, _VALUE_CHARACTERS, _MOST_ITEMS = 100, 1000, 100
 
 @dataclass(frozen=True)
 class Colours:
-    """Conversion of a raster's values to those of a source.
+    """Conversion of a raster's values to the pixels of a source.
 
     Parameters
     ----------
     bands : tuple of int
-        Bands to read, from 1: one for each channel, or one for all of them (greys, a palette).
+        Bands to read, from 1: one for each channel, or a single band for all channels (greys, a palette).
     nodata : tuple of (float or None)
-        Of each band. A pixel has no data only where all bands have none: 0 is a valid red of water.
+        Nodata value of each band. A pixel has no data only if all bands have none, as 0 is a valid red of water.
     kind : Bands
         Bands of the result.
     alpha : int or None
-        The band declared as alpha; a fourth band alone is not one.
+        The band declared as alpha; a fourth band is not alpha unless declared.
     mask : int or None
         The band whose mask applies.
     table : array (256 or more, 4) of uint8 or None
-        Red, green, blue and alpha of values; None where values are colours.
+        Red, green, blue and alpha of each value; None if values are colours.
     white : int or None
-        Value of black in the first band where 0 is white; None where 0 is black.
+        Value of black in the first band if 0 is white; None if 0 is black.
     over_white : bool
-        Lay translucent pixels of colours over white; otherwise they are kept as stored.
+        Whether to lay translucent colours over white; otherwise pixels are kept as stored.
     stored_type : str
-        Data type for reading; empty for that of ``kind``.
+        Data type for reading; empty for the data type of ``kind``.
     """
 
     bands: tuple[int, ...]
@@ -65,16 +65,16 @@ class Colours:
     stored_type: str = ""
 
     def read(self, file: OpenRaster, box: PixelBox) -> Values:
-        """Read a box, (height, width, bands + 1): the last channel is 1 for imagery; elsewhere all are 0.
+        """Read a box, (height, width, bands + 1); the last channel is 1 for imagery, and other pixels are 0.
 
-        Translucent pixels, whose alpha is not 0, are imagery.
+        Pixels whose alpha is not 0 are imagery.
         """
         wanted = self.bands if self.alpha is None else (*self.bands, self.alpha)
         values = file.read(wanted, box, self.stored_type or self.kind.data_type)
         pixels = values[: len(self.bands)]
-        there = ~self._is_nodata(pixels)
+        has_imagery = ~self._is_nodata(pixels)
         if pixels.dtype.kind == "f":
-            there &= np.isfinite(pixels).all(axis=0)
+            has_imagery &= np.isfinite(pixels).all(axis=0)
         alpha = None if self.alpha is None else values[-1]
         if self.table is not None:
             looked_up = self.table[pixels[0]]
@@ -82,7 +82,7 @@ class Colours:
         elif self.white is not None:
             pixels = np.stack([self._inverted(at, values) for at, values in zip(self.bands, pixels)])
         if self.mask is not None:
-            there &= file.read_mask(self.mask, box) != 0
+            has_imagery &= file.read_mask(self.mask, box) != 0
         count = len(self.kind)
         over = alpha if self.over_white else None
         colours = np.empty((box.height, box.width, count + 1), pixels.dtype)
@@ -90,17 +90,17 @@ class Colours:
             band = pixels[channel % len(pixels)]
             colours[..., channel] = band if over is None else composite_on_white(band, over)
         if alpha is not None:
-            there &= alpha != 0
-        colours[..., count] = there
-        colours[~there] = 0
+            has_imagery &= alpha != 0
+        colours[..., count] = has_imagery
+        colours[~has_imagery] = 0
         return colours
 
     def _inverted(self, band: int, values: Values) -> Values:
         """Values of a band with 0 as black; only the first band may have 0 as white."""
         if band != 1 or self.white is None:
             return values
-        turned: Values = values.dtype.type(self.white) - np.minimum(values, self.white)
-        return turned
+        inverted: Values = values.dtype.type(self.white) - np.minimum(values, self.white)
+        return inverted
 
     def _is_nodata(self, values: Values) -> NDArray[np.bool_]:
         absent = np.full(values.shape[1:], None not in self.nodata)
@@ -120,15 +120,16 @@ def choose_colours(
 ) -> Colours:
     """Choose the bands of the picture.
 
-    The wanted bands. Otherwise, as stored, all except alpha; in 8 bits those declared red, green and blue, or else the
-    palette, the only grey band, or by convention the first three bands except alpha. A palette alone becomes colours.
+    By default these are, as stored, all bands except alpha; in 8 bits, the bands declared red, green and blue, or else
+    the palette, the only grey band, or by convention the first three bands except alpha. A single band with a palette
+    becomes colours.
 
     Parameters
     ----------
     wanted : sequence of str
         Names, or numbers from 1.
     as_stored : bool
-        Any number of bands, in the file's data type; otherwise red, green and blue.
+        Whether to keep any number of bands in the file's data type; otherwise the result is red, green and blue.
     stretched : bool
         Whether values are stretched to 8 bits later.
     title : str
@@ -137,8 +138,8 @@ def choose_colours(
     Raises
     ------
     InvalidInput
-        With the reason only: an unknown band, an unsupported data type, more than 8 bits where 8 are required, or bands
-        that are not a picture.
+        Unknown band, unsupported data type, more than 8 bits without a stretch, or bands that are not a picture. Names
+        the reason, not the file.
     """
     names = band_names(facts.bands)
     stated = {band.colour: 1 + i for i, band in reversed(list(enumerate(facts.bands)))}
@@ -199,7 +200,7 @@ def choose_colours(
 
 
 def _kind(
-    there: Sequence[Band],
+    available: Sequence[Band],
     bands: Sequence[int],
     names: Sequence[str],
     data_type: str,
@@ -208,8 +209,8 @@ def _kind(
     as_stored: bool,
 ) -> Bands:
     """Names, data type and colours of bands, given by their numbers from 1."""
-    # Colours are identified by their order, without names.
-    are_named = len(bands) == 3 and any(there[index - 1].name for index in bands)
+    # Three colours without names are identified by their order.
+    are_named = len(bands) == 3 and any(available[index - 1].name for index in bands)
     if data_type == "uint8" and as_colours and not are_named:
         return RGB
     kept = tuple(names[index - 1] for index in bands)
@@ -220,17 +221,17 @@ def _kind(
 
 def _add_metadata(
     kind: Bands,
-    there: Sequence[Band],
+    available: Sequence[Band],
     bands: Sequence[int],
     nodata: Sequence[float | None],
     white: int | None,
 ) -> Bands:
-    """Bands with their metadata; for 8-bit colours, with the quantity of their values only."""
-    each = [_metadata(there[index - 1], white if index == 1 else None) for index in bands]
+    """Add metadata to bands; for 8-bit colours, only the quantity of values."""
+    each = [_metadata(available[index - 1], white if index == 1 else None) for index in bands]
     if kind.are_colours:
         each = [one.quantity for one in each]
     first = nodata[0] if nodata else None
-    # Infinity and NaN are missing values in any case.
+    # Infinity and NaN count as missing anyway.
     is_one = first is not None and math.isfinite(first) and all(one == first for one in nodata)
     held = first if is_one and not kind.are_colours else None
     if held is not None and white is not None:
@@ -240,13 +241,13 @@ def _add_metadata(
 
 
 def _metadata(band: Band, white: int | None) -> BandMetadata:
-    """Metadata of a band; where ``white`` is given, 0 becomes black instead of white."""
+    """Metadata of a band; if ``white`` is given, for values inverted so that 0 is black."""
     scale, offset = band.scale, band.offset
     if not (math.isfinite(scale) and math.isfinite(offset) and scale):
         scale, offset = 1.0, 0.0
     if white is not None and (scale, offset) != (1.0, 0.0):
         scale, offset = -scale, offset + scale * white
-    # Items that describe all values of the file, or that GDAL states otherwise, are left out.
+    # Leave out items that describe all values of the file, or that GDAL states elsewhere.
     left_out = r"STATISTICS_.*|DISPLAY_RANGE|DESCRIPTION|COLORINTERP|SCALE|OFFSET|UNITTYPE"
     items = tuple(
         (domain, name, " ".join(printable(value[:_VALUE_CHARACTERS]).split()))
@@ -254,13 +255,13 @@ def _metadata(band: Band, white: int | None) -> BandMetadata:
         if re.fullmatch(r"[A-Za-z][\w .:-]{0,99}", name, re.ASCII) and not re.fullmatch(left_out, name, re.IGNORECASE)
     )
     unit = " ".join(printable(band.unit[:_NAME_CHARACTERS]).split())
-    # Images state these by the order of bands, or not at all.
+    # Image files state these colours by the order of bands, or not at all.
     is_unstated = band.colour in {*_NAMELESS, *_OTHER_COLOURS, "red", "green", "blue", "alpha"}
     return BandMetadata(scale, offset, unit, "" if is_unstated else band.colour, items)
 
 
 def _white(band: Band) -> int | None:
-    """Value of black in a band where 0 is white; None where its type has no maximum."""
+    """Value of black in a band in which 0 is white; None unless the type is unsigned."""
     if np.dtype(band.data_type).kind != "u":
         return None
     bits = 8 * np.dtype(band.data_type).itemsize if band.bits is None else band.bits
@@ -268,7 +269,7 @@ def _white(band: Band) -> int | None:
 
 
 def height_colours(facts: Facts) -> Colours:
-    """The first band as heights, of any numeric type; raises InvalidInput for other values."""
+    """Conversion of the first band, of any numeric type, to heights; raises InvalidInput for other values."""
     first = facts.bands[0]
     try:
         is_number = np.dtype(first.data_type).kind in "iuf"
@@ -281,7 +282,7 @@ def height_colours(facts: Facts) -> Colours:
 
 
 def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
-    """Names of a file's bands: their descriptions, otherwise their colours, otherwise their numbers."""
+    """Names of a file's bands: descriptions, otherwise colours, otherwise numbers."""
 
     def name(index: int, band: Band) -> str:
         described = " ".join(printable(band.name[:_NAME_CHARACTERS]).split())
@@ -295,7 +296,7 @@ def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
 
 
 def _is_picture(bands: Sequence[Band], plain: Sequence[int]) -> bool:
-    """Whether bands are just red, green and blue of 8 bits, or values of a palette."""
+    """Whether bands are exactly 8-bit red, green and blue, or a single band with a palette."""
     colours = [bands[index - 1] for index in plain]
     if len(colours) == 1:
         return _table(colours[0], 1) is not None
@@ -325,7 +326,7 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
 
 
 def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
-    """Data type that holds the values of bands, given with their numbers from 1."""
+    """Data type that can hold the values of all bands, which are given with numbers from 1."""
     held = bands[0][1].data_type
     for index, band in bands:
         try:
@@ -343,7 +344,7 @@ def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
 
 
 def _table(band: Band, count: int, *, white_is_zero: bool = False) -> Bytes | None:
-    """Colours of the values of a single band by its palette, or by its depth of fewer than 8 bits."""
+    """Colours of the values of a single band, by its palette or a depth below 8 bits; None for other bands."""
     if band.data_type not in ("uint8", "uint16") or count != 1:
         return None
     table = np.zeros((1 << 8 * np.dtype(band.data_type).itemsize, 4), np.uint8)
@@ -360,7 +361,7 @@ def _table(band: Band, count: int, *, white_is_zero: bool = False) -> Bytes | No
 
 
 def _held(nodata: float | None, data_type: str) -> float | None:
-    """Nodata as a value of a band's data type; None where the type does not hold it."""
+    """Nodata as a value of a data type; None if the type cannot hold it."""
     if nodata is None:
         return None
     if data_type == "float32":

@@ -1,4 +1,4 @@
-"""Where a raster's pixels lie on the Web-Mercator map, exactly."""
+"""Exact position of a raster's pixels on the Web-Mercator map."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..systems import MAP
 from .reading import Facts
 
 TILE_PX = 256
-#: Tolerance of pixels that coincide, px.
+#: Pixels closer than this coincide, px.
 _SAME_PX = 1e-3
 
 
@@ -32,7 +32,7 @@ class RasterGeoreference:
     Raises
     ------
     InvalidInput
-        With the reason only: the raster has no georeference, or none on the map.
+        The raster has no georeference, or lies off the map. Names the reason, not the file.
     """
 
     def __init__(self, facts: Facts) -> None:
@@ -47,14 +47,14 @@ class RasterGeoreference:
         x, x_column, x_row, y, y_column, y_row = facts.geotransform
         self._origin = np.array([x, y])
         self._steps = np.array([[x_column, x_row], [y_column, y_row]])
-        # Absurd steps overflow, and are refused by the checks.
+        # Absurd steps overflow; the checks below refuse them.
         with np.errstate(over="ignore", invalid="ignore"):
-            places = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
-            # Steps of a few units in the last place of the coordinates are lost in rounding.
+            is_valid = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
+            # Refuse steps near the resolution of float64 coordinates, which are lost in rounding.
             finest = 16.0 * np.spacing(np.abs(self._origin).max())
-            places = places and bool((np.abs(self._steps).max(axis=0) > finest).all())
-        if not places:
-            raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
+            is_valid = is_valid and bool((np.abs(self._steps).max(axis=0) > finest).all())
+        if not is_valid:
+            raise InvalidInput("its geotransform {0} is_valid no pixel", facts.geotransform)
         self._width, self._height = facts.sizes[0]
         self._crs = _horizontal(facts.crs_wkt)
         if self._crs.is_geocentric or self._crs.is_engineering:
@@ -74,14 +74,14 @@ class RasterGeoreference:
 
     @property
     def is_warped(self) -> bool:
-        """Whether its CRS differs from the map's."""
+        """Whether the raster's CRS differs from the map's."""
         return self._to_map is not None
 
     def own_plane(self, *, of_degrees: bool = False) -> tuple[ProjectedPlane, int] | None:
-        """Plane and zoom at which its pixels are those of the raster; None where pictures have the pixels of the map.
+        """Plane whose pixels at the returned zoom are the raster's; None if pictures have the pixels of the map.
 
-        They do for rasters that are turned, or in degrees unless ``of_degrees``, and where the pixels coincide with the
-        map's.
+        The result is None for a rotated raster, a raster in degrees unless ``of_degrees``, and a raster whose pixels
+        coincide with the map's.
         """
         across, down = (abs(float(step)) for step in self._steps.diagonal())
         in_degrees = of_degrees and self._crs.is_geographic and self._turn() == 360.0
@@ -95,7 +95,7 @@ class RasterGeoreference:
         plane = ProjectedPlane(named_crs(self._crs), float(x.min()), float(y.max()), across * size, down * size)
         middle = x.mean(), y.mean()
         back = plane.to_crs(*plane.from_crs(*middle))
-        # The centre returns to its place, unless it lies beyond the domain of the projection.
+        # A round trip moves the centre only if it lies beyond the domain of the projection.
         if not np.allclose(back, middle, rtol=1e-9, atol=_SAME_PX * min(across, down)):
             raise InvalidInput("its centre lies beyond what {0} reaches", self._crs.name)
         return plane, zoom
@@ -106,7 +106,7 @@ class RasterGeoreference:
         return ((0.0, 0.0), (right, 0.0), (right, bottom), (0.0, bottom))
 
     def _is_on_tiles(self) -> bool:
-        """Whether its pixels coincide with those of the map at a zoom."""
+        """Whether the raster's pixels coincide with the map's at some zoom."""
         if self._to_map is not None or self._steps[0, 1] or self._steps[1, 0]:
             return False
         across, down = (abs(float(step)) for step in self._steps.diagonal())
@@ -120,17 +120,17 @@ class RasterGeoreference:
 
     @property
     def is_upright(self) -> bool:
-        """Whether its columns and rows are parallel to those of the map."""
+        """Whether the raster's columns and rows are parallel to the map's."""
         return not self.is_warped and not self._steps[0, 1] and not self._steps[1, 0]
 
     def native_zoom(self) -> int:
-        """Highest zoom at which the map's pixels are no smaller than the raster's along any axis, at its centre.
+        """Highest zoom at which, at the raster's centre, the map's pixels are no smaller than the raster's along any axis.
 
-        The next zoom would only enlarge the raster along one axis at least.
+        The next zoom would enlarge the raster along at least one axis.
         """
         column, row = self._width / 2.0, self._height / 2.0
         x, y = self._on_map(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
-        # A centre off the map is not finite.
+        # The position of a centre off the map is not finite.
         with np.errstate(invalid="ignore"):
             steps = np.array([x[1:] - x[0], y[1:] - y[0]])
             steps[0] -= np.rint(steps[0] / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
@@ -144,7 +144,7 @@ class RasterGeoreference:
         return fitting_zoom(finest / (2.0 * HALF_WORLD_M), 1.0)
 
     def extent(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners of the raster as world fractions; None where they do not give its outline (`extent_of_outline`)."""
+        """Corners of the raster as world fractions; None if they do not give its outline (`extent_of_outline`)."""
         width, height = float(self._width), float(self._height)
         return extent_of_outline(
             *self._on_map(
@@ -159,15 +159,15 @@ class RasterGeoreference:
         Returns
         -------
         column_px, row_px : array (height_px + 2, width_px + 2) of float64
-            From the outer corner of the raster's first pixel; not finite beyond the domain of the raster's CRS.
-            Of shapes (1, width_px + 2) and (height_px + 2, 1) where the raster is upright.
+            Measured from the outer corner of the raster's first pixel; not finite beyond the domain of the raster's
+            CRS. The shapes are (1, width_px + 2) and (height_px + 2, 1) if the raster is upright.
         """
         across, down = grid.pixel_size(window.zoom)
         x = grid.plane.west + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * across
         y = grid.plane.north - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * down
         to_map, period, upright = self._to_map, self._period, self.is_upright
         if not grid.plane.wraps:
-            # Its own plane differs from its pixels by steps and origin alone.
+            # The raster's own plane differs from its pixels in steps and origin only.
             to_map, period, upright = None, None, True
         if upright:
             x, y = x[np.newaxis, :], y[:, np.newaxis]
@@ -200,21 +200,21 @@ class RasterGeoreference:
         return x, y
 
     def _turn(self) -> float | None:
-        """Circumference of the Earth in the unit of a geographic CRS; None for other systems."""
+        """Full turn of longitude in the unit of a geographic CRS; None for other systems."""
         if not self._crs.is_geographic:
             return None
         return 2.0 * math.pi / float(self._crs.axis_info[0].unit_conversion_factor)
 
     def _is_on_the_map_grid(self) -> bool:
-        # 1/1000 px at zoom 23, and a thousand times the noise of a transformation to degrees and back.
+        # About 1/1000 px at zoom 23, and a thousand times the noise of a transformation to degrees and back.
         tolerance_m = 1e-5
         columns, rows = np.meshgrid(np.linspace(0.0, self._width, 5), np.linspace(0.0, self._height, 5))
         x, y = self._coordinates(columns, rows)
         map_x, map_y = self._on_map(columns, rows)
         with np.errstate(invalid="ignore"):
-            apart = map_x - x
-            apart = apart - np.rint(apart / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
-            return bool((np.abs(apart) <= tolerance_m).all() and (np.abs(map_y - y) <= tolerance_m).all())
+            difference = map_x - x
+            difference = difference - np.rint(difference / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
+            return bool((np.abs(difference) <= tolerance_m).all() and (np.abs(map_y - y) <= tolerance_m).all())
 
 
 def named_crs(crs: CRS) -> str:
