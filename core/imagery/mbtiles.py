@@ -173,7 +173,7 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
     except OSError as wrong:
         raise InvalidInput("MBTiles {0}: cannot be read ({1})", file, wrong.strerror) from wrong
     if not exists:
-        raise InvalidInput("MBTiles {0}: is not exists", file)
+        raise InvalidInput("MBTiles {0}: is not there", file)
     connection, limit = None, _TimeLimit()
     try:
         connection = _opened(file, limit)

@@ -101,7 +101,7 @@ class Policy:
 
     @property
     def most_sharers(self) -> int | None:
-        """Most simultaneous runs that each get at least one connection and one request per second; None if unlimited."""
+        """Most simultaneous runs with one connection and one request per second for each; None if unlimited."""
         limits = [self.max_connections, self.requests_per_s and max(math.floor(self.requests_per_s), 1)]
         known = [int(one) for one in limits if one]
         return min(known, default=None)

@@ -1,4 +1,4 @@
-"""The protocol of a source of imagery: windows of its pixel grid, the parts that fill them, their pixels."""
+"""Protocol of a source of imagery; windows of the pixel grid, and the parts of which a window consists."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .policy import Policy
 
 
 class Window(NamedTuple):
-    """A rectangle of a source's global pixel grid at a zoom; hashable, so that equal ones are fetched once.
+    """A rectangle of a source's global pixel grid at a zoom; hashable, so that equal windows are fetched once.
 
-    Left and top are px from the upper left corner of the grid's plane (of the map, 180° W and 85.0511° N); they are
-    whole numbers except for sources addressed by centre.
+    Left and top are in px from the upper left corner of the grid's plane (on the map, 180° W and 85.0511° N). They are
+    whole numbers, except for sources that are requested by centre.
     """
 
     zoom: int
@@ -27,10 +27,10 @@ class Window(NamedTuple):
 
 
 class Part(NamedTuple):
-    """One request of a picture.
+    """One request for a picture.
 
-    ``window`` is to be fetched, its left within the world; ``dx_px, dy_px`` is the place of its upper left pixel in the
-    picture (negative where it begins before the picture).
+    ``window`` is the area to fetch, with its left edge within the world; ``dx_px, dy_px`` is the position of its upper
+    left pixel in the picture (negative if left of or above the picture).
     """
 
     window: Window
@@ -55,7 +55,7 @@ class Source(Protocol):
 
     @property
     def map_types(self) -> tuple[str, ...]:
-        """Available map types; empty where there is a single kind of picture."""
+        """Available map types; empty if there is a single kind of picture."""
 
     @property
     def grid(self) -> PixelGrid:
@@ -67,15 +67,15 @@ class Source(Protocol):
 
     @property
     def date(self) -> str:
-        """Date of the imagery as the source writes it, YYYY-MM-DD or YYYY; empty where unknown."""
+        """Date of the imagery as the source writes it, YYYY-MM-DD or YYYY; empty if unknown."""
 
     def parts(self, window: Window) -> list[Part]:
         """Return the parts that together fill ``window`` exactly."""
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:
-        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a source with `bands`, those.
+        """Pixels of one part, (height_px, width_px, 3) uint8 red, green and blue, or the source's `bands` if it has any.
 
-        A further channel, where present, is 0 at pixels without imagery and nonzero elsewhere (255 for uint8).
+        A further channel, if present, is 0 for pixels without imagery and nonzero for others (255 for uint8).
 
         Raises
         ------
@@ -86,11 +86,11 @@ class Source(Protocol):
         """
 
     def close(self) -> None:
-        """Release its resources; requests under way end at once and raise Cancelled."""
+        """Release all resources; running requests end at once and raise Cancelled."""
 
 
 class Walled(Protocol):
-    """A source of imagery and heights that also has the colours of walls, which no map shows."""
+    """A source of imagery and heights that also has colours of walls, which maps do not show."""
 
     def walls(
         self, map_type: str, lat_deg: Floats, lon_deg: Floats, east: Floats, north: Floats
@@ -100,16 +100,16 @@ class Walled(Protocol):
         Parameters
         ----------
         lat_deg, lon_deg : array (n,)
-            Positions on the roofs, directly above the walls.
+            Positions on roofs, directly above the walls.
         east, north : array (n,)
-            Unit vector away from the wall.
+            Components of the unit vector that points away from the wall.
         """
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
-    """Tiles of ``grid`` that fill a window of whole numbers, by rows; on the map, columns wrap around the world.
+    """Tiles of ``grid`` that fill a window with whole-number edges, row by row; on the map, columns wrap around.
 
-    The part of a tile begins at ``x * tile_px, y * tile_px`` of its wrapped column x and row y.
+    The part of a tile in (wrapped) column x and row y begins at ``x * tile_px, y * tile_px``.
     """
     size = grid.tile_px
     left, top = int(window.left_px), int(window.top_px)
@@ -125,7 +125,7 @@ def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
 
 
 def composite_on_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Colours over white by their alpha, 0 to 255; the shapes broadcast."""
+    """Lay colours over white by their alpha, 0 to 255; the shapes are broadcast."""
     if bool((alpha == 255).all()):
         return colour
     whole = alpha.astype(np.uint16)

@@ -1,7 +1,7 @@
-"""Google Static Maps: pictures requested by their centre.
+"""Google Static Maps: pictures requested by centre.
 
-The service keeps six decimals of the centre. The grid states so, and the windows of a plan have centres of six
-decimals. A picture is georeferenced by its window, that is by the centre as it was sent.
+The service keeps six decimals of a centre. The grid states this, so the windows of a plan have centres of six decimals,
+and a picture is georeferenced by the centre exactly as sent.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from .tiles import check_zoom
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 #: Longest side of a picture, before ``scale``.
 MAX_SIZE_PX = 640
-#: Decimals of a degree that the service keeps of a centre (0.1 m).
+#: Decimals of a centre in degrees that the service keeps (0.1 m).
 CENTRE_DECIMALS = 6
-#: Header of a picture of status 200 that is not the requested one.
+#: Header of answers of status 200 with a picture other than the requested one.
 PLACEHOLDER = Placeholder(header=(("x-staticmap-api-warning", "*"),))
 
 
@@ -50,7 +50,7 @@ class StaticMapSource:
     secret : str or None
         URL signing secret, URL-safe base64 as the Cloud console shows it; None to send requests unsigned.
     scale : int
-        1, or 2 for twice the pixels of the same ground.
+        1, or 2 for twice the width and height in pixels on the same ground.
     name, title, attribution : str
     policy : Policy
     placeholder : Placeholder
@@ -114,7 +114,7 @@ class StaticMapSource:
         return f"StaticMapSource({self.title!r}, {self.grid})"
 
     def parts(self, window: Window) -> list[Part]:
-        """Return the window itself, its left within the world: one request gives the whole picture."""
+        """Return the window as one part, with its left edge within the world: one request gives the whole picture."""
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
@@ -124,7 +124,7 @@ class StaticMapSource:
         Raises
         ------
         InvalidInput
-            The centre of ``part`` has too many decimals, or it is too large.
+            The centre of ``part`` has too many decimals, or ``part`` is too large.
         PartError, SourceError, Cancelled
             As for `XYZSource.fetch`.
         """
@@ -138,14 +138,15 @@ class StaticMapSource:
         return pixels
 
     def centre(self, part: Window) -> tuple[str, str]:
-        """Latitude and longitude of a window's centre as sent, with six decimals.
+        """Latitude and longitude of a window's centre, as texts with six decimals, as sent.
 
         Raises
         ------
         InvalidInput
             The window's centre has more decimals.
         """
-        # Noise of float64 pixels is a thousandth of the last decimal; a window of another plan is off by up to half.
+        # The noise of float64 pixels is a thousandth of the last decimal; windows planned with another grid deviate by
+        # up to half a decimal.
         tolerance_deg = 1e-9
         windows = Windows(*(np.array([value]) for value in part[1:]))
         texts = []
@@ -165,7 +166,7 @@ class StaticMapSource:
         return texts[0], texts[1]
 
     def close(self) -> None:
-        """End what is under way (it raises `Cancelled`) and free the connections."""
+        """End running requests, which raise `Cancelled`, and free the connections."""
         self._client.close()
 
     def _request(self, map_type: str, part: Window, lat_deg: str, lon_deg: str) -> str:
@@ -205,7 +206,7 @@ class StaticMapSource:
 
 
 def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: SourceOptions) -> StaticMapSource:
-    """Open the source that an entry describes, with a key."""
+    """Open the source described by an entry, with a key."""
     return StaticMapSource(
         key or "",
         options.secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
@@ -222,16 +223,16 @@ def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: Sour
 
 
 def sign(url: str, secret: str) -> str:
-    """URL with Google's signature of its path and query.
+    """Append Google's signature of path and query to a URL.
 
     Source: Google Maps Platform, Digital Signature Guide: HMAC-SHA1, URL-safe base64.
 
     Parameters
     ----------
     url : str
-        Already percent-encoded.
+        Percent-encoded URL.
     secret : str
-        URL-safe base64.
+        Signing secret in URL-safe base64.
     """
     parts = urlsplit(url)
     signed = f"{parts.path}?{parts.query}".encode("ascii")

@@ -1,4 +1,4 @@
-"""Coordinate reference systems of services: their names in documents, axis order, area of use."""
+"""Coordinate reference systems of services: names in documents, axis order, area of use."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from ..geodesy.planes import ProjectedPlane
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: West, south, east and north of a box in degrees; the east may lie below the west across the antimeridian.
+#: West, south, east and north of a box in degrees; east is less than west if the box crosses the antimeridian.
 Bounds = tuple[float, float, float, float]
 #: CRS of the Web-Mercator map.
 MAP = WebMercator.crs
-#: Codes of Web Mercator, best first.
+#: Codes of Web Mercator, preferred first.
 MERCATOR_CODES = (MAP, "EPSG:900913", "EPSG:102100", "EPSG:102113", "EPSG:3785")
 #: West, south, east and north of the whole Earth.
 WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
-#: Systems kept in memory: documents list hundreds.
+#: Systems kept in memory, as documents list hundreds.
 _CACHED = 1024
 
 
 def epsg_code(name: str) -> str:
-    """``EPSG:code`` of a system named as in documents; any code of Web Mercator as `MAP`, other text unchanged.
+    """Convert a system's name in a document to ``EPSG:code``; `MAP` for Web Mercator, other text unchanged.
 
-    Forms are ``EPSG:2056``, ``urn:ogc:def:crs:EPSG::2056`` and ``…/def/crs/EPSG/0/2056``.
+    Accepted forms are ``EPSG:2056``, ``urn:ogc:def:crs:EPSG::2056`` and ``…/def/crs/EPSG/0/2056``.
     """
     name = name.strip()
     if re.search(r"(^|[:/])(3857|900913|102100|102113|3785)$", name):
@@ -48,11 +48,11 @@ def is_usable(code: str) -> bool:
 
 @lru_cache(maxsize=_CACHED)
 def northing_first(code: str) -> bool:
-    """Whether the axis order of a usable system is northing, easting, as PROJ has it, also for polar systems."""
+    """Whether the axis order of a usable system, by PROJ, is northing, easting; this holds for polar systems, too."""
     from pyproj import CRS, Transformer
 
     west, south, _, north = area_deg(code)
-    # A place whose northing differs from its easting.
+    # A place off the middle, where northing and easting differ.
     lat, lon = (south + north) / 2.0 + 0.5, west + 0.7
     crs = CRS.from_user_input(code)
     by_axes = Transformer.from_crs("EPSG:4326", crs).transform(lat, lon)
@@ -66,7 +66,7 @@ def unit_m(code: str) -> float:
 
 
 def area_deg(code: str) -> Bounds:
-    """West, south, east and north of a usable system's area of use; the world where none is stated."""
+    """West, south, east and north of a usable system's area of use; the world if none is stated."""
     area = getattr(_system(code), "area_of_use", None)
     return WORLD_DEG if area is None else (area.west, area.south, area.east, area.north)
 
@@ -74,7 +74,7 @@ def area_deg(code: str) -> Bounds:
 def likeness(code: str, bounds_deg: Bounds) -> float:
     """Intersection over union of a usable system's area of use and a box."""
     west, south, east, north = _unrolled(*bounds_deg)
-    # A margin, degrees, as a single place has no area.
+    # Margin in degrees, as a box of a single place has no area.
     margin = 1e-3
     one = west - margin, south - margin, east + margin, north + margin
     other = _unrolled(*area_deg(code))
@@ -86,27 +86,27 @@ def likeness(code: str, bounds_deg: Bounds) -> float:
 
 
 def best_system(codes: Iterable[str], *boxes_deg: Bounds) -> str:
-    """Return the system most similar to the first box; ties go by the next box, then to the first system."""
+    """Return the system whose area of use is most similar to the first box; in a tie, to the next box."""
     return max(codes, key=lambda code: [likeness(code, box) for box in boxes_deg])
 
 
 def project_box(
     plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float] | None:
-    """West, north, east and south of a box in degrees, as fractions of a plane; None where it lies beyond."""
+    """Convert a box in degrees to west, north, east and south as fractions of a plane; None if outside its domain."""
     west, south, east, north = _unrolled(*bounds_deg)
-    # A point every 3.75 degrees around a pole.
+    # 97 longitudes are a point every 3.75 degrees around a pole.
     lon, lat = np.meshgrid(np.linspace(west, east, 97), np.linspace(south, north, 25))
     u, v = plane.forward(lat, np.mod(lon + 180.0, 360.0) - 180.0)
-    there = np.isfinite(u) & np.isfinite(v)
-    if not there.any():
+    finite = np.isfinite(u) & np.isfinite(v)
+    if not finite.any():
         return None
-    u, v = u[there], v[there]
+    u, v = u[finite], v[finite]
     return float(u.min()), float(v.min()), float(u.max()), float(v.max())
 
 
 def read_plane(stated: Mapping[str, Any]) -> ProjectedPlane:
-    """Plane of an entry of the catalogue.
+    """Read the plane in an entry of the catalogue.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def read_plane(stated: Mapping[str, Any]) -> ProjectedPlane:
 
 
 def refused(wanted: str, title: str, offered: Iterable[str]) -> InvalidInput:
-    """Error for a system that a source lacks; it lists up to twelve that are available."""
+    """Error for a system that a source lacks; lists up to twelve available systems."""
     available = list(dict.fromkeys(offered))
     names: str = ", ".join(available[:12]) or Message("none")
     if len(available) > 12:
@@ -133,14 +133,14 @@ def refused(wanted: str, title: str, offered: Iterable[str]) -> InvalidInput:
 
 
 def _short(crs: str) -> str:
-    """Code of a system, or the name in its WKT; up to 80 characters."""
+    """Code of a system, or the name in its WKT, cut to 80 characters."""
     named = re.search(r'\["([^"]{1,80})', crs)
     return named.group(1) if named else crs[:80]
 
 
 @lru_cache(maxsize=1)
 def _projected() -> frozenset[str]:
-    """Numbers of the projected systems of EPSG, with the deprecated ones."""
+    """Numbers of EPSG's projected systems, including deprecated ones."""
     from pyproj.database import get_codes
     from pyproj.enums import PJType
 
@@ -149,11 +149,11 @@ def _projected() -> frozenset[str]:
 
 @lru_cache(maxsize=_CACHED)
 def _system(code: str) -> CRS | None:
-    """System of a code; None where it cannot be used."""
+    """System of a code; None if it cannot be used."""
     from pyproj import CRS
     from pyproj.exceptions import ProjError
 
-    # PROJ takes tens of milliseconds for an unknown system, and documents list hundreds of them.
+    # PROJ takes tens of milliseconds for an unknown code, and documents list hundreds of unknown codes.
     if code.startswith("EPSG:") and code[5:].lstrip("0") not in _projected():
         return None
     try:
@@ -161,7 +161,7 @@ def _system(code: str) -> CRS | None:
     except ProjError:
         return None
     directions = {axis.direction.lower() for axis in crs.axis_info}
-    # East and north, or away from a pole.
+    # Axes must point east and north or, around a pole, both in one direction.
     usable = directions in ({"east", "north"}, {"north"}, {"south"})
     return crs if crs.is_projected and len(crs.axis_info) == 2 and usable else None
 
@@ -171,5 +171,5 @@ def _unrolled(west: float, south: float, east: float, north: float) -> tuple[flo
 
 
 def _height(south_deg: float, north_deg: float) -> float:
-    """Area of a sphere between latitudes, in an arbitrary unit."""
+    """Difference of the sines of latitudes, proportional to the area between them."""
     return math.sin(math.radians(north_deg)) - math.sin(math.radians(south_deg))

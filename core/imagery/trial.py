@@ -1,4 +1,4 @@
-"""Fetch one tile of a source, to try whether it answers and to show its imagery."""
+"""Fetch one tile of a source, to find whether the source answers and to show its imagery."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class Trial:
     tile : Tile
     pixels : array (tile_px, tile_px, 3)
     format : str
-        Of its file, such as PNG; empty where unknown.
+        Format of the file, such as PNG; empty if unknown.
     file_bytes : int
     seconds : float
-        From the request to the pixels.
+        Time from the request to the decoded pixels.
     min_zoom, native_zoom : int
     attribution : str
     """
@@ -47,15 +47,15 @@ class Trial:
 def try_tile(
     named: NamedSource, lat_deg: float | None = None, lon_deg: float | None = None, zoom: int | None = None
 ) -> Trial:
-    """Fetch one tile of a source: at a place if it has imagery there, otherwise in the middle of its imagery.
+    """Fetch one tile of a source, at a place within the extent of the imagery, otherwise in the middle of the extent.
 
     Parameters
     ----------
     named : NamedSource
-        A source of tiles; it is opened and closed.
+        A source of tiles, which is opened and closed.
     lat_deg, lon_deg : float or None
     zoom : int or None
-        Limited to those of the source; None for 16, which shows houses.
+        Limited to the zooms of the source; None for 16, which shows houses.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def try_tile(
 
 
 def _trial_tile(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, zoom: int) -> Tile:
-    """Tile at a place if the source has imagery there, otherwise in the middle of its imagery."""
+    """Tile at a place if that lies within the grid's extent, otherwise in the middle of the extent."""
     corners = np.array(grid.extent if grid.extent is not None else ((0.0, 0.0), (1.0, 1.0)))
     west, north = corners.min(axis=0)
     east, south = corners.max(axis=0)
@@ -97,11 +97,11 @@ def _trial_tile(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, z
     if lat_deg is not None and lon_deg is not None:
         at_u, at_v = (float(one) for one in grid.plane.forward(np.array(lat_deg), np.array(lon_deg)))
         inside = np.isfinite(at_u) and np.isfinite(at_v) and north <= at_v <= south
-        # On the map, an extent across the antimeridian continues beyond 1.
+        # On the map, an extent that crosses the antimeridian continues beyond 1.
         turns = (0.0, 1.0, -1.0) if grid.plane.wraps else (0.0,)
-        there = next((at_u + turn for turn in turns if west <= at_u + turn <= east), None)
-        if inside and there is not None:
-            u, v = there, at_v
+        within_u = next((at_u + turn for turn in turns if west <= at_u + turn <= east), None)
+        if inside and within_u is not None:
+            u, v = within_u, at_v
     count = 1 << zoom
     column, row = (
         min(max(int(np.floor(one * count)), 0), count - 1) for one in (u % 1.0 if grid.plane.wraps else u, v)

@@ -28,13 +28,13 @@ from .tiles import Template, Tile, tile_address, url_host
 
 
 class XYZSource:
-    """Tiles of 256 or 512 px (or any multiple of 256) by URL template; PNG, JPEG, WebP or GIF.
+    """Tiles by URL template, of 256 px or a multiple, as PNG, JPEG, WebP or GIF.
 
     Parameters
     ----------
     templates : str, Template, or mapping of map type to either
     name, title, attribution : str
-        Name defaults to the template, title to its host.
+        By default, the name is the template, and the title its host.
     grid : PixelGrid
         Tile size and zooms.
     key : str or None
@@ -44,21 +44,21 @@ class XYZSource:
     placeholder : Placeholder
     policy : Policy
     client : Client or None
-        None for a new one over ``transport``.
+        None to create a client that uses ``transport``.
     transport : Transport or None
-        None for `RequestsTransport`.
+        None to create a `RequestsTransport`.
     connections : int
-        Requests under way at once, where the policy allows them.
+        Most simultaneous requests; the policy may allow fewer.
     cache : TileCache or None
         Keeps tiles for later runs, if the policy allows it; None to keep none.
     limits : tuple
-        Available tiles, as `CatalogueEntry.tile_limits`.
+        Available tiles; see `CatalogueEntry.tile_limits`.
     alpha : bool
-        Return the alpha channel of the tiles, to be laid over something else.
+        Whether to return the alpha channel of tiles, which are then laid over other pixels.
     encoded : bool
-        Colours encode numbers, such as heights: as ``alpha``, and never resized.
+        Whether colours encode numbers such as heights: tiles have alpha and are never resized.
     any_size : bool
-        As `CatalogueEntry.any_size`.
+        See `CatalogueEntry.any_size`.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class XYZSource:
         Parameters
         ----------
         map_type : str
-            One of ``map_types``; anything where that is empty.
+            One of ``map_types``; any text if there are none.
         part : Window
             A tile of ``grid``.
 
@@ -174,7 +174,7 @@ class XYZSource:
             store.close()
 
     def _tile(self, tile: Tile, url: str, store: NoStore) -> tuple[bytes, PixelValues]:
-        """File and pixels of a tile: stored ones while they are fresh, else the server's, which may confirm them."""
+        """Return file and pixels of a tile: stored if fresh or confirmed by the server, otherwise the server's."""
         kept = store.find(tile)
         stored = None if kept is None else self._stored_pixels(tile, kept, store)
         if kept is None or stored is None:
@@ -202,7 +202,7 @@ class XYZSource:
         return kept.body, stored
 
     def _stored_pixels(self, tile: Tile, kept: Kept, store: NoStore) -> PixelValues | None:
-        """Pixels of a stored tile; one without imagery is removed."""
+        """Pixels of a stored tile; None if it has no imagery, and the tile is removed."""
         try:
             return self._read(Response(HTTPStatus.OK, {}, kept.body))
         except PartError:
@@ -210,7 +210,7 @@ class XYZSource:
             return None
 
     def _read_change(self, response: Response) -> PixelValues | None:
-        """Pixels of an answer; None where it confirms the stored tile (304)."""
+        """Pixels of an answer; None if it confirms the stored tile (304)."""
         return None if response.status == HTTPStatus.NOT_MODIFIED else self._read(response)
 
     def _read(self, response: Response) -> PixelValues:
@@ -226,7 +226,7 @@ class XYZSource:
             ) from wrong
 
     def _store(self, map_type: str) -> NoStore:
-        """Stored tiles of a map type."""
+        """Store of the tiles of a map type."""
         # A source without map types has the same tiles for every map type.
         kept_as = map_type if self.map_types else ""
         with self._lock:
@@ -241,11 +241,11 @@ class XYZSource:
         template, plane = self._template(map_type), self.grid.plane
         key, title = template.text, self.title
         if not plane.wraps:
-            # In another plane, the same numbers name another tile.
+            # In another plane, the same numbers address another tile, so the plane is part of the key.
             key, title = f"{key}\n{astuple(plane)}", f"{title} ({plane.crs})"
         return self._cache.store(
             key,
-            # The path of a template may hold secrets.
+            # Do not write the template, whose path may hold secrets.
             source=template.host if "{" in self.name else self.name,
             title=title,
             attribution=self.attribution,
@@ -270,14 +270,14 @@ class XYZSource:
         return self._key
 
     def _count(self, counted: set[str], url: str) -> None:
-        """Check a request against the limit of the provider it goes to, whatever template or redirect led there.
+        """Count a request, and check it against the limit of the provider that receives it, also after a redirect.
 
         Parameters
         ----------
         counted : set of str
-            Providers that were asked for the same tile before: further attempts and redirects do not count.
+            Providers already requested for this tile, so that further attempts and redirects do not count.
         url : str
-            As it is sent.
+            URL of the request.
         """
         title, policy = self._host_terms(url_host(url))
         if policy.bulk_allowed != "no" or title in counted:
@@ -288,10 +288,10 @@ class XYZSource:
             policy.check(title, self._fetched[title])
 
     def _host_terms(self, host: str) -> tuple[str, Policy]:
-        """Provider at a host, and its terms: the source's, unless the host's provider forbids bulk downloads."""
+        """Return title and terms for a host: the source's, unless the host's provider forbids bulk downloads."""
         found = self._terms.get(host)
         if found is None:
-            # A template has a few hosts; redirects may lead to any number.
+            # A template has a few hosts, but redirects may lead to any number of hosts.
             if len(self._terms) >= 64:
                 self._terms.clear()
             provider = serving(host)
@@ -304,7 +304,7 @@ class XYZSource:
 
 
 def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: SourceOptions) -> XYZSource:
-    """Open the source that an entry describes, for a date and with a key."""
+    """Open the source described by an entry, for a date and with a key."""
     return XYZSource(
         entry.templates(date),
         name=entry.name,

@@ -25,16 +25,16 @@ def default_folder() -> Path:
     if os.environ.get(FOLDER_ENV):
         return Path(os.environ[FOLDER_ENV])
     if sys.platform == "win32":
-        above = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
+        parent_folder = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
     elif sys.platform == "darwin":
-        above = Path.home() / "Library" / "Application Support"
+        parent_folder = Path.home() / "Library" / "Application Support"
     else:
-        above = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
-    return above / "terrainav"
+        parent_folder = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+    return parent_folder / "terrainav"
 
 
 def config_file(name: str, folder: str | os.PathLike[str] | None = None) -> Path:
-    """Path of a configuration file; ``folder`` None means `default_folder`."""
+    """Path of a configuration file in ``folder``, by default `default_folder`."""
     return (default_folder() if folder is None else Path(folder)) / name
 
 
@@ -50,7 +50,7 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
     Raises
     ------
     InvalidInput
-        The file cannot be read or is not a JSON object; names it.
+        The file cannot be read or is not a JSON object; the message names the file.
     """
     try:
         data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
@@ -71,14 +71,14 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Shelf(Generic[Entry]):
-    """The user's valid entries of a kind, and the errors of the others by name."""
+    """The user's valid entries of a kind, and the errors of invalid entries by name."""
 
     entries: tuple[Entry, ...]
     problems: Mapping[str, str]
 
 
 def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> Shelf[Entry]:
-    """Read entries of a JSON file as `read_named` does; an invalid one does not hide the others.
+    """Read entries of a JSON file as `read_named` does; collect errors of invalid entries.
 
     Parameters
     ----------
@@ -86,12 +86,12 @@ def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> She
     what : str
         Plural noun for the entries, for messages.
     entry : callable
-        Makes an entry from its name and data, or raises InvalidInput.
+        Creates an entry from its name and data, or raises InvalidInput.
 
     Raises
     ------
     InvalidInput
-        The file cannot be read; names it.
+        The file cannot be read; the message names the file.
     """
     entries: list[Entry] = []
     problems: dict[str, str] = {}
@@ -104,7 +104,7 @@ def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> She
 
 
 def write_named(path: Path, data: Mapping[str, Any]) -> None:
-    """Write entries by name atomically; makes the folder.
+    """Write entries by name atomically; the folder is created if necessary.
 
     Raises
     ------

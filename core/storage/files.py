@@ -1,4 +1,4 @@
-"""Files and folders: written atomically, read within limits, locked by one run at a time."""
+"""Files and folders: atomic writing, reading within limits, locks for one run at a time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PARTIAL_ENDING = ".part"
 if sys.platform == "win32":
     import msvcrt
 
-    #: Windows prevents other processes from reading locked bytes, so lock one beyond the end of any file.
+    #: Windows prevents other processes from reading locked bytes, so lock a byte beyond the end of any file.
     _LOCKED_BYTE = 1 << 30
 
     def _lock(file: int) -> None:
@@ -42,27 +42,27 @@ else:
     import fcntl
 
     def _lock(file: int) -> None:
-        # Not lockf, whose locks do not exclude two captures in one process.
+        # Do not use lockf, whose locks do not exclude two captures in one process.
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def _unlock(file: int) -> None:
-        # Explicitly, as forked processes may have the file open too.
+        # Unlock explicitly, as forked processes may have the file open, too.
         with contextlib.suppress(OSError):
             fcntl.flock(file, fcntl.LOCK_UN)
 
 
 def file_exists(path: str | os.PathLike[str]) -> bool:
-    """Whether a file exists; False for invalid names, where `Path.is_file` raises."""
+    """Whether a file exists; False for invalid names, for which `Path.is_file` raises."""
     return os.path.isfile(path)  # noqa: PTH113
 
 
 def make_folder(folder: str | os.PathLike[str]) -> None:
-    """Make a folder and its parents, if they do not exist.
+    """Create a folder and its parents if they do not exist.
 
     Raises
     ------
     OutputError
-        It cannot be made, or a file is in its place.
+        The folder cannot be created, or a file is in its place.
     """
     if is_address(folder):
         # Object stores have no folders, only names with slashes.
@@ -78,7 +78,7 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
 
 
 def new_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder on this machine; raises OutputError if that fails or it is not empty."""
+    """Create a folder on this machine; raises OutputError if that fails or the folder is not empty."""
     if is_address(folder):
         raise OutputError("folder {0}: must be one of this machine", folder)
     path = Path(folder)
@@ -89,14 +89,14 @@ def new_folder(folder: str | os.PathLike[str]) -> Path:
 
 
 def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
-    """Open one of our files in a folder that may hold foreign files.
+    """Open a file that TerrAInav writes, in a folder that may hold foreign files.
 
-    A link is refused, as it would lead to another file, and so is a pipe, as it may never end.
+    Links are refused, as they would lead to other files, and pipes, as they may never end.
 
     Raises
     ------
     OSError
-        It is not a regular file, or cannot be opened.
+        The file is not regular, or cannot be opened.
     """
     file: IO[bytes] = open(path, mode, buffering, opener=_open_own)  # noqa: SIM115 (Path.open has no opener)
     return file
@@ -110,14 +110,14 @@ def open_foreign(path: str | os.PathLike[str], most_bytes: int | None = None, bu
     Parameters
     ----------
     most_bytes : int or None
-        Size limit; None for a file of which only a small part is read.
+        Limit of size; None for a file of which only a small part is read.
 
     Raises
     ------
     InvalidInput
-        It is larger; a few words.
+        The file is larger; the message has a few words, without the name.
     OSError
-        It is not a regular file, or cannot be opened.
+        The file is not regular, or cannot be opened.
     OutputError
         The store fails.
     """
@@ -139,7 +139,7 @@ def read_line(file: IO[bytes]) -> bytes:
 
 
 def too_long_line() -> InvalidInput:
-    """Make the error for a line that is too long, in a few words."""
+    """Error for a line that is too long, in a few words."""
     return InvalidInput("a line is longer than {0} kB", MAX_LINE_BYTES >> 10)
 
 
@@ -148,7 +148,7 @@ def text_lines(file: IO[bytes], encoding: str) -> Iterator[str]:
     decode = codecs.getincrementaldecoder(encoding)().decode
     while line := read_line(file):
         text = decode(line)
-        # A carriage return alone ends a line as well.
+        # A single carriage return also ends a line.
         yield from io.StringIO(text, newline="") if "\r" in text else (text,)
     decode(b"", True)
 
@@ -165,7 +165,7 @@ def _open_own(path: str, flags: int) -> int:
 
 
 def _open_regular(path: str, flags: int) -> int:
-    # Windows lacks these flags, and lets only administrators make links.
+    # Windows lacks O_NONBLOCK and O_NOFOLLOW, but lets only administrators create links.
     descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
@@ -180,14 +180,14 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user
     ----------
     path : path
     most_bytes : int
-        Size limit.
+        Limit of size.
     named_by_user : bool
-        Whether it may be a pipe or a device: users who name one, such as ``/dev/stdin``, know that it may block.
+        Whether to accept pipes and devices: users who name one, such as ``/dev/stdin``, know that it may block.
 
     Raises
     ------
     InvalidInput
-        It is larger; a few words, for a message that names the file.
+        The file is larger; the message has a few words, without the name.
     OSError
         The file cannot be read.
     OutputError
@@ -205,7 +205,7 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user
         data = file.read(size + 1)
         if len(data) <= size:
             return data
-        # A pipe, whose size is 0, or a file that grows.
+        # The file is a pipe, whose size is 0, or it is growing.
         more = bytearray(data)
         while block := file.read(1 << 20):
             more += block
@@ -220,7 +220,7 @@ def read_existing(path: str | os.PathLike[str], most_bytes: int) -> bytes | None
     Raises
     ------
     InvalidInput, OutputError
-        It is larger, or cannot be read; names it.
+        The file is larger, or cannot be read; the message names it.
     """
     try:
         return read_limited(path, most_bytes)
@@ -243,22 +243,22 @@ def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
 
 
 def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False) -> None:
-    """Write a file atomically: under a temporary name, then renamed.
+    """Write a file atomically: write under a temporary name, then rename.
 
-    Concurrent calls must not write the same path. Object stores replace objects atomically themselves.
+    Concurrent calls must not write the same path. Object stores replace objects atomically.
 
     Parameters
     ----------
     path : path
     data : bytes or iterable of bytes
-        Large files as an iterable of blocks, so that they need not fit into memory.
+        Pass large files as an iterable of blocks, so that they need not fit into memory.
     durable : bool
         Whether to wait until the data is on the disk, so that it survives a power failure.
 
     Raises
     ------
     OutputError
-        It cannot be written; an earlier file is left unchanged.
+        The file cannot be written; an earlier file is unchanged.
     """
     if is_address(path):
         put(store_path(path), data if isinstance(data, bytes) else b"".join(data))
@@ -282,12 +282,12 @@ def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, 
 
 
 def write_new(path: str | os.PathLike[str], data: bytes) -> bool:
-    """Write a file or object unless it exists; of several concurrent writers, one succeeds.
+    """Write a file or object unless it exists; of several concurrent writers, only one succeeds.
 
     Returns
     -------
     bool
-        Whether it was written.
+        Whether the file was written.
 
     Raises
     ------
@@ -327,9 +327,9 @@ def csv_bytes(rows: Iterable[Sequence[object]]) -> bytes:
 
 
 def link_or_copy(origin: Path, target: Path) -> None:
-    """Hard-link an image to another name, whose folder is made; nothing is overwritten.
+    """Hard-link an image to another name; create the folder, but overwrite nothing.
 
-    File systems without hard links, such as FAT and some network drives, get a copy.
+    On file systems without hard links, such as FAT and some network drives, the image is copied.
 
     Raises
     ------
@@ -351,9 +351,9 @@ def link_or_copy(origin: Path, target: Path) -> None:
 
 @contextlib.contextmanager
 def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
-    """Yield a temporary name beside a file; rename it to the file at the end, or remove it after an exception.
+    """Yield a temporary path beside a target; rename it to the target at the end, or remove it after an exception.
 
-    A file or link of that name, left over from a killed run, is removed first.
+    A file or link of the temporary name, left over from a killed run, is removed first.
 
     Raises
     ------
@@ -390,7 +390,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def open_locked(path: Path) -> IO[bytes]:
-    """Open a file for appending and lock it for this run; it is created if it does not exist.
+    """Open a file for appending, creating it if necessary, and lock it for this run.
 
     Returns
     -------
@@ -438,6 +438,6 @@ def _try_lock(file: IO[bytes]) -> bool:
     try:
         _lock(file.fileno())
     except OSError as wrong:
-        # Any other error means that the file system has no locks (some network drives); a capture goes on without.
+        # Any other error means that the file system, such as some network drives, has no locks: go on without one.
         return wrong.errno not in (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
     return True

@@ -54,7 +54,7 @@ class RasterGeoreference:
             finest = 16.0 * np.spacing(np.abs(self._origin).max())
             is_valid = is_valid and bool((np.abs(self._steps).max(axis=0) > finest).all())
         if not is_valid:
-            raise InvalidInput("its geotransform {0} is_valid no pixel", facts.geotransform)
+            raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
         self._width, self._height = facts.sizes[0]
         self._crs = _horizontal(facts.crs_wkt)
         if self._crs.is_geocentric or self._crs.is_engineering:
@@ -124,7 +124,7 @@ class RasterGeoreference:
         return not self.is_warped and not self._steps[0, 1] and not self._steps[1, 0]
 
     def native_zoom(self) -> int:
-        """Highest zoom at which, at the raster's centre, the map's pixels are no smaller than the raster's along any axis.
+        """Highest zoom at which the map's pixels at the raster's centre are no smaller than the raster's, on both axes.
 
         The next zoom would enlarge the raster along at least one axis.
         """

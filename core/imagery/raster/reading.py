@@ -1,4 +1,4 @@
-"""Rasters opened by GDAL's bindings or by rasterio: facts, and pixels as they are stored."""
+"""Facts and stored pixels of rasters, read by GDAL's bindings or rasterio."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ from .virtual import OPTIONS, ROW_BYTES, VirtualFile, raw_bytes_vrt
 
 Values = NDArray[Any]
 
-#: GDAL's option for errors in place of grey where a JPEG is cut off.
+#: GDAL's option to raise an error if a JPEG is cut off, instead of filling with grey.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
-#: GDAL's option for its block cache, and megabytes: a strip of blocks across a raster of 20,000 px. The default, 5 % of
-#: the machine's memory, is no faster.
+#: GDAL's option for the size of the block cache, and megabytes: enough for a strip of blocks across a raster of 20,000
+#: px. The default, 5 % of the machine's memory, is no faster.
 _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
-#: GDAL's options by name, for one raster.
+#: GDAL's options for one raster, by name.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
-#: Domains of GDAL's metadata that describe bands: the default, and the one of wavelengths.
+#: Domains of GDAL's metadata that describe bands: the default, and IMAGERY with wavelengths.
 _DOMAINS = ("", "IMAGERY")
-#: Item and domain of GDAL's metadata for greys where 0 is white.
+#: Item and domain of GDAL's metadata for grey bands in which 0 is white.
 _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
-#: Item and domain of GDAL's metadata for the interleaving of bands, and its value for bands interleaved by pixel.
+#: Item and domain of GDAL's metadata for the interleaving of bands, and the value for interleaving by pixel.
 _INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
-#: Formats that GDAL decodes as a whole, although it reports blocks.
+#: Formats that GDAL decodes as a whole, although it reports smaller blocks.
 _WHOLE = frozenset(["WEBP", "JPEGXL"])
 
 
 class PixelBox(NamedTuple):
-    """A rectangle of a raster's pixels, counted from its left and top."""
+    """A rectangle of pixels, counted from the raster's left and top."""
 
     left: int
     top: int
@@ -66,17 +66,17 @@ class Band:
     nodata : float or None
         Value of pixels without data.
     bits : int or None
-        Used bits of a value, where fewer than the type has.
+        Used bits of a value; None if all bits of the type are used.
     palette : tuple of (red, green, blue, alpha)
         Colours of the values from 0 on; empty without a palette.
     masked : bool
-        The file has a mask for it, beside nodata and alpha.
+        Whether the file has a mask for the band other than nodata and alpha.
     name : str
         Description; empty without one.
     unit : str
         Unit of the values; empty without one.
     scale, offset : float
-        The quantity in that unit is value * scale + offset.
+        The quantity in ``unit`` is value * scale + offset.
     items : tuple of (domain, name, value)
         Metadata in the domains of `_DOMAINS`.
     """
@@ -102,19 +102,19 @@ class Facts:
     ----------
     bands : tuple of Band
     sizes : tuple of (width, height)
-        In px: of the raster, then of its overviews from fine to coarse.
+        Sizes in px of the raster, then of its overviews from fine to coarse.
     crs_wkt : str
         Empty without one.
     geotransform : tuple of 6 float or None
-        In GDAL's order: x of the upper left corner, its steps per column and row, then those of y; None without one.
+        In GDAL's order: x of the upper left corner, x steps per column and row, then the same for y; None without one.
     tags : mapping of str to str
         Metadata of the whole file.
     by_points : bool
-        Georeferenced by ground control points only.
+        Whether only ground control points georeference the raster.
     parts : tuple of str
-        Names of the rasters in a file of several.
+        Names of the rasters in a file that contains several.
     white_is_zero : bool
-        In the first band, 0 is white (TIFF's PhotometricInterpretation 0).
+        Whether 0 is white in the first band (TIFF's PhotometricInterpretation 0).
     """
 
     bands: tuple[Band, ...]
@@ -128,7 +128,7 @@ class Facts:
 
 
 class ReadError(Exception):
-    """A library's error of opening or reading, in one line; callers add the file."""
+    """A library cannot open or read a file. The message is one line; callers add the file."""
 
     def __init__(self, words: object) -> None:
         is_message = isinstance(words, Message)
@@ -139,35 +139,35 @@ class OpenRaster(Protocol):
     """An open raster, or an open overview of one; for one thread at a time."""
 
     def facts(self) -> Facts:
-        """Read the description of the file, from the raster, not from an overview."""
+        """Read the description of the file; call this for the raster only, not for an overview."""
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Read stored values, (len(bands), height, width), into a data type that holds them.
 
-        Bands count from 1. Raises ReadError.
+        Bands are counted from 1. Raises ReadError.
         """
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
-        """Read the mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
+        """Read the mask of a band, (height, width), with 0 for no data. Raises ReadError."""
 
     def close(self) -> None:
-        """Close it."""
+        """Close the file."""
 
 
-#: Opens the raster of a path (level 0) or an overview (from 1 on), in one of the formats ``drivers``; raises ReadError.
+#: Opens a path's raster (level 0) or overview (level 1 and up) with one of the formats ``drivers``; raises ReadError.
 Opener = Callable[..., OpenRaster]
 
 
 def opener() -> Opener:
-    """Return the class that opens raster files, over rasterio or GDAL's bindings.
+    """Return the class that opens raster files, with rasterio or GDAL's bindings.
 
-    Where QGIS or GDAL's bindings are loaded, rasterio is not used: its wheels contain another GDAL, and two in one
+    If QGIS or GDAL's bindings are loaded, rasterio is not used: its wheels contain another GDAL, and two GDALs in one
     process may crash QGIS.
 
     Raises
     ------
     InvalidInput
-        Neither is installed.
+        Neither library is installed.
     """
     loaded = {"qgis", "osgeo"} & sys.modules.keys()
     if not loaded and importlib.util.find_spec("rasterio"):
@@ -178,9 +178,9 @@ def opener() -> Opener:
 
 
 def _checked(kind: Opener, path: str, drivers: Sequence[str], options: Options) -> tuple[Sequence[str], Options]:
-    """Formats and options to open a raster with; one in GDAL's virtual file systems is checked first.
+    """Return formats and options to open a raster; check a file in GDAL's virtual file systems first.
 
-    GDAL caches the files of servers, so it opens the same bytes that were checked.
+    GDAL caches files of servers, so it later opens the same bytes that were checked.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _checked(kind: Opener, path: str, drivers: Sequence[str], options: Options) 
     """
     if not path.startswith(VIRTUAL):
         return drivers, options
-    # Do not open files beside the raster, which cannot be checked there.
+    # Keep GDAL from opening files beside the raster, which cannot be checked.
     options = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", **options}
     raw = kind(raw_bytes_vrt(path), 0, ("VRT",), {**OPTIONS, **options})
     file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], PixelBox(0, row, ROW_BYTES, 1)).tobytes()))
@@ -201,11 +201,11 @@ def _checked(kind: Opener, path: str, drivers: Sequence[str], options: Options) 
         raw.close()
 
 
-def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
+def filled(values: Values, is_known: NDArray[np.bool_], reach_px: int) -> Values:
     """Fill missing values (h, w) of float32 with GDAL's FillNodata.
 
-    A missing value becomes the mean of the nearest value in each of the four quadrants within reach, weighted by the
-    inverse distance; without any, it stays unchanged.
+    A missing value becomes the mean, weighted by inverse distance, of the nearest values within reach in the four
+    quadrants around it; it stays unchanged if none is within reach.
 
     Raises
     ------
@@ -213,56 +213,56 @@ def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
         As `opener` does.
     ReadError
     """
-    return NativeCall(partial(_filled, values, there, reach_px)).result()
+    return NativeCall(partial(_filled, values, is_known, reach_px)).result()
 
 
-def _filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
+def _filled(values: Values, is_known: NDArray[np.bool_], reach_px: int) -> Values:
     height, width = values.shape
     if opener() is RasterioFile:
         from rasterio.fill import fillnodata
 
         with _raised_errors(NO_OPTIONS):
-            return np.asarray(fillnodata(values.copy(), there, reach_px, 0), np.float32)
+            return np.asarray(fillnodata(values.copy(), is_known, reach_px, 0), np.float32)
     from osgeo import gdal
 
-    with _collected_errors(NO_OPTIONS) as said:
+    with _collected_errors(NO_OPTIONS) as messages:
         memory = gdal.GetDriverByName("MEM")
         target = memory.Create("", width, height, 1, gdal.GDT_Float32)
         mask = memory.Create("", width, height, 1, gdal.GDT_Byte)
         target.WriteRaster(0, 0, width, height, np.ascontiguousarray(values, np.float32).tobytes())
-        mask.WriteRaster(0, 0, width, height, there.astype(np.uint8).tobytes())
-        # Otherwise temporary files may lie in the current folder.
+        mask.WriteRaster(0, 0, width, height, is_known.astype(np.uint8).tobytes())
+        # By default, temporary files may lie in the current folder.
         options = ["TEMP_FILE_DRIVER=MEM"]
         gdal.FillNodata(target.GetRasterBand(1), mask.GetRasterBand(1), reach_px, 0, options)
-        made = target.ReadRaster(0, 0, width, height)
-    return _array(made, said, (height, width), "float32")
+        result = target.ReadRaster(0, 0, width, height)
+    return _array(result, messages, (height, width), "float32")
 
 
 @contextmanager
 def _collected_errors(options: Options) -> Iterator[list[str]]:
     """Collect GDAL's errors in this thread instead of printing them, and convert exceptions to ReadError.
 
-    Whether the bindings raise depends on the process (QGIS, another plugin), so both cases are handled. A JPEG that is
-    cut off is an error, where GDAL would only warn and fill it with grey.
+    Whether the bindings raise depends on settings of the process (QGIS, another plugin), so both cases are handled.
+    A JPEG that is cut off is an error; by default, GDAL would only warn and fill with grey.
     """
     from osgeo import gdal
 
     # Older bindings cannot set options of a thread, and options of the process must stay unchanged.
     wanted = {STRICT_JPEG: "YES", **options} if hasattr(gdal, "SetThreadLocalConfigOption") else {}
     before = {name: gdal.GetThreadLocalConfigOption(name) for name in wanted}
-    said: list[str] = []
+    messages: list[str] = []
 
-    def hear(severity: int, _number: int, words: str) -> None:
+    def collect(severity: int, _number: int, words: str) -> None:
         if severity >= gdal.CE_Failure:
-            said.append(words)
+            messages.append(words)
 
-    gdal.PushErrorHandler(hear)
+    gdal.PushErrorHandler(collect)
     for name, value in wanted.items():
         gdal.SetThreadLocalConfigOption(name, value)
     try:
-        yield said
+        yield messages
     except RuntimeError as wrong:
-        raise ReadError(said[0] if said else wrong) from wrong
+        raise ReadError(messages[0] if messages else wrong) from wrong
     finally:
         for name, value in before.items():
             gdal.SetThreadLocalConfigOption(name, value)
@@ -279,10 +279,10 @@ class GdalFile:
         self._gdal: Any = gdal
         self._options = options
         overview = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
-        with _collected_errors(options) as said:
+        with _collected_errors(options) as messages:
             self._dataset = gdal.OpenEx(path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=overview)
         if self._dataset is None:
-            raise ReadError(said[0] if said else Message("no format that GDAL knows"))
+            raise ReadError(messages[0] if messages else Message("no format that GDAL knows"))
 
     def facts(self) -> Facts:
         """Read the description of the file."""
@@ -315,9 +315,9 @@ class GdalFile:
     def _check_block(self, band: Any) -> None:
         dataset, value_bytes = self._dataset, self._gdal.GetDataTypeSize(band.DataType) / 8
         is_whole = dataset.GetDriver().ShortName in _WHOLE
-        of_all = is_whole or dataset.GetMetadataItem(*_INTERLEAVE) == _BY_PIXEL
+        for_all_bands = is_whole or dataset.GetMetadataItem(*_INTERLEAVE) == _BY_PIXEL
         width, height = (band.XSize, band.YSize) if is_whole else band.GetBlockSize()
-        check_block(width, height, value_bytes * (dataset.RasterCount if of_all else 1))
+        check_block(width, height, value_bytes * (dataset.RasterCount if for_all_bands else 1))
 
     def _band(self, band: Any) -> Band:
         gdal = self._gdal
@@ -344,25 +344,25 @@ class GdalFile:
         gdal = self._gdal
         kinds = {"uint16": gdal.GDT_UInt16, "int16": gdal.GDT_Int16, "float32": gdal.GDT_Float32}
         kind = kinds.get(data_type, gdal.GDT_Byte)
-        with _collected_errors(self._options) as said:
+        with _collected_errors(self._options) as messages:
             values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
-        return _array(values, said, (len(bands), box.height, box.width), data_type)
+        return _array(values, messages, (len(bands), box.height, box.width), data_type)
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Read the mask of a band."""
-        with _collected_errors(self._options) as said:
+        with _collected_errors(self._options) as messages:
             mask = self._dataset.GetRasterBand(band).GetMaskBand()
             values = mask.ReadRaster(*box, buf_type=self._gdal.GDT_Byte)
-        return _array(values, said, (box.height, box.width))
+        return _array(values, messages, (box.height, box.width))
 
     def close(self) -> None:
-        """Close it."""
+        """Close the file."""
         self._dataset = None
 
 
-def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_type: str = "uint8") -> Values:
-    if said or values is None:
-        raise ReadError(said[0] if said else Message("no values"))
+def _array(values: bytes | None, messages: list[str], shape: tuple[int, ...], data_type: str = "uint8") -> Values:
+    if messages or values is None:
+        raise ReadError(messages[0] if messages else Message("no values"))
     return np.frombuffer(values, data_type).reshape(shape)
 
 
@@ -375,12 +375,12 @@ def _raised_errors(options: Options) -> Iterator[None]:
     from rasterio.session import DummySession
 
     try:
-        # With keys of S3 in the environment, rasterio would set up a session of boto3 each time, which takes as long as
-        # several tiles. GDAL finds the keys in the environment.
+        # If S3 keys are in the environment, rasterio would create a boto3 session each time, which takes as long as
+        # several tiles. A DummySession avoids this, and GDAL finds the keys itself.
         with rasterio.Env(DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
     except (RasterioError, CRSError, CPLE_BaseError, OSError) as wrong:
-        # The first error of GDAL is the cause of rasterio's.
+        # GDAL's first error is at the end of the chain of causes of rasterio's error.
         root: BaseException = wrong
         while root.__cause__ is not None:
             root = root.__cause__
@@ -390,7 +390,7 @@ def _raised_errors(options: Options) -> Iterator[None]:
 class RasterioFile:
     """A raster or an overview opened by rasterio."""
 
-    # Filters of warnings belong to the process: two threads must not restore them in the wrong order.
+    # Warning filters are global to the process: two threads must not restore them in the wrong order.
     _opening = threading.Lock()
 
     def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS) -> None:
@@ -400,9 +400,9 @@ class RasterioFile:
         drivers, options = _checked(RasterioFile, path, drivers, options)
         overview = {"overview_level": level - 1} if level else {}
         with _raised_errors(options), self._opening, warnings.catch_warnings():
-            # Reported by the caller.
+            # Callers report rasters without a georeference.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            # As rasterio.open, which takes a single driver.
+            # This does the work of rasterio.open, which accepts only one driver.
             self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **overview)
         self._path, self._drivers, self._options = path, drivers, options
 
@@ -415,7 +415,7 @@ class RasterioFile:
             check_counts(dataset.count, len(dataset.overviews(1)) if dataset.count else 0)
             self._check_block()
             given = tuple(dataset.transform.to_gdal())
-            # The identity stands for none.
+            # rasterio returns the identity for rasters without a geotransform.
             geotransform = None if given == (0.0, 1.0, 0.0, 0.0, 0.0, 1.0) else given
             return Facts(
                 bands=tuple(self._bands()),
@@ -423,7 +423,7 @@ class RasterioFile:
                 crs_wkt=dataset.crs.to_wkt(version="WKT2_2019") if dataset.crs else "",
                 geotransform=geotransform,
                 tags=dict(dataset.tags()),
-                # Only if needed: there may be a million, and rasterio makes an object of each.
+                # Read only if needed: is_known may be a million points, and rasterio creates an object for each.
                 by_points=geotransform is None and bool(dataset.gcps[0]),
                 parts=tuple(dataset.subdatasets),
                 white_is_zero=dataset.tags(ns=_WHITE_IS_ZERO[1]).get(_WHITE_IS_ZERO[0]) == "YES",
@@ -449,9 +449,9 @@ class RasterioFile:
             value_bytes = 8
         name, domain = _INTERLEAVE
         is_whole = dataset.driver in _WHOLE
-        of_all = is_whole or dataset.tags(ns=domain).get(name) == _BY_PIXEL
+        for_all_bands = is_whole or dataset.tags(ns=domain).get(name) == _BY_PIXEL
         height, width = (dataset.height, dataset.width) if is_whole else dataset.block_shapes[0]
-        check_block(width, height, value_bytes * (dataset.count if of_all else 1))
+        check_block(width, height, value_bytes * (dataset.count if for_all_bands else 1))
 
     def _bands(self) -> Iterator[Band]:
         from rasterio.enums import MaskFlags
@@ -502,7 +502,7 @@ class RasterioFile:
             return np.asarray(self._dataset.read_masks(band, window=_window(box)), np.uint8)
 
     def close(self) -> None:
-        """Close it."""
+        """Close the file."""
         self._dataset.close()
 
 
@@ -513,7 +513,7 @@ def _window(box: PixelBox) -> Any:
 
 
 class _FileApart:
-    """A raster whose methods run on separate threads (`NativeCall`), which are abandoned when no longer wanted."""
+    """A raster whose methods run in separate threads (`NativeCall`), which are abandoned when no longer wanted."""
 
     def __init__(self, file: OpenRaster, is_wanted: Callable[[], bool]) -> None:
         self._file, self._is_wanted = file, is_wanted
@@ -535,7 +535,7 @@ class _FileApart:
         return mask
 
     def close(self) -> None:
-        """Close it, once the last call has ended."""
+        """Close the file when the last call has ended."""
         if self._last is None:
             self._file.close()
         else:
@@ -559,7 +559,7 @@ class Pool:
     open_file : callable
     path : str
     remote : Remote or None
-        For a raster on another machine; closed with the pool.
+        The raster if on another machine; closed with the pool.
     """
 
     def __init__(self, open_file: Opener, path: str, remote: Remote | None = None) -> None:
@@ -570,12 +570,12 @@ class Pool:
 
     @contextmanager
     def lent(self, level: int) -> Iterator[OpenRaster]:
-        """Lend a handle of the raster (level 0) or an overview; one that failed is closed.
+        """Lend a handle of the raster (level 0) or an overview; the handle is closed if its user raises.
 
         Raises
         ------
         ReadError
-            It cannot be opened.
+            The file cannot be opened.
         Cancelled
             The pool is closed.
         """
@@ -596,7 +596,7 @@ class Pool:
 
     @contextmanager
     def _without_key(self) -> Iterator[None]:
-        """Mask the key of a raster's address in errors of GDAL."""
+        """Mask the key of the raster's address in errors of GDAL."""
         try:
             yield
         except ReadError as wrong:
@@ -632,7 +632,7 @@ class Pool:
             return not self._closed
 
     def close(self) -> None:
-        """Close the handles; those that are lent, when they are returned."""
+        """Close the handles; lent handles are closed on return."""
         with self._lock:
             self._closed = True
             files = [file for free in self._free.values() for file in free]

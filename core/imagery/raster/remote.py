@@ -1,8 +1,8 @@
-"""Rasters on other machines: GDAL reads parts of them over HTTP, as politely as other sources make their requests.
+"""Rasters on other machines: GDAL reads parts of them over HTTP, with the limits that apply to all sources.
 
-GDAL makes the requests, so its options set the user agent, the timeouts and the retries. A first request of one byte,
-by the client of all other sources, reports what GDAL would not: that the server is out of reach, refuses or sends no
-parts of files, and the version of the file. All requests of GDAL are then restricted to this version.
+GDAL makes the requests, so user agent, timeouts and retries are set by GDAL's options. Before, `Client` requests one
+byte, because GDAL does not report whether the server is out of reach, refuses requests or sends whole files only, nor
+the version of the file. GDAL's requests are then restricted to this version.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from .trust import CURL, fill_key
 
 #: Seconds for which a file is assumed unchanged.
 _SAME_FOR_S = 2.0
-#: Most bytes of the answer to a request of one byte.
+#: Most bytes to accept as the answer to a request of one byte.
 _MOST_BYTES = 1 << 16
-#: Distinguishes the addresses of rasters opened in turn, by which GDAL caches parts of files.
+#: Numbers to make the address of each opened raster unique, as GDAL caches parts of files by address.
 _opened = itertools.count(1)
 
 
 class _Version(NamedTuple):
-    """Version of a file: its size, ETag and modification date; empty where the server does not state them."""
+    """Version of a file: size, ETag and modification date, each empty if the server does not state it."""
 
     size: str
     etag: str
@@ -41,9 +41,9 @@ class _Version(NamedTuple):
 
     @property
     def condition(self) -> str:
-        """Header of requests for this version only; empty where the version does not allow it.
+        """Header that restricts a request to this version; empty if there is no suitable ETag.
 
-        It takes a strong ETag, and one without commas, which versions of GDAL treat differently.
+        The ETag must be strong, and have no commas, which versions of GDAL treat differently.
         """
         return f"If-Match: {self.etag}" if re.fullmatch(r'"[!#-+\--\[\]-~]+"', self.etag) else ""
 
@@ -54,17 +54,17 @@ class Remote:
     Parameters
     ----------
     path : str
-        GDAL's name of it, ``/vsi…``.
+        GDAL's name of the file, ``/vsi…``.
     title : str
     transport : Transport or None
-        Left open; None for a new one.
+        Not closed with this object; None to create a transport.
     key : str
         Value of ``{key}`` in the path.
 
     Attributes
     ----------
     path : str
-        Name for GDAL, distinct from those of earlier openings, parts of which GDAL has cached.
+        Name for GDAL, different for each opening, as GDAL caches parts of files by name.
     options : dict of str to str
         GDAL's options for opening and reading the raster.
 
@@ -88,7 +88,7 @@ class Remote:
             "GDAL_HTTP_TIMEOUT": f"{timeouts.whole_s:g}",
             "GDAL_HTTP_MAX_RETRY": str(TRIES - 1),
             "GDAL_HTTP_RETRY_DELAY": f"{FIRST_WAIT_S:g}",
-            # One connection for each open raster, of which there are as many as connections.
+            # Use one connection for each open handle, as the number of handles is limited by that of connections.
             "GDAL_HTTP_MULTIRANGE": "SERIAL",
         }
         self._path_with_key = fill_key(path, key)
@@ -96,7 +96,7 @@ class Remote:
         self._providers = list(find_providers(path))
         self._client: Client | None = None
         self._asking = threading.Lock()
-        # Credentials that GDAL takes from the environment, which the client would lack.
+        # Credentials that GDAL takes from the environment but the client does not.
         credentials = (
             "HEADERS",
             "HEADER_FILE",
@@ -129,35 +129,35 @@ class Remote:
             raise
         self._asked_s = time.monotonic()
         if self._version.condition:
-            # In a list of headers, the quotes of an ETag are escaped by a backslash.
+            # In GDAL's list of headers, a backslash escapes the quotes of an ETag.
             written = self._version.condition.replace('"', r"\"")
             self.options["GDAL_HTTP_HEADERS"] = f'"{written}"'
 
     @property
     def policy(self) -> Policy:
-        """The strictest terms of all providers asked so far, redirects included."""
+        """Strictest terms of all providers requested so far, redirects included."""
         known = strictest(self._providers)
         return Policy() if known is None else known.policy
 
     def leave_out_heads(self) -> bool:
-        """Stop GDAL from requesting the head of the file first; return whether that changes anything.
+        """Stop GDAL from sending HEAD requests first; return whether that changes anything.
 
-        Servers refuse that request where the signature of an address covers GET only.
+        Servers refuse HEAD if the signature in an address is for GET only.
         """
         use_head = "CPL_VSIL_CURL_USE_HEAD"
         if not self._url or use_head in self.options:
             return False
         self.options[use_head] = "NO"
-        # GDAL caches the failure by address.
+        # Use another address, as GDAL caches the failure by address.
         self.path, _ = _address(self._path_with_key)
         return True
 
     def masked(self, text: str) -> str:
-        """Message of GDAL with the given name of the file, and with the key masked."""
+        """Return a message of GDAL with the file name as given by the user, and with the key masked."""
         return self._secrets.masked(text.replace(self.path, self._named))
 
     def check(self, *, anew: bool = False) -> None:
-        """Refuse a file that has changed; the server is asked again after seconds, or with ``anew``.
+        """Refuse a file that has changed; the server is asked at most every two seconds, or now with ``anew``.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class Remote:
             except NotThere as wrong:
                 raise SourceError("{0}: is gone", self._title) from wrong
             except PartError:
-                # Out of reach, which GDAL reports for the part that it reads.
+                # The server is out of reach: GDAL reports this for the part that it reads.
                 return
             self._asked_s = time.monotonic()
         if version != self._version:
@@ -212,25 +212,25 @@ class Remote:
 
 
 class _Lent:
-    """A transport that its owner closes."""
+    """A transport that only its owner closes."""
 
     def __init__(self, transport: Transport) -> None:
         self.get = transport.get
 
     def close(self) -> None:
-        """Leave it open."""
+        """Leave the transport open."""
 
 
 def _address(path: str) -> tuple[str, str]:
-    """Unique name for GDAL, and the URL of the file; empty where unknown."""
+    """Return a unique name of the file for GDAL, and the URL of the file, empty if unknown."""
     number = next(_opened)
-    # The part after # is not sent.
+    # Clients do not send the text after #.
     if found := re.fullmatch(r"(/vsicurl\?(?:.*&)?url=)([^&#]+)(.*)", path, re.IGNORECASE):
         before, url, after = found.groups()
         return f"{before}{url}%23{number}{after}", unquote(url)
     if found := re.fullmatch(r"/vsicurl/(https?://[^#]+)", path, re.IGNORECASE):
         return f"{path}#{number}", found.group(1)
-    # A file in an archive, with or without braces.
+    # A file in an archive, whose address may stand in braces.
     archive = r"(/vsi(?:zip|tar)/)\{?/vsicurl/(https?://[^{}#]+?\.(?:zip|kmz|tar|tgz|tar\.gz))\}?(/.*)"
     if found := re.fullmatch(archive, path, re.IGNORECASE):
         before, url, after = found.groups()
@@ -244,7 +244,7 @@ def _version(answer: Response) -> _Version:
 
 
 def _values(message: object) -> list[object]:
-    """Values of a message, with those of nested messages."""
+    """Values of a message, including the values of nested messages."""
     found = list(getattr(message, "values", ()))
     return found + [inner for value in found for inner in _values(value)]
 

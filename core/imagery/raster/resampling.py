@@ -1,8 +1,8 @@
-"""Resampling of a raster to the map's pixels: each pixel is the mean over the ground that it covers.
+"""Resampling of a raster to the map's pixels, each of which becomes the mean over the ground it covers.
 
-The footprint of a map pixel is a box along the raster's columns and rows, at least one raster pixel wide; its colour is
-the mean over the box, weighted by area. This averages where the map is coarser than the raster, interpolates bilinearly
-where it is not, and copies pixels where the grids coincide.
+The footprint of a map pixel is a box along the raster's columns and rows, at least one raster pixel wide; the pixel's
+colour is the mean over this box, weighted by area. The result is an average if the map is coarser than the raster, a
+bilinear interpolation if not, and a copy if the grids coincide.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from ...arrays import Floats
 from ...bands import fitted, full
 from .reading import Values
 
-#: Sums of blocks of pixels: whole numbers, or float64 where values are floats.
+#: Sums of blocks of pixels: whole numbers, or float64 for values that are floats.
 Sums = NDArray[Any]
 
-#: Most pixels of a raster read for a part of a picture: their sums fit 32 bits.
+#: Most pixels of a raster read for a part of a picture, so that sums of bytes fit 32 bits.
 MOST_PX = 4096 * 4096
 
 
 class PixelFootprints(NamedTuple):
-    """Boxes of a raster: centres and widths in px.
+    """Boxes in a raster, by centres and sizes in px.
 
-    Arrays (h, w), or (1, w) for columns and (h, 1) for rows where these do not depend on each other.
+    Arrays (h, w), or, if columns and rows are independent, (1, w) for columns and (h, 1) for rows.
     """
 
     column_px: Floats
@@ -41,7 +41,7 @@ class PixelFootprints(NamedTuple):
         return self.column_px.shape[0] == 1 and self.row_px.shape[1] == 1
 
     def scaled(self, left: float, top: float, x: float, y: float) -> PixelFootprints:
-        """Footprints in pixels of ``x`` by ``y`` px, counted from ``left, top``."""
+        """Convert to pixels of ``x`` by ``y`` px, counted from ``left, top``."""
         return PixelFootprints(
             (self.column_px - left) / x, (self.row_px - top) / y, self.width_px / x, self.height_px / y
         )
@@ -53,13 +53,13 @@ def pixel_footprints(column_px: Floats, row_px: Floats) -> PixelFootprints:
     Parameters
     ----------
     column_px, row_px : array (h + 2, w + 2), or (1, w + 2) and (h + 2, 1)
-        Positions of pixels' centres, with those of the pixels around.
+        Positions of the centres of the pixels and of a border of one pixel.
 
     Returns
     -------
     PixelFootprints
-        Of the (h, w) pixels. The width is the root of the sum of squares of the column steps across and down a pixel,
-        so that turning a raster does not change it. Not finite where positions are not.
+        Footprints of the (h, w) pixels. The width is the root of the sum of squares of the column steps across and down
+        a pixel, which a rotation of the raster does not change. Values are not finite where positions are not.
     """
     with np.errstate(invalid="ignore"):
         if column_px.shape[0] == 1:
@@ -78,7 +78,7 @@ def pixel_footprints(column_px: Floats, row_px: Floats) -> PixelFootprints:
 
 
 def _step(values: Floats, axis: int) -> Floats:
-    """Step from pixel to pixel: the smaller of both sides, as the other may cross the antimeridian."""
+    """Smaller of the steps to both neighbours, as the other step may cross the antimeridian."""
     steps = np.abs(np.diff(values, axis=axis))
     before, after = (steps[:-1], steps[1:]) if axis == 0 else (steps[:, :-1], steps[:, 1:])
     smaller: Floats = np.fmin(before, after)
@@ -86,7 +86,7 @@ def _step(values: Floats, axis: int) -> Floats:
 
 
 def reduced(colours: Values, x: int, y: int) -> Sums:
-    """Sums over blocks of ``x`` by ``y`` pixels of (h, w, c); blocks at the end may be smaller."""
+    """Sums of values (h, w, c) over blocks of ``x`` by ``y`` pixels; blocks at the ends may be smaller."""
     if x == y == 1:
         return colours
     wide: Any = np.float64 if colours.dtype.kind == "f" else np.int64
@@ -103,7 +103,7 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
     ground : array (h, w, c + 1)
         Sums of the bands' values, and the number of pixels with imagery, for blocks of ``block`` pixels.
     footprints : PixelFootprints
-        In pixels of ``ground``, beyond which there is no imagery.
+        In pixels of ``ground``; there is no imagery beyond ``ground``.
     block : int
     data_type : str
         Type of the result.
@@ -111,7 +111,7 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
     Returns
     -------
     array (height, width, c + 1) of that type
-        The last channel is nonzero where the whole footprint has imagery (255 for uint8); elsewhere all are 0.
+        The last channel is nonzero (255 for uint8) if the whole footprint has imagery; otherwise all channels are 0.
     """
     kind = np.dtype(data_type)
     pixels = _whole_pixels(footprints)
@@ -125,14 +125,14 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
     elif not footprints.are_upright:
         total = _turned_means(ground, footprints)
     elif kind.kind == "f":
-        # Running totals of floats would mix distant values.
+        # Running totals of floats would lose digits to distant values.
         down = _weighted(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
         total = _weighted(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     else:
         down = _running_means(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
         total = _running_means(down.swapaxes(0, 1), footprints.column_px[0], footprints.width_px[0]).swapaxes(0, 1)
     total /= block
-    # The tolerance covers the noise of positions and weights: a fortieth of a grey level.
+    # The tolerance of 1e-4, a fortieth of a grey level, covers the noise of positions and weights.
     whole = total[..., -1] > 1.0 - 1e-4
     picture = fitted(total, kind)
     picture[..., -1] = full(kind)
@@ -141,8 +141,8 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
 
 
 def _whole_pixels(footprints: PixelFootprints) -> tuple[tuple[int, int], tuple[int, int]] | None:
-    """First row and column of the pixels that footprints coincide with, each with its step; None where one does not."""
-    # The noise of positions, px.
+    """First row and first column, each with its step, of pixels equal to the footprints; None if any differs."""
+    # Tolerance for the noise of positions, px.
     same_px = 1e-5
     if not footprints.are_upright:
         return None
@@ -157,7 +157,7 @@ def _whole_pixels(footprints: PixelFootprints) -> tuple[tuple[int, int], tuple[i
         if np.abs(centre - index - 0.5).max() > same_px or np.abs(width - 1.0).max() > same_px:
             return None
         step = int(index[1] - index[0]) if len(index) > 1 else 1
-        # They must be adjacent, in either direction.
+        # Footprints must be adjacent, in either direction.
         if abs(step) != 1 or index[-1] - index[0] != step * (len(index) - 1):
             return None
         found.append((int(index[0]), step))
@@ -169,15 +169,15 @@ def _copied_pixels(
     shape: tuple[int, int],
     first: tuple[tuple[int, int], tuple[int, int]],
 ) -> Sums:
-    """Unchanged pixels from a row and a column on; 0 beyond the ground."""
+    """Copy pixels, starting at a row and a column, each with its step; 0 beyond the ground."""
     picture = np.zeros((*shape, ground.shape[2]), ground.dtype)
-    here, there = zip(*(_common(*one, *sizes) for one, sizes in zip(first, zip(shape, ground.shape))))
-    picture[here] = ground[there]
+    target, origin = zip(*(_common(*one, *sizes) for one, sizes in zip(first, zip(shape, ground.shape))))
+    picture[target] = ground[origin]
     return picture
 
 
 def _common(first: int, step: int, count: int, size: int) -> tuple[slice, slice]:
-    """Of ``count`` indices with a step: those from 0 to below ``size``, and the indices themselves, as slices."""
+    """Slices of positions in a sequence of ``count`` indices, and of these indices, limited to 0 ≤ index < ``size``."""
     low, high = (-first, size - first) if step > 0 else (first - size + 1, first + 1)
     low, high = min(max(low, 0), count), min(max(high, 0), count)
     if low >= high:
@@ -187,7 +187,7 @@ def _common(first: int, step: int, count: int, size: int) -> tuple[slice, slice]
 
 
 def _weighted(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
-    """Means of the first axis over intervals, each from the values within."""
+    """Means along the first axis over intervals, as weighted sums of the values within."""
     index, weights = _taps(centre, width, len(values), np.float64)
     total: Floats = np.zeros((len(centre), *values.shape[1:]))
     for rows, share in zip(index, weights):
@@ -196,7 +196,7 @@ def _weighted(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
 
 
 def _running_means(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
-    """Means of the first axis over intervals, from differences of running totals."""
+    """Means along the first axis over intervals, as differences of running totals."""
     kind: Any = np.float64 if values.dtype == np.float64 else np.int64
     if values.dtype in (np.uint8, np.uint32):
         kind = np.uint32
@@ -217,7 +217,7 @@ def _running_means(values: Sums | Floats, centre: Floats, width: Floats) -> Floa
 
 def _turned_means(ground: Sums, footprints: PixelFootprints) -> Floats:
     height, width, channels = ground.shape
-    # Sums of bytes are exact in float32, and `take` is three times as fast as an index.
+    # float32 is precise enough for sums of bytes; `take` is three times as fast as indexing.
     kind: Any = np.float32 if ground.dtype in (np.uint8, np.uint32) else np.float64
     flat = ground.reshape(-1, channels).astype(kind)
     columns, across = _taps(footprints.column_px, footprints.width_px, width, kind)
@@ -236,7 +236,7 @@ def _taps(centre: Floats, size: Floats, count: int, kind: Any) -> tuple[NDArray[
     reached = np.isfinite(centre) & np.isfinite(size)
     middle = np.where(reached, centre, -2.0 * count).ravel()
     wide = np.where(reached, size, 1.0).ravel()
-    # All footprints beyond the raster are moved just beyond it, with a width of 1, to keep the number of taps small.
+    # To keep the number of taps small, move footprints beyond the raster near to it and set their width to 1.
     beyond = (middle + wide / 2.0 <= 0.0) | (middle - wide / 2.0 >= count)
     middle, wide = np.where(beyond, -2.0, middle), np.where(beyond, 1.0, wide)
     low, high = middle - wide / 2.0, middle + wide / 2.0

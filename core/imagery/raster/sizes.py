@@ -1,6 +1,6 @@
-"""Limits of a raster: bands, overviews, directories of a TIFF, bytes of a block.
+"""Limits of a raster: bands, overviews, bytes of a block, directories of a TIFF.
 
-Directories of a TIFF are checked before GDAL reads them, as a VRT may read any number of TIFFs, and their texts may
+Directories of TIFFs are checked before GDAL reads them, as a VRT may read any number of TIFFs, and texts in TIFFs may
 name other files.
 """
 
@@ -19,15 +19,15 @@ from ...limits import (
     MAX_TIFF_DIRECTORIES,
 )
 
-#: Tags of TIFF.
+#: Tags of TIFF, by number.
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS = 256, 257, 258, 259, 277, 278
 _PLANAR, _TILE_WIDTH, _TILE_HEIGHT, _TIE_POINTS = 284, 322, 323, 33922
-#: Types of whole numbers: of 1, 2, 4 and 8 bytes.
+#: TIFF's types of whole numbers (1, 2, 4 and 8 bytes), with their formats in `struct`.
 _TYPES = {1: "B", 3: "H", 4: "I", 16: "Q"}
 
 
 def check_counts(bands: int, overviews: int) -> None:
-    """Refuse too many bands or overviews; raises InvalidInput with the reason only."""
+    """Refuse too many bands or overviews; the InvalidInput names the reason, not the file."""
     if bands > MAX_RASTER_BANDS:
         raise InvalidInput(
             "has {0:,} bands: must be at most {1:,}",
@@ -45,7 +45,7 @@ def check_counts(bands: int, overviews: int) -> None:
 
 
 def check_block(width: int, height: int, bytes_per_px: float) -> None:
-    """Refuse blocks of too many bytes; raises InvalidInput with the reason only."""
+    """Refuse blocks of too many bytes; the InvalidInput names the reason, not the file."""
     size = width * height * bytes_per_px
     if size > MAX_RASTER_BLOCK_BYTES:
         raise InvalidInput(
@@ -59,7 +59,7 @@ def check_block(width: int, height: int, bytes_per_px: float) -> None:
 
 
 class _Entry(NamedTuple):
-    """An entry of a directory: type and number of its values, the first value, and the values or their offset."""
+    """Entry of a directory: type and number of values, the first value, and the values or their offset."""
 
     kind: int
     length: int
@@ -73,7 +73,7 @@ def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
     Parameters
     ----------
     name : str
-        Of the file.
+        Name of the file, for errors.
     head : bytes
         First bytes of the file; files other than TIFF pass.
 
@@ -86,7 +86,7 @@ def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
 
 
 def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int) -> Iterator[bytes]:
-    """Yield the texts of a tag in the directories of a TIFF; parameters as for `check_directories`.
+    """Yield the texts of a tag in a TIFF's directories; other parameters as for `check_directories`.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int
         entry = entries.get(tag)
         if entry is None:
             continue
-        # Text may have any type of one byte.
+        # Accept all types of one byte.
         if entry.kind not in (1, 2, 6, 7):
             raise InvalidInput("{0} has numbers in place of the text of tag {1}", name, tag)
         if entry.length > most_bytes:
@@ -109,7 +109,7 @@ def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int
 
 def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str, dict[int, _Entry]]]:
     """Yield the byte order and the entries of each readable directory."""
-    # By version: formats of offsets and place of the first, formats of the number of entries and of an entry.
+    # By version (TIFF, BigTIFF): format of offsets, place of the first offset, formats of entry count and of an entry.
     formats = {42: ("I", 4, "H", "HHI4s"), 43: ("Q", 8, "Q", "HHQ8s")}
     order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
     form = formats.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order and len(head) >= 16 else None
@@ -130,12 +130,12 @@ def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str,
         try:
             file.seek(at)
             entries = _entries(file, order, count_kind, entry_kind)
-            behind = file.tell()
+            end = file.tell()
         except (OSError, OverflowError, ValueError, struct.error):
-            # GDAL reports the errors of such a file.
+            # GDAL reports errors of such a file later.
             return
         yield order, entries
-        file.seek(behind)
+        file.seek(end)
         following = file.read(struct.calcsize(offset_kind))
         if len(following) < struct.calcsize(offset_kind):
             return
@@ -143,26 +143,26 @@ def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str,
 
 
 def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> dict[int, _Entry]:
-    """Read the entries of a directory, by their tags, and leave the file after it."""
+    """Read a directory; return the entries by tag, with the file positioned after them."""
     (count,) = struct.unpack(order + count_kind, file.read(struct.calcsize(count_kind)))
-    # libtiff refuses more.
+    # libtiff refuses more entries.
     if count > 4096:
         raise ValueError(count)
     size = struct.calcsize(order + entry_kind)
     content = file.read(count * size)
-    behind = file.tell()
+    end = file.tell()
     wanted = {_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS, _PLANAR, _TILE_WIDTH, _TILE_HEIGHT}
     found: dict[int, _Entry] = {}
     for tag, kind, length, values in struct.iter_unpack(order + entry_kind, content):
         is_read = kind in _TYPES and tag in wanted and tag not in found
         first = _first(file, order, _TYPES[kind], length, values) if is_read else 0
         found.setdefault(tag, _Entry(kind, length, first, values))
-    file.seek(behind)
+    file.seek(end)
     return found
 
 
 def _first(file: IO[bytes], order: str, kind: str, length: int, values: bytes) -> int:
-    """First value of an entry; 0 where it lies beyond the file, which libtiff tolerates for some tags."""
+    """First value of an entry; 0 if it lies beyond the file's end, which libtiff tolerates for some tags."""
     size = struct.calcsize(kind)
     try:
         if size * length > len(values):
@@ -192,7 +192,7 @@ def _check_entries(name: str, entries: dict[int, _Entry]) -> None:
     across, down = value(_TILE_WIDTH, 0), value(_TILE_HEIGHT, 0)
     if not (across and down):
         across, down = width, min(value(_ROWS, height), height)
-        # GDAL reads such large single strips line by line.
+        # GDAL reads a large single strip of this kind line by line.
         if (is_uncompressed or bits <= 8) and down == height > 2000:
             return
     try:

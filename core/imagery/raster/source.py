@@ -37,16 +37,16 @@ from .remote import Remote
 from .resampling import MOST_PX, PixelFootprints, Sums, means, pixel_footprints, reduced
 from .trust import FETCHED, KEY, allowed_drivers, check_virtual, file_of_part, host_of_virtual, name_for_gdal
 
-#: Pixels of an overview from which percentiles are taken, at least and at most.
+#: Least and greatest number of pixels for percentiles; an overview needs the least to be chosen.
 _SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
-#: Parts of a pixel that are not read: the noise of positions, far below the tolerance of `means`.
+#: Slivers of pixels narrower than this are not read, px: noise of positions, far below the tolerance of `means`.
 _SLIVER_PX = 1e-5
 #: Placeholder of the date in a path.
 PLACEHOLDER = "{date}"
 
 
 class RasterFile(FileSource):
-    """A raster file, or a path of several with {date}."""
+    """A raster file, or a path with {date} of several raster files."""
 
     takes_date = True
     has_bands = True
@@ -67,11 +67,11 @@ class RasterFile(FileSource):
 
     @property
     def needs_key(self) -> bool:
-        """Whether its address contains {key}."""
+        """Whether the address contains {key}."""
         return KEY in self.text
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if it is for its host."""
+        """Return the environment's key if the host may receive it."""
         if not self.needs_key:
             return None
         return environment_key([host_of_virtual(self.text)], named_by_user=self.options.named_by_user)
@@ -91,39 +91,40 @@ def open_raster(
 ) -> RasterSource:
     """Open a raster file as a source of imagery.
 
-    A georeferenced picture: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of files beside it
-    (see `trust` for the formats). `RasterSource` describes the resampling.
+    Accepted are georeferenced pictures: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, or a VRT of
+    files in its folder (see `trust` for all formats). `RasterSource` describes the resampling.
 
     Parameters
     ----------
     path : path
-        A path; a path with ``{date}`` in place of the date, in any form; a path in GDAL's virtual file systems,
+        A path, possibly with ``{date}`` in place of a date in any form; a path in GDAL's virtual file systems,
         ``/vsi…``; or the address of a file, ``https://…/x.tif``, which is read in parts.
     date : str
         YYYY-MM-DD, YYYY-MM or YYYY; empty for the date in the file, if any.
     own_pixels : bool
-        Use the raster's pixels in its CRS where possible (see `RasterSource`). Otherwise pictures have the pixels of
-        the Web-Mercator map, aligned with those of other sources.
+        Whether to use the raster's pixels in its CRS if possible (see `RasterSource`). Otherwise pictures have the
+        pixels of the Web-Mercator map, aligned with other sources.
     bands : sequence of str
-        Names of bands, or their numbers from 1, in the wanted order; empty for all (as stored), or those of colours.
+        Bands in the wanted order, by name or by number from 1; empty for all (as stored), or for red, green and blue.
     stretch : str
-        How values become 8 bits: ``none``, ``percentile``, or two numbers, which become 0 and 255.
+        Conversion of values to 8 bits: ``none``, ``percentile``, or two numbers, which become 0 and 255.
     as_stored : bool
-        Return any number of bands, in the file's data type unless stretched; otherwise red, green and blue of 8 bits.
+        Whether to return any number of bands, in the file's data type unless stretched; otherwise red, green and blue
+        of 8 bits.
     heights : bool
-        Return the first band as heights of float32, with the raster's pixels also where they are in degrees.
+        Whether to return the first band as heights in float32; the raster's pixels may then be in degrees, too.
     transport : Transport or None
-        For requests beside GDAL's, left open; None for a new one.
+        Transport for requests not made by GDAL, which is not closed here; None to create a transport.
     key : str
         Value of ``{key}`` in an address.
 
     Raises
     ------
     InvalidInput
-        The file is missing, is not a raster, lacks a georeference, the wanted bands or the 8 bits that are needed, or
-        describes data elsewhere; no file has the date; or no library for raster files is installed.
+        The file is missing, is not a raster, lacks a georeference or wanted bands, has more than 8 bits where 8 are
+        required, or refers to data elsewhere; no file has the date; or no library for raster files is installed.
     SourceError
-        Its server is out of reach or refuses.
+        The server is out of reach or refuses.
     """
     given = os.fspath(path)
     name = name_for_gdal(given)
@@ -164,14 +165,16 @@ def open_raster(
 class RasterSource:
     """A raster file in any coordinate reference system, opened by `open_raster`.
 
-    Where its rows are parallel to the axes of a projected CRS, pictures have its pixels, or means of 2, 4, 8 … of them
-    along each side. Otherwise, and where they coincide with the map's, pictures have the pixels of the map.
+    If the raster's rows are parallel to an axis of a projected CRS, pictures have the raster's pixels, or means of 2,
+    4, 8 … pixels along each side. Otherwise, or if these pixels coincide with the map's, pictures have the map's
+    pixels.
 
-    Each pixel of the map is the mean over its footprint in the raster, which PROJ places pixel by pixel: bilinear where
-    it is no larger than the raster's pixels, the average where it is, and the unchanged pixel where the grids coincide.
-    Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0), the channel after the bands is
-    0; missing pixels never mix with values. Palettes are converted to colours first. Far below the native zoom, means
-    are taken over an overview, of 4 pixels or more along each side. Values are stretched to 8 bits last.
+    Each pixel of the map is the mean over its footprint in the raster, which PROJ locates for each pixel. The result is
+    an average if the footprint is larger than the raster's pixels, a bilinear interpolation if not, and the unchanged
+    pixel if the grids coincide. If any part of a footprint lacks imagery (beyond the edge, nodata, mask, alpha 0), all
+    channels are 0, including the mask after the bands, so that missing pixels never mix with values. Palettes are
+    converted to colours before, and values are stretched to 8 bits after resampling. Far below the native zoom, means
+    are computed from an overview with at least 4 pixels along each side of a footprint.
 
     Attributes
     ----------
@@ -232,7 +235,7 @@ class RasterSource:
 
     @property
     def is_warped(self) -> bool:
-        """Whether its coordinate reference system differs from the map's, EPSG:3857."""
+        """Whether the raster's coordinate reference system differs from the map's, EPSG:3857."""
         return self._place.is_warped
 
     def parts(self, window: Window) -> list[Part]:
@@ -268,7 +271,7 @@ class RasterSource:
 
     @property
     def ranges(self) -> tuple[Range, ...]:
-        """Values of each band to show darkest and brightest: 0 and 255, or percentiles of the file where not of 8 bits.
+        """Values displayed darkest and brightest, by band: 0 and 255 for 8 bits, otherwise percentiles of the file.
 
         Raises
         ------
@@ -280,7 +283,7 @@ class RasterSource:
         return self._file_percentiles()
 
     def _check_same(self, *, anew: bool = False) -> None:
-        """Refuse a file that is gone or has changed; the server of a remote file is asked from time to time."""
+        """Refuse a file that is gone or has changed; see `Remote.check` for remote files."""
         if self._pool.remote is not None:
             self._pool.remote.check(anew=anew)
         state = _state(self._path)
@@ -292,15 +295,15 @@ class RasterSource:
     def _stretched(self, picture: Values) -> PixelValues:
         count = len(self.bands)
         limits = self._file_percentiles() if self._limits is None else (self._limits,) * count
-        there = picture[..., -1] != 0
+        has_imagery = picture[..., -1] != 0
         shown = np.empty(picture.shape, np.uint8)
         shown[..., :-1] = in_8_bits(picture[..., :-1], limits)
         shown[..., -1] = 255
-        shown[~there] = 0
+        shown[~has_imagery] = 0
         return shown
 
     def _file_percentiles(self) -> tuple[Range, ...]:
-        """Percentiles of each band, from the coarsest overview with enough pixels; computed once."""
+        """Percentiles of each band in the coarsest overview with enough pixels; computed once."""
         with self._measuring:
             if self._percentiles is None:
                 values = self._sampled()
@@ -308,31 +311,31 @@ class RasterSource:
             return self._percentiles
 
     def _sampled(self) -> Values:
-        """Values (n, bands) of pixels from the whole raster; of a large one, of 16 by 16 squares."""
+        """Values (n, bands) of all pixels of the raster or, if it is large, of a grid of 16 by 16 squares."""
         level = max(i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX)
         width, height = self._sizes[level]
-        boxes_read = [PixelBox(0, 0, width, height)]
-        # Fewer pixels for more than four bands, to fit memory.
+        boxes = [PixelBox(0, 0, width, height)]
+        # Read fewer pixels if there are more than four bands, to limit memory.
         share = max(len(self.bands) / 4.0, 1.0)
         if width * height * share > _MOST_SAMPLED_PX:
             side = min(max(int(64 / share), 1), width, height)
-            boxes_read = [
+            boxes = [
                 PixelBox(round(left), round(top), side, side)
                 for top in np.linspace(0, height - side, 16)
                 for left in np.linspace(0, width - side, 16)
             ]
         try:
             with self._pool.lent(level) as file:
-                read = [self._colours.read(file, box).reshape(-1, len(self.bands) + 1) for box in boxes_read]
+                read = [self._colours.read(file, box).reshape(-1, len(self.bands) + 1) for box in boxes]
         except ReadError as wrong:
             self._check_same(anew=True)
             raise SourceError("{0}: cannot be read: {1}", self.title, wrong) from wrong
         values = np.concatenate(read)
-        there: Values = values[values[:, -1] != 0, :-1]
-        return there
+        valid: Values = values[values[:, -1] != 0, :-1]
+        return valid
 
     def close(self) -> None:
-        """Close the file; from then on `fetch` raises `Cancelled`."""
+        """Close the file; `fetch` raises `Cancelled` afterwards."""
         self._pool.close()
 
     def _grid(self, own: tuple[ProjectedPlane, int] | None) -> PixelGrid:
@@ -343,7 +346,8 @@ class RasterSource:
             # Without small overviews, tiles of low zooms would be means of too many pixels.
             side = self._sizes[0][0] / width * MOST_PX**0.5 / TILE_PX
             lowest = max(native - int(np.log2(side)) + 1, 0)
-        # Higher zooms enlarge: up to that of most tiles on the map, six above the native one in another plane.
+        # Zooms above the native one enlarge pixels. On the map, allow them up to 22, as most tiled sources do; in
+        # another plane, six of them.
         if own:
             highest, extent = min(native + 6, HIGHEST_ZOOM), self._place.own_extent(native)
             return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
@@ -353,8 +357,8 @@ class RasterSource:
         level = self._level(footprints)
         width, height = self._sizes[level]
         footprints = footprints.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
-        # Blocks of pixels are summed while they are read, at least two along each side of a footprint on the map. In
-        # the raster's plane, a footprint is one block.
+        # Sum blocks of pixels while reading. On the map, a footprint must be at least two blocks wide and high; in the
+        # raster's plane, a footprint is one block.
         least = 2.0 if self.grid.plane.wraps else 1.0
         x, y = (
             max(int(_smallest(size) / least + _SLIVER_PX), 1) for size in (footprints.width_px, footprints.height_px)
@@ -376,9 +380,9 @@ class RasterSource:
         return means(self._read(level, box, x, y), footprints, x * y, self._colours.kind.data_type)
 
     def _level(self, footprints: PixelFootprints) -> int:
-        """Coarsest overview with four pixels or more along each side of a footprint.
+        """Coarsest overview with at least four pixels along each side of a footprint.
 
-        An overview made by decimation is shifted by half of its pixels: then by an eighth of the map's.
+        An overview made by decimation is shifted by half a pixel, which is then at most an eighth of a map pixel.
         """
         full_width, full_height = self._sizes[0]
         wide, high = _smallest(footprints.width_px), _smallest(footprints.height_px)
@@ -392,7 +396,7 @@ class RasterSource:
         )
 
     def _read(self, level: int, box: PixelBox, x: int, y: int) -> Sums:
-        """Sums of values over blocks of ``x`` by ``y`` px of a box, read in strips of four million values."""
+        """Sums of values in a box over blocks of ``x`` by ``y`` px, read in strips of about four million values."""
         bottom = box.top + box.height
         rows = max((1 << 22) // (box.width * y * (len(self.bands) + 1)), 1) * y
         try:
@@ -405,7 +409,7 @@ class RasterSource:
                     )
                 ]
         except ReadError as wrong:
-            # A file that has changed fails as a whole.
+            # If the file has changed, raise SourceError instead.
             self._check_same(anew=True)
             raise PartError("{0}: cannot be read here: {1}", self.title, wrong) from wrong
         return strips[0] if len(strips) == 1 else np.concatenate(strips)
@@ -418,7 +422,7 @@ def _required_key(path: str, key: str) -> str:
 
 
 def _title(path: str) -> str:
-    """Name of a file, for every kind of path."""
+    """File name in any kind of path or address."""
     if FETCHED.search(path):
         path = unquote(re.split(r"[?&]url=", path)[-1]).partition("?")[0]
     return Path(path).name
@@ -451,7 +455,7 @@ def _smallest(size_px: Floats) -> float:
 
 
 def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int) -> PixelBox | None:
-    """Pixels under footprints, in whole blocks of ``x`` by ``y`` px counted from the raster's corner; None for none."""
+    """Box of pixels under footprints, in whole blocks of ``x`` by ``y`` px from the raster's corner; None if empty."""
     left, right = (
         footprints.column_px - footprints.width_px / 2.0,
         footprints.column_px + footprints.width_px / 2.0,
@@ -460,7 +464,7 @@ def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int
         footprints.row_px - footprints.height_px / 2.0,
         footprints.row_px + footprints.height_px / 2.0,
     )
-    # Comparisons with NaN are False.
+    # Comparisons with NaN are False, without a warning.
     with np.errstate(invalid="ignore"):
         across = (right > _SLIVER_PX) & (left < width - _SLIVER_PX)
         down = (bottom > _SLIVER_PX) & (top < height - _SLIVER_PX)
@@ -477,7 +481,7 @@ def _extent(footprints: PixelFootprints, width: int, height: int, x: int, y: int
 
 
 def checked_date(text: str) -> str:
-    """Return a date as YYYY, YYYY-MM or YYYY-MM-DD; ``-`` may be ``_``, ``.`` or missing.
+    """Convert a date to YYYY, YYYY-MM or YYYY-MM-DD; in ``text``, ``-`` may be ``_``, ``.`` or missing.
 
     Raises
     ------
@@ -496,7 +500,7 @@ def checked_date(text: str) -> str:
 
 
 def date_of_tags(tags: Mapping[str, str]) -> str:
-    """Day in TIFF's tag of the date, as YYYY-MM-DD; empty without one."""
+    """Day in a TIFF's date tag, as YYYY-MM-DD; empty without a valid date."""
     found = re.match(r"(\d{4})[:-](\d\d)[:-](\d\d)", tags.get("TIFFTAG_DATETIME", ""))
     try:
         return dt.date(*(int(number) for number in found.groups())).isoformat() if found else ""
@@ -505,12 +509,12 @@ def date_of_tags(tags: Mapping[str, str]) -> str:
 
 
 def dated_file(path: str, date: str) -> tuple[str, str]:
-    """File of a path and a date.
+    """Find the file for a path and a date.
 
     Parameters
     ----------
     path : str
-        May contain ``{date}``, also several times and in its folders.
+        May contain ``{date}``, also several times and in folder names.
     date : str
         In any form of `checked_date`; empty for none.
 
@@ -543,11 +547,11 @@ def dated_file(path: str, date: str) -> tuple[str, str]:
 
 
 def _files(path: str) -> dict[str, str]:
-    """Files that match a path with ``{date}``, by their dates."""
+    """Files that match a path with ``{date}``, by date."""
     first, *more = os.path.normpath(path).split(PLACEHOLDER)
     pattern = re.compile(re.escape(first) + "(.+?)" + r"\1".join(map(re.escape, more)), re.DOTALL)
     found: dict[str, str] = {}
-    # Path.glob takes no absolute pattern.
+    # Path.glob does not accept absolute patterns.
     for name in sorted(glob.glob("*".join(map(glob.escape, [first, *more])))):  # noqa: PTH207
         match = pattern.fullmatch(os.path.normpath(name))
         if match and Path(name).is_file():

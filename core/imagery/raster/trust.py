@@ -1,7 +1,8 @@
-"""Checks of raster files before GDAL opens them: pictures only, and no other files than the user has named.
+"""Checks before GDAL opens a raster file: it must be a picture, and refer only to files that the user allows.
 
-GDAL also opens descriptions of other data: a VRT names files anywhere on the machine, a WMS file makes requests that
-follow no terms. A list of formats does not apply inside them, so they are read here first.
+GDAL also opens descriptions of other data: a VRT may name any file of the machine, and a WMS file causes requests that
+follow no terms. GDAL's list of allowed formats does not apply to data named inside, so this module reads descriptions
+first.
 """
 
 from __future__ import annotations
@@ -44,100 +45,100 @@ from ...text.plain import one_line
 from ..tiles import check_address, url_host
 from .sizes import check_directories, tag_texts
 
-#: GDAL's names of formats of pictures without references to other data, and VRT, which is checked.
+#: Allowed formats, by GDAL's names: pictures without references to other data, and VRT, whose references are checked.
 DRIVERS = tuple(
     "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
     "RMF SRTMHGT AAIGrid VRT".split()
 )
-#: Name in errors for the checked part of a raster elsewhere, as its address may contain a key.
+#: Name in errors for a raster on another machine, instead of its address, which may contain a key.
 _HEADER = Message("header")
-#: Environment variable with further folders that a VRT may read files from.
+#: Environment variable with further folders from which a VRT may read files.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
-#: First bytes of formats that may contain their CRS as text anywhere: HFA, NITF, MrSID, ECW.
+#: First bytes of formats in which text of the CRS may stand anywhere: HFA, NITF, MrSID, ECW.
 _TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
-#: First bytes of formats whose check reads whole files: these, databases, and grids in text form.
+#: First bytes of formats whose check reads whole files: `_TEXT_ANYWHERE`, databases, and grids in text form.
 _READ_WHOLE = (*_TEXT_ANYWHERE, b"SQLite format 3", b"ncols", b"NCOLS")
-#: Ending of SRTM files, which have no signature, and their lengths in bytes for 1, 1.5 and 3 arc seconds.
+#: Extension of SRTM files, which have no signature, and the possible lengths in bytes, for 1, 1.5 and 3 arc seconds.
 _SRTM, _SRTM_BYTES = (
     ".hgt",
     frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
 )
-#: First bytes of a file that determine its format.
+#: Number of bytes read from the beginning of a file to determine the format.
 _HEAD_BYTES = 4096
-#: Elements and attributes of a VRT, in lower case, that name data.
+#: Elements and attributes of a VRT that name data, in lower case.
 _NAMING = frozenset("sourcefilename sourcedataset sourcedatasetname filename dempath x_dataset y_dataset".split())
-#: Those whose text is never a name.
+#: Elements of a VRT whose text is never a name of data.
 _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
-#: Item and domain of metadata by which a raster of any format names a file with its overviews.
+#: Item and domain of metadata in which a raster of any format may name a file with overviews.
 OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
 NAMES_OVERVIEWS = Message("names another file for its overviews, which is not read")
-#: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys.
+#: TIFF tags of GDAL's metadata, and of the texts of GeoTIFF keys.
 _TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
-#: GDAL's virtual file systems, and those on other machines.
+#: Prefix of GDAL's virtual file systems, and of the one for HTTP; then a pattern of files on other machines.
 VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
-#: Address of a raster file, not of tiles.
+#: Address of a raster file, as opposed to a template of tiles.
 ADDRESS = re.compile(
     r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\}|\{key\})*)?", re.IGNORECASE | re.DOTALL
 )
 #: Placeholder of a key in an address.
 KEY = "{key}"
-#: Endings of files that GDAL opens with a raster.
+#: Suffixes of files that GDAL opens with a raster, added to the raster's name.
 _COMPANIONS = (".ovr", ".msk")
-#: Endings of files in which GDAL looks for the CRS: after the name, and in place of its ending.
+#: Suffixes of files in which GDAL looks for the CRS: added to the name, and in place of the extension.
 _BEHIND, _IN_PLACE = (".aux", ".hdr"), (".prj", ".hdr", ".aux", ".tab")
-#: Boxes of JPEG 2000 and JPEG XL with pixels only, and first bytes of such files.
+#: Types of boxes of JPEG 2000 and JPEG XL that contain pixels only; first bytes of files of these formats.
 _PIXEL_BOXES, _BOXES = frozenset({b"jp2c", b"jxlc", b"jxlp"}), (b"\0\0\0\x0cjP", b"\0\0\0\x0cJXL ")
 
 
 def file_of_part(name: str) -> str:
-    """Path of the existing file in GDAL's name of a raster within it, as GPKG:ortho.gpkg:summer; empty otherwise."""
-    # A single letter is a drive.
+    """Path of the file in GDAL's name of a part of it, such as GPKG:ortho.gpkg:summer; empty for other names."""
+    # A single letter before a colon is a drive.
     if not re.match(r"[A-Z][A-Za-z0-9_]+:", name):
         return ""
     pieces = re.split(r'[:"]', name)
-    # Some formats have five; every span of them is tried.
+    # Names have up to five pieces or so; every span of pieces is tried.
     if len(pieces) > 20:
         return ""
     spans = combinations(range(1, len(pieces) + 1), 2)
-    # The longest first, as a path may contain colons.
+    # Try the longest first, as a path may contain colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
     return next((path for path in paths if path and file_exists(path)), "")
 
 
 def name_for_gdal(name: str) -> str:
-    """Name for GDAL of a raster that a user has named: an address becomes ``/vsicurl/address``."""
+    """Convert the user's name of a raster to GDAL's: an address becomes ``/vsicurl/address``."""
     return CURL + name if ADDRESS.fullmatch(name) else name
 
 
 def host_of_virtual(name: str) -> str:
-    """Host of a file of GDAL's virtual file systems; empty where the name has no address."""
+    """Host in a name of GDAL's virtual file systems; empty if the name contains no address."""
     found = re.search(r"https?://[^#]+", unquote(name).replace("{key}", "0"), re.IGNORECASE)
     return url_host(found[0]) if found else ""
 
 
 def fill_key(name: str, key: str) -> str:
-    """Name with the key in place of ``{key}``: a value, percent-encoded or not, or several parameters.
+    """Put the key, percent-encoded or not, in place of ``{key}`` in a name.
 
-    Several, ``name=value&…``, where ``{key}`` stands alone as a parameter.
+    If ``{key}`` is a whole parameter, the key may consist of several parameters, ``name=value&…``.
     """
-    whole = re.sub(r"([?&]){key}(?=[&#]|$)", lambda found: found[1] + key.lstrip("?&"), name)
-    return whole.replace(KEY, quote(unquote(key), safe=""))
+    filled = re.sub(r"([?&]){key}(?=[&#]|$)", lambda found: found[1] + key.lstrip("?&"), name)
+    return filled.replace(KEY, quote(unquote(key), safe=""))
 
 
 def check_virtual(path: str) -> None:
-    """Refuse a name of GDAL's virtual file systems with a key or a password, which would end up in files.
+    """Refuse a name of GDAL's virtual file systems that contains a key or a password, which would end up in files.
 
     Raises
     ------
     InvalidInput
-        Without quoting the name.
+        The message does not quote the name.
     """
     plain = unquote(path)
     if re.search(r"[?&](userpwd|header\.|headers?_file|bearer|.*password)", plain, re.IGNORECASE):
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
-    # Of any scheme, with any number of slashes, as curl accepts them; a single letter is a drive.
+    # Check addresses of any scheme with any number of slashes, as curl accepts both. A single letter is a drive.
     for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
         check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file"))
 
@@ -151,13 +152,13 @@ def allowed_drivers(path: str) -> list[str]:
         The file describes data elsewhere, or is a VRT of such data.
     """
     if path.startswith("/vsi"):
-        # Files named by a VRT there cannot be checked.
+        # Files named by a VRT in a virtual file system cannot be checked.
         return [name for name in DRIVERS if name != "VRT"]
     part = file_of_part(path)
     if part and path.upper().startswith("GTIFF_DIR:OFF:"):
         raise InvalidInput("names a place in the file: must name a directory by its number, GTIFF_DIR:2:…")
     file = Path(part or path)
-    # A link names its target; GDAL resolves the names in a VRT from there.
+    # If the file is a link, GDAL resolves names in a VRT from the folder of the link's target.
     folders = (file.parent, _real(file).parent, *_folders())
     _check(file, tuple(dict.fromkeys(map(_real, folders))), 0, {})
     return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
@@ -170,25 +171,26 @@ def _folders() -> Iterator[Path]:
 
 
 def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
-    """Check a file and those that GDAL opens with it; ``depth`` is 0 for the file named by the user.
+    """Check a file and all files that GDAL opens with it; ``depth`` is 0 for the file named by the user.
 
     Returns
     -------
     int
-        Number of reads of other files, by the file and by these; ``seen`` has the number of each checked file.
+        Number of reads of other files that reading the file causes, directly or indirectly; ``seen`` has this number
+        for each checked file.
     """
-    whole = _real(file)
-    if whole in seen:
-        return seen[whole]
-    seen[whole] = 0
+    real = _real(file)
+    if real in seen:
+        return seen[real]
+    seen[real] = 0
     if depth > MAX_VRT_DEPTH:
         raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
     if _is_vrt(head):
         for (name, relative), times in Counter(_named(file)).items():
             each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
-            seen[whole] += times * (1 + max(each))
-            _check_reads(file, seen[whole])
+            seen[real] += times * (1 + max(each))
+            _check_reads(file, seen[real])
     elif re.search(
         rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"",
         head,
@@ -211,48 +213,48 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
         raise InvalidInput("{0} names other files, which are not read", aux.name)
     with open_foreign(file) as opened:
         check_directories(file.name, opened, head)
-        within = b"".join(tag_texts(file.name, opened, head, _TIFF_METADATA, MAX_VRT_BYTES))
-    if _names(OVERVIEW_FILE, within):
+        embedded = b"".join(tag_texts(file.name, opened, head, _TIFF_METADATA, MAX_VRT_BYTES))
+    if _names(OVERVIEW_FILE, embedded):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
     _check_items(aux, notes)
-    _check_items(file, within)
+    _check_items(file, embedded)
     check_references(file, head)
-    return seen[whole]
+    return seen[real]
 
 
 def _companions(file: Path) -> list[Path]:
-    """Files that GDAL opens with a raster; refuses pipes and other special files, on which GDAL would block."""
+    """Files that GDAL opens with a raster; refuses special files such as pipes, on which GDAL would block."""
     try:
-        companions, odd = _companion_files(str(file.parent), file.parent.stat().st_mtime_ns)
+        companions, special = _companion_files(str(file.parent), file.parent.stat().st_mtime_ns)
     except OSError:
         # A folder may be searchable but not listable.
-        companions, odd = {}, ()
-    for name in odd:
+        companions, special = {}, ()
+    for name in special:
         if name.lower().startswith(file.stem.lower()):
             raise InvalidInput("{0}: is not a regular file, and lies beside {1}", name, file.name)
     found = [name for ending in _COMPANIONS for name in companions.get((file.name + ending).lower(), ())]
-    there = [file.with_name(file.name + ending) for ending in _COMPANIONS]
-    return [*dict.fromkeys([*(one for one in there if file_exists(one)), *map(file.with_name, found)])]
+    exact = [file.with_name(file.name + ending) for ending in _COMPANIONS]
+    return [*dict.fromkeys([*(one for one in exact if file_exists(one)), *map(file.with_name, found)])]
 
 
 @lru_cache(maxsize=16)
 def _companion_files(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
-    """Overviews and masks in a folder, by their names in lower case, and entries that are not files.
+    """Overviews and masks in a folder, by names in lower case, and the names of special files.
 
-    GDAL looks for them in a list of the folder, ignoring case. Cached until the folder changes.
+    GDAL looks for overviews and masks in a listing of the folder, ignoring case. Cached until the folder changes.
     """
     companions: dict[str, list[str]] = {}
-    odd = []
+    special = []
     with os.scandir(folder) as entries:
         for entry in entries:
             is_companion = entry.name.lower().endswith(_COMPANIONS)
             if is_companion:
                 companions.setdefault(entry.name.lower(), []).append(entry.name)
-            # Some formats of GDAL are folders, whose descriptions name other files.
+            # A folder named like a companion is no plain file: GDAL has formats of folders, which name other files.
             is_plain = entry.is_file() or (entry.is_dir() and not is_companion)
             if not is_plain and Path(entry.path).exists():
-                odd.append(entry.name)
-    return companions, tuple(odd)
+                special.append(entry.name)
+    return companions, tuple(special)
 
 
 def _check_reads(vrt: Path, count: int) -> None:
@@ -266,7 +268,7 @@ def _check_reads(vrt: Path, count: int) -> None:
 
 
 def _check_items(file: Path, metadata: bytes) -> None:
-    """Refuse metadata of too many items, which take GDAL long."""
+    """Refuse metadata of too many items, which GDAL reads slowly."""
     count = sum(1 for _ in re.finditer(rb"<(mdi|gcp|item)\b", metadata, re.IGNORECASE))
     if count > MAX_RASTER_ITEMS:
         _refuse_number(file, count, MAX_RASTER_ITEMS, Message("items of metadata"))
@@ -277,7 +279,7 @@ def _refuse_number(file: Path, count: int, most: int, what: str) -> None:
 
 
 def _has_signature(head: bytes) -> bool:
-    """Whether a file begins as one of the formats that have a signature."""
+    """Whether a file begins with the signature of a known format."""
     tiff = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
     jpeg_2000_and_xl = (b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a")
     return head.startswith(
@@ -294,7 +296,7 @@ def _is_vrt(head: bytes) -> bool:
 
 
 def _names(pattern: str, metadata: bytes) -> bool:
-    """Whether metadata in XML match a pattern, in any case and with any entities."""
+    """Whether a pattern occurs in XML metadata, in any case, with entities decoded."""
     return re.search(pattern, html.unescape(metadata.decode("latin-1")), re.IGNORECASE) is not None
 
 
@@ -309,11 +311,11 @@ def check_references(file: Path, head: bytes | None = None) -> None:
     Raises
     ------
     InvalidInput
-        With the reason only, which names the file that contains it.
+        Names the reason and the file with the CRS, not the raster.
     """
     aux = file.with_name(file.name + ".aux.xml")
     if file_exists(aux):
-        # Older programs wrote it in a local encoding; in this one, every byte is a character.
+        # Older programs wrote local encodings; in ISO 8859-1, every byte is a valid character.
         _parse(aux, _References(aux), "iso-8859-1")
     beside = [file.with_name(file.name + ending) for ending in _BEHIND]
     for ending in _IN_PLACE if file.suffix else ():
@@ -338,7 +340,7 @@ def check_fetched(name: str, data: bytes) -> None:
 
 
 def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> list[str]:
-    """Check a raster of GDAL's virtual file systems as `check_references` does, by the bytes that GDAL reads.
+    """Check a raster in GDAL's virtual file systems as `check_references` does, reading bytes through GDAL.
 
     Returns
     -------
@@ -348,7 +350,7 @@ def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> li
     Raises
     ------
     InvalidInput
-        With the reason only; also for formats whose check reads whole files.
+        Names the reason only; also raised for formats whose check reads whole files.
     """
     if path.lower().endswith(_SRTM):
         return [name for name in drivers if name == "SRTMHGT"]
@@ -365,13 +367,13 @@ def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> li
             "is of a format that is read from folders of this machine alone",
             remedy="name a copy of it, unpacked and on this machine",
         )
-    # Formats with a signature and without a CRS as text.
+    # Formats with a signature that do not contain a CRS as text.
     plain = "JPEG PNG GIF BIGGIF WEBP BMP JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL".split()
     return [name for name in drivers if name in plain]
 
 
 def _check_boxes(file: IO[bytes]) -> None:
-    """Check the boxes of a file of unknown size, which reads as zeros after its end."""
+    """Check the boxes of a file of unknown size, which yields zeros after its end."""
     number = size = 0
     for start, end in _boxes(file, sys.maxsize):
         is_last = end == sys.maxsize
@@ -390,7 +392,7 @@ def _check_boxes(file: IO[bytes]) -> None:
 
 
 def _check_words(name: str, words: str) -> None:
-    """Refuse a text that contains a coordinate reference system with the name of a file."""
+    """Refuse a text with a coordinate reference system that names a file."""
     named = file_named(words)
     if named:
         raise InvalidInput(
@@ -413,19 +415,19 @@ def _check_texts(name: str, texts: Iterable[bytes]) -> None:
 
 
 def _texts(name: str, file: IO[bytes], head: bytes, size: int) -> Iterator[bytes]:
-    """Parts of a raster file, other than a database, that may contain its CRS as text."""
+    """Yield the parts of a raster file (except databases) that may contain text of the CRS."""
     if head.startswith(_BOXES):
         for start, end in _boxes(file, size):
             yield from _chunks(file, start, end)
     elif head.startswith((b"II", b"MM")):
         yield from tag_texts(name, file, head, _TIFF_KEY_TEXTS, MAX_TIFF_TEXT_BYTES)
-    # RMF has it anywhere, too.
+    # Text of the CRS may stand anywhere in RMF, too.
     elif head.startswith((*_TEXT_ANYWHERE, b"RSW", b"MTW", b"\0WSR")):
         yield from _chunks(file, 0, size)
 
 
 def _chunks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:
-    """Bytes of a file in chunks of 4 MB that overlap by 1 kB, so that no name is cut."""
+    """Yield the bytes of a file in chunks of 4 MB that overlap by 1 kB, so that no file name is cut."""
     kept = b""
     file.seek(start)
     while start < end:
@@ -438,7 +440,7 @@ def _chunks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:
 
 
 def _boxes(file: IO[bytes], size: int) -> Iterator[tuple[int, int]]:
-    """Start and end of each box of a JPEG 2000 or JPEG XL file that may contain text."""
+    """Yield start and end of each box of a JPEG 2000 or JPEG XL file that may contain text."""
     at = 0
     while at < size:
         file.seek(at)
@@ -457,7 +459,7 @@ def _boxes(file: IO[bytes], size: int) -> Iterator[tuple[int, int]]:
 
 
 def _definitions(file: Path) -> Iterator[bytes]:
-    """Coordinate reference systems defined in a GeoPackage."""
+    """Yield the values in a GeoPackage's table of coordinate reference systems."""
     sqlite3: Any = importlib.import_module("sqlite3")
     until_s = time.monotonic() + MAX_QUERY_S
     try:
@@ -469,14 +471,14 @@ def _definitions(file: Path) -> Iterator[bytes]:
             for row in database.execute("SELECT * FROM gpkg_spatial_ref_sys"):
                 yield from (str(value).encode("utf-8", "replace") for value in row)
     except sqlite3.Error:
-        # GDAL reports the errors of such a file.
+        # GDAL reports errors of such a file later.
         return
 
 
 def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
-    """Check a file that a VRT reads, as `_check`; ``folders`` have their links resolved."""
-    within = _real(source)
-    if not any(_contains(within, folder) for folder in folders):
+    """Check a file that a VRT reads, as `_check` does; links in ``folders`` must be resolved."""
+    real = _real(source)
+    if not any(_contains(real, folder) for folder in folders):
         raise InvalidInput(
             "{0} reads {1}, which is not beside it",
             vrt.name,
@@ -486,13 +488,13 @@ def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int
     if file_exists(source):
         return _check(source, folders, depth + 1, seen)
     if os.path.exists(source):  # noqa: PTH110
-        # GDAL would wait for a pipe for ever, and take a folder for a product whose description names other files.
+        # GDAL would wait for a pipe for ever, and read a folder as a product, which may name other files.
         raise InvalidInput("{0} reads {1}, which is not a regular file", vrt.name, source)
     return 0
 
 
 def _real(path: Path) -> Path:
-    """Path with links resolved; unlike `Path.resolve`, also where they form a circle."""
+    """Resolve links; unlike `Path.resolve`, this does not raise if links form a loop."""
     return Path(os.path.realpath(path))
 
 
@@ -501,7 +503,7 @@ def _contains(path: Path, folder: Path) -> bool:
 
 
 def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
-    """Possible files of a name in a VRT, which GDAL resolves from the VRT's folder or from the current one."""
+    """Yield the files that a name in a VRT may mean: GDAL resolves it from the VRT's folder or the current one."""
     name = name.strip()
     inside = Path(name).is_absolute() and not name.startswith("/vsi")
     if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
@@ -522,14 +524,14 @@ def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
 
 
 def _named(vrt: Path) -> list[tuple[str, str | None]]:
-    """Names of data in a VRT, and whether each is relative to it ("1" for GDAL)."""
+    """Names of data in a VRT, each with its ``relativeToVRT`` ("1" or "0"; None if not stated)."""
     reader = _Reader(vrt)
     _parse(vrt, reader)
     return reader.found
 
 
 def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
-    """Parse a VRT, or GDAL's XML file beside a raster."""
+    """Parse a VRT, or GDAL's XML file beside a raster, with a handler."""
     body = _head(file, MAX_VRT_BYTES + 1)
     body = body[3:] if body.startswith(codecs.BOM_UTF8) else body
     if len(body) > MAX_VRT_BYTES:
@@ -549,7 +551,7 @@ def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
 
 
 class _References:
-    """Handler of GDAL's XML that refuses coordinate reference systems with names of files."""
+    """Handler for GDAL's XML that refuses coordinate reference systems that name files."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -567,7 +569,7 @@ class _References:
         self._text.append(words)
 
     def between(self, *_: object) -> None:
-        """Ignore comments and the like between texts, as GDAL does."""
+        """Ignore comments and similar markup between texts, as GDAL does."""
 
     def refuse(self, *_: object) -> None:
         raise InvalidInput("{0}: has a document type, which GDAL writes none of", self._file.name)
@@ -578,7 +580,7 @@ class _References:
 
 
 class _Reader(_References):
-    """Handler of a VRT that collects the names in it. GDAL treats attributes as elements, ignoring case."""
+    """Handler that collects the names of data in a VRT. Like GDAL, treat attributes as elements and ignore case."""
 
     def __init__(self, vrt: Path) -> None:
         super().__init__(vrt)
@@ -596,8 +598,8 @@ class _Reader(_References):
             self.refuse()
         self._open.append((name, given))
         key = given.get("key", "").lower()
-        # Python code for pixels; an element in place of the attribute that is checked here; and options of formats,
-        # which may be names of files or statements of SQL.
+        # Refuse Python code for pixels; an element "key" in place of the attribute, which is checked here; and options
+        # of formats, which may be file names or SQL statements.
         is_refused = name in ("pixelfunctionlanguage", "pixelfunctioncode", "key") or (
             name == "ooi" and key not in ("overview_level", "num_threads", "numthreads")
         )
@@ -618,7 +620,7 @@ class _Reader(_References):
                 MAX_XML_ELEMENTS,
                 MAX_XML_DEPTH,
             )
-        # Overviews count for each band.
+        # Overviews are counted for each band.
         limits = {
             "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
             "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
@@ -642,7 +644,7 @@ class _Reader(_References):
         self._text.append(words)
 
     def between(self, *_: object) -> None:
-        """Refuse comments and the like that GDAL may take for the end of a name."""
+        """Refuse comments and similar markup that GDAL may treat as the end of a name."""
         if self._open and self._is_name(self._open[-1]):
             self.refuse()
 

@@ -1,20 +1,20 @@
-"""Bytes of a file of GDAL's virtual file systems, as GDAL itself reads them: in archives, and on other machines."""
+"""Reading of bytes through GDAL, from files in its virtual file systems: in archives, and on other machines."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
 
-#: Bytes of a row of the raster that represents the file: as many as GDAL requests at once.
+#: Bytes of a row of the raster that represents the file, equal to the bytes that GDAL requests at once.
 ROW_BYTES = 1 << 14
-#: Rows of that raster, for a file of any size: GDAL returns zeros after its end.
+#: Rows of this raster, enough for any file; GDAL returns zeros after the end of the file.
 _ROWS = (1 << 31) - 1
-#: GDAL's option to allow VRTs of raw bytes in other places, which newer versions refuse.
+#: GDAL's option to allow VRTs of raw bytes of any file, which newer versions refuse by default.
 OPTIONS = {"GDAL_VRT_RAWRASTERBAND_ALLOWED_SOURCE": "ALL"}
 
 
 def raw_bytes_vrt(path: str) -> str:
-    """Text of a VRT of one band with the bytes of a file, row by row."""
+    """Text of a VRT whose single band has the bytes of a file, row by row."""
     return (
         f'<VRTDataset rasterXSize="{ROW_BYTES}" rasterYSize="{_ROWS}"><VRTRasterBand dataType="Byte" band="1" '
         f'subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="0">{escape(path, quote=False)}</SourceFilename>'
@@ -24,12 +24,12 @@ def raw_bytes_vrt(path: str) -> str:
 
 
 class VirtualFile:
-    """A file of unknown size, followed by zeros up to the end of a row.
+    """A file of unknown size; zeros follow its end up to the end of a row.
 
     Parameters
     ----------
     read_row : callable
-        Bytes of a row, `ROW_BYTES`.
+        Returns the `ROW_BYTES` bytes of a row, given by its number.
     """
 
     def __init__(self, read_row: Callable[[int], bytes]) -> None:
@@ -50,7 +50,8 @@ class VirtualFile:
         Raises
         ------
         EOFError
-            There are only zeros: the file has ended, or its server has not sent them; GDAL does not distinguish these.
+            A row has only zeros: the file has ended, or the server did not send bytes, which GDAL does not
+            distinguish.
         """
         first, last = self._at // ROW_BYTES, (self._at + size - 1) // ROW_BYTES
         rows = []

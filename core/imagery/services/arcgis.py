@@ -1,13 +1,14 @@
-"""Map and image services of ArcGIS Server, by its REST interface.
+"""Map and image services of ArcGIS Server, through its REST interface.
 
-``arcgis:URL`` names a service by its address, ``…/rest/services/NAME/MapServer`` or ``…/ImageServer``; the choices
-after ``#`` are ``layers=0,2``, the layers of a map service by their numbers, and ``format``. A service of a server may
-also be named by ``arcgis:…/rest/services#service=NAME/MapServer``. A key in the address is written ``?token={key}``.
+``arcgis:URL`` names a service by its address, ``…/rest/services/NAME/MapServer`` or ``…/ImageServer``. Choices after
+``#`` are ``layers=0,2``, which selects layers of a map service by number, and ``format``. Alternatively,
+``arcgis:…/rest/services#service=NAME/MapServer`` names a service of a server. A key in the address is written
+``?token={key}``.
 
-Cached tiles of a service (``singleFusedMapCache``), ``tile/{level}/{row}/{column}``, are used where they form a grid
-(`matrices`) in the wanted system and no layers are chosen. Otherwise the service draws tiles, by ``export`` or
-``exportImage``, of the Web-Mercator grid or of a plane as for a WMS (`ogc`), in any system. Documents: ArcGIS REST API,
-"Map Service" and "Image Service".
+Cached tiles of a service (``singleFusedMapCache``), ``tile/{level}/{row}/{column}``, are used if they form a grid
+(`matrices`) in the wanted system and no layers are chosen. Otherwise the service draws tiles by ``export`` or
+``exportImage``, in the Web-Mercator grid or, as for a WMS (`ogc`), in the plane of any other system. Documentation:
+ArcGIS REST API, "Map Service" and "Image Service".
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from .matrices import SCALE_PX_M, chosen_tiles
 from .ogc import finest_zoom, own_plane
 
 _ADDRESS = re.compile(r"(?P<base>.*/(?P<kind>MapServer|ImageServer))(?:/(?P<layer>\d+))?/?$", re.IGNORECASE)
-#: Relative tolerance of scales, which are whole numbers or rounded to six digits.
+#: Relative tolerance of scales, which services round to whole numbers or to six digits.
 _SCALE_SLACK = 1e-3
 
 
@@ -48,11 +49,11 @@ class ArcGISService(JSONService):
 
     @property
     def _base(self) -> str:
-        """Address of the service, or of the list of services where none is named, with its query."""
+        """Address, with query, of the service or, if no service is named, of the list of services."""
         parts = urlsplit(self.service.address)
         path, service = parts.path.rstrip("/"), self.service.choices.get("service")
         if service:
-            # A name contains its folder, also in the list of a folder.
+            # Names include the folder, even in the list of a folder.
             root = re.match(r".*/rest/services(?=/|$)", path, re.IGNORECASE)
             path = f"{root.group() if root else path}/{quote(service, safe='/')}"
         found = _ADDRESS.fullmatch(path)
@@ -81,14 +82,14 @@ class ArcGISService(JSONService):
         if not self._kind:
             services = {name: one.title for name, one in _services(document).items()}
             chosen = chosen_one(document, "service", self.service.choices.get("service"), services)
-            # Possibly the only one, not named in the text.
+            # The chosen service may be the only one, without a name in the text.
             named = type(self)(f"{self.service.kind}:{self.service.address}#service={chosen}", self.options)
             return named._find()  # noqa: SLF001
         info: Mapping[str, Any] = document.root
         cached = self._cached(document) if self._is_cached(info) else None
         if cached is not None:
             return cached
-        # The operation that draws, and the capability that a service states for it.
+        # The operation that draws tiles, and the capability that a service must state for it.
         operation, capability = {"mapserver": ("export", "Map"), "imageserver": ("exportImage", "Image")}[self._kind]
         stated = read_text(info.get("capabilities"))
         if stated and capability not in stated.split(","):
@@ -98,19 +99,19 @@ class ArcGISService(JSONService):
         return self._drawn(document, operation)
 
     def _is_cached(self, info: Mapping[str, Any]) -> bool:
-        """Whether a service has cached tiles that show the wanted layers in the wanted format."""
+        """Whether a service has cached tiles, of imagery, and neither layers nor a format are chosen."""
         tiles = info.get("tileInfo")
         return (
             info.get("singleFusedMapCache") is True
             and isinstance(tiles, Mapping)
-            # LERC has heights, not imagery.
+            # LERC tiles contain heights, not imagery.
             and not read_text(tiles.get("format")).upper().startswith("LERC")
             and not self._chosen_layers
             and "format" not in self.service.choices
         )
 
     def _cached(self, document: Document) -> CatalogueEntry | None:
-        """Entry of the cached tiles; None where they form no grid in the wanted system."""
+        """Entry of the cached tiles; None if they form no grid in the wanted system."""
         info = document.root
         tiles = info["tileInfo"]
         bounds = _full_bounds(info)
@@ -157,7 +158,7 @@ class ArcGISService(JSONService):
             "size": f"{tile_px},{tile_px}",
             "format": self._format(document),
             **({"layers": f"show:{layers}"} if layers else {}),
-            # Symbols of the size for screens.
+            # 96 dpi: draw symbols at their size on screens.
             **({"transparent": "true", "dpi": "96"} if operation == "export" else {}),
             "f": "image",
         }
@@ -202,7 +203,7 @@ class ArcGISService(JSONService):
     def _format(self, document: Document) -> str:
         wanted = self.service.choices.get("format")
         stated = read_text(document.root.get("supportedImageFormatTypes")).lower().replace(" ", "").split(",")
-        # The preferred first, with transparency. Image services state no formats and have all of these.
+        # In order of preference, formats with transparency first. Image services state no formats and offer all these.
         formats = ["png32", "png24", "png", "png8", "jpgpng", "jpg"]
         offered = [one for one in formats if one in stated] or formats
         return chosen_one(document, "format", (wanted or offered[0]).lower(), dict.fromkeys(offered, ""))
@@ -214,7 +215,7 @@ class ArcGISService(JSONService):
 
 
 def _refuse_error(document: Document) -> None:
-    """Raise the error that the server states in an answer of status 200."""
+    """Raise if the document, of status 200, states an error."""
     error = document.root.get("error")
     if isinstance(error, Mapping):
         code, words = error.get("code"), read_text(error.get("message"))
@@ -223,7 +224,7 @@ def _refuse_error(document: Document) -> None:
 
 
 def _services(document: Document) -> dict[str, Offered]:
-    """Map and image services of a server or a folder, by their names."""
+    """Map and image services of a server or a folder, by name."""
     root = document.root
     if not isinstance(root.get("services"), list):
         raise document.wrong(Message("neither a map service nor an image service, nor a list of them"))
@@ -242,13 +243,13 @@ def _check_layers(document: Document, layers: str) -> None:
 
 
 def _levels(info: Mapping[str, Any], crs: str) -> list[SimpleNamespace]:
-    """Tile matrices of the cached tiles in the form of OWSLib, within the scales of the service."""
+    """Tile matrices of the cached tiles within the scales of the service, in the form of OWSLib."""
     tiles = info["tileInfo"]
     least, most = (read_number(info.get(name)) or 0.0 for name in ("maxScale", "minScale"))
     x, y = (read_number(tiles["origin"].get(axis)) for axis in "xy")
     unit = unit_m(crs) if crs != MAP and is_usable(crs) else 1.0
-    made = []
-    # The server's own schemes have up to 24 levels.
+    levels = []
+    # Read at most 100 levels; ArcGIS Server's default schemes have up to 24.
     for lod in read_objects(tiles.get("lods"))[:100]:
         size, scale = read_number(lod.get("resolution")), read_number(lod.get("scale")) or 0.0
         if size is None or size <= 0.0 or x is None or y is None or not isinstance(lod.get("level"), int):
@@ -258,7 +259,7 @@ def _levels(info: Mapping[str, Any], crs: str) -> list[SimpleNamespace]:
         ):
             continue
         columns, rows = _columns(info.get("fullExtent"), x, y, size * tiles["cols"], size * tiles["rows"])
-        made.append(
+        levels.append(
             SimpleNamespace(
                 identifier=str(lod["level"]),
                 scaledenominator=size * unit / SCALE_PX_M,
@@ -269,11 +270,11 @@ def _levels(info: Mapping[str, Any], crs: str) -> list[SimpleNamespace]:
                 matrixheight=rows,
             )
         )
-    return made
+    return levels
 
 
 def _columns(extent: object, x: float, y: float, width: float, height: float) -> tuple[int, int]:
-    """Columns and rows of tiles, with sizes in the system's unit, from a corner to the end of an extent."""
+    """Numbers of columns and rows of tiles from a corner to the end of an extent; sizes are in the system's unit."""
     edges = _edges(extent)
     if edges is None:
         return 1, 1
@@ -299,7 +300,7 @@ def _code(reference: object) -> str:
 
 
 def _full_bounds(info: Mapping[str, Any]) -> Bounds:
-    """West, south, east and north in degrees of a service's full extent; the world where unknown."""
+    """West, south, east and north of a service's full extent in degrees; the world if unknown."""
     extent = info.get("fullExtent") or info.get("extent")
     edges = _edges(extent)
     code = _code(extent.get("spatialReference")) if isinstance(extent, Mapping) else ""
@@ -314,24 +315,23 @@ def _full_bounds(info: Mapping[str, Any]) -> Bounds:
         lon, lat = through_proj(to_degrees.transform, x, y)
     except ProjError:
         return WORLD_DEG
-    there = np.isfinite(lon) & np.isfinite(lat)
-    if not there.all():
+    if not (np.isfinite(lon) & np.isfinite(lat)).all():
         return WORLD_DEG
     return sound_bounds(float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max()))
 
 
 def _parallel_share(bounds: Bounds) -> float:
-    """Length of the parallel in the middle of bounds relative to the equator's, up to 85 degrees."""
+    """Length of the parallel through the middle of bounds (at most 85 degrees) as a fraction of the equator's."""
     return math.cos(math.radians(min(abs(bounds[1] + bounds[3]) / 2.0, 85.0)))
 
 
 def _pixel_m(info: Mapping[str, Any]) -> float | None:
-    """Approximate ground size of an image service's pixels in metres; None where unknown."""
+    """Approximate ground size of an image service's pixels in metres; None if unknown."""
     size, extent = read_number(info.get("pixelSizeX")), info.get("extent") or info.get("fullExtent")
     code = _code(extent.get("spatialReference")) if isinstance(extent, Mapping) else ""
     if size is None or size <= 0.0 or not code:
         return None
     if code == MAP:
         return size * _parallel_share(_full_bounds(info))
-    # Other systems are in degrees.
+    # Systems that are not usable have degrees.
     return size * unit_m(code) if is_usable(code) else size * HALF_WORLD_M / 180.0

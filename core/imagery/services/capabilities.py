@@ -1,4 +1,4 @@
-"""Documents of services: fetched, with their keys masked; choices, formats and terms in them."""
+"""Documents of services: fetching, with keys masked; choices, formats and terms in them."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from ..policy import Policy
 from ..systems import WORLD_DEG
 from ..tiles import check_address
 
-#: Choices after the # of each kind of service, beginning with that of a layer.
+#: Choices after ``#`` for each kind of service; the first one selects a layer.
 CHOICES = {
     "wmts": ("layer", "style", "tilematrixset", "tilematrix", "format"),
     "wms": ("layers", "styles", "format", "version"),
     "arcgis": ("service", "layers", "format"),
     "ogcapi": ("collection", "tilematrixset", "tilematrix", "format"),
 }
-#: Titles for people.
+#: Names of the kinds for people.
 TITLES = {"wmts": "WMTS", "wms": "WMS", "arcgis": "ArcGIS REST", "ogcapi": "OGC API"}
-#: Root elements of the documents.
+#: Patterns of the root elements of XML documents.
 ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
-#: Formats of tiles that can be decoded, the preferred first.
+#: Formats of tiles that can be decoded, in order of preference.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
-#: PNG where pixels are missing, and JPEG elsewhere.
+#: Format of tiles that are PNG if pixels are missing, and JPEG otherwise.
 _EITHER = "image/vnd.jpeg-png"
-#: Other names of these formats, the best first: a PNG of 8 bits has 256 colours.
+#: Other names of these formats, the best format first: a PNG of 8 bits has only 256 colours.
 _OTHER_NAMES = {
     "image/png32": "image/png",
     "image/png24": "image/png",
@@ -48,7 +48,7 @@ _OTHER_NAMES = {
     "image/png8": "image/png",
     "image/vnd.jpeg-png8": _EITHER,
 }
-#: Layers and tile matrix sets listed in an error.
+#: Most layers or tile matrix sets listed in an error.
 NAMED = 8
 
 
@@ -63,7 +63,7 @@ class Service:
     address : str
         With {key} in place of the key.
     choices : mapping
-        Of `CHOICES`.
+        Values of choices, by their names in `CHOICES`.
     """
 
     kind: str
@@ -72,12 +72,12 @@ class Service:
 
     @classmethod
     def named(cls, name: str) -> Service:
-        """Service of a source's name.
+        """Parse the name of a source.
 
         Raises
         ------
         InvalidInput
-            An unknown choice, or an invalid address or one with credentials.
+            The choice is unknown, or the address is invalid or contains credentials.
         """
         kind, _, rest = name.partition(":")
         kind = kind.lower()
@@ -105,7 +105,7 @@ class Service:
         return self.address.replace("{key}", quote(key, safe=""))
 
     def document_url(self, key: str) -> str:
-        """Address of the capabilities document."""
+        """Address of the capabilities document, with the key."""
         parts = urlsplit(self.keyed_address(key))
         given = {name.lower() for name, _ in parse_qsl(parts.query, keep_blank_values=True)}
         if parts.path.lower().endswith(".xml") or "request" in given:
@@ -124,9 +124,9 @@ class Offered:
     ----------
     name, title : str
     systems : tuple of str
-        Codes of its coordinate reference systems, as far as the list of layers states them.
+        Codes of coordinate reference systems, as far as the list of layers states them.
     sets : tuple of str
-        Names of its tile matrix sets.
+        Names of tile matrix sets.
     dates : Dates or None
         Available dates.
     """
@@ -146,11 +146,11 @@ class Document:
     ----------
     service : Service
     root : element of lxml, or value of a JSON text
-        With {key} exactly where the server repeats the key.
+        In texts, {key} stands in place of the key, and only there.
     url : str
         Address of the document; may contain the key.
     secrets : Secrets
-        The key, where there is one.
+        The key, if any.
     """
 
     service: Service
@@ -169,12 +169,12 @@ class Document:
 
 
 def fetch_capabilities(service: Service, key: str, transport: Transport | None) -> Document:
-    """Fetch the capabilities of a service, with the key where its address has {key}.
+    """Fetch the capabilities of a service, with the key in place of {key} in the address.
 
     Raises
     ------
     SourceError
-        They are not available or too large, or the address has another document.
+        The capabilities are not available or too large, or the address has another document.
     """
     document, body, message = fetch_document(
         service, service.document_url(key), key, transport, Message("capabilities")
@@ -204,12 +204,12 @@ def fetch_document(
     what: str,
     headers: Mapping[str, str] | None = None,
 ) -> tuple[Document, bytes, str]:
-    """Fetch a document; return it without its root, its body, and the first words of the body for people.
+    """Fetch a document; return it without a root, with the body and the first words of the body for people.
 
     Raises
     ------
     SourceError
-        It is not available.
+        The document is not available.
     """
     used = _transport() if transport is None else transport
     secrets = (key,) if key else ()
@@ -219,26 +219,26 @@ def fetch_document(
     except PartError as failure:
         raise SourceError("{0}: {1}", service.host, failure) from None
     finally:
-        # A given transport also fetches the tiles.
+        # Leave a given transport open, as it also fetches the tiles.
         if transport is None:
             used.close()
     return Document(service, None, url, Secrets(secrets)), response.body, client.message(response)
 
 
 def filled_template(document: Document, template: str, filled: Mapping[str, str]) -> str:
-    """URL template of tiles from the template of a service.
+    """Convert a service's template of tiles to a URL template.
 
     Parameters
     ----------
     document : Document
-        Contains the template.
+        Document that contains the template.
     template : str
-        With the service's placeholders in braces.
+        Template with the service's placeholders in braces.
     filled : mapping
-        Values of the placeholders, by their names in lower case.
+        Values of placeholders, by name in lower case.
     """
     text = urljoin(document.url, template)
-    # Other text is literal, braces included, and so are the values: nothing is filled twice.
+    # Treat other text as literal, braces included, and values, too, so that nothing is filled twice.
     pieces = re.split(r"\{([^{}]*)\}", text)
     pieces[::2] = [piece.replace("{", "%7B").replace("}", "%7D") for piece in pieces[::2]]
     pieces[1::2] = [quote(filled.get(name.lower(), f"{{{name}}}"), safe="{}:") for name in pieces[1::2]]
@@ -252,7 +252,7 @@ def _transport() -> Transport:
 
 
 def _mark_keys(root: Any, document: Document) -> None:
-    """Replace the key in a document by {key}; a literal {key} is escaped, so that it is never filled."""
+    """Replace the key in a document by {key}; escape a literal {key}, so that it is never filled."""
 
     def marked(text: str) -> str:
         return document.without_key(text.replace("{key}", "%7Bkey%7D"))
@@ -266,7 +266,7 @@ def _mark_keys(root: Any, document: Document) -> None:
 
 @contextmanager
 def reading(document: Document) -> Iterator[None]:
-    """Convert errors of reading capabilities to one line."""
+    """Convert errors while reading capabilities to a SourceError."""
     try:
         yield
     except TerrAInavError:
@@ -292,12 +292,12 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
         Name of the choice.
     wanted : str or None
     offered : mapping
-        Available names, to their titles.
+        Maps available names to titles.
 
     Raises
     ------
     InvalidInput
-        The choice is not available, or several are and none is wanted.
+        The wanted choice is not available; or none is wanted and there is not exactly one.
     """
     if wanted is not None and wanted in offered:
         return wanted
@@ -324,9 +324,9 @@ def chosen_format(document: Document, offered: list[str]) -> str:
     known = [kind for kind in offered if media_type(kind)]
     if wanted is not None:
         full = (wanted if "/" in wanted else f"image/{wanted}").lower()
-        alike = [kind for kind in known if kind.lower() == full]
-        alike += [kind for kind in known if media_type(kind) == media_type(full)]
-        return alike[0] if alike else chosen_one(document, "format", full, dict.fromkeys(known, ""))
+        matching = [kind for kind in known if kind.lower() == full]
+        matching += [kind for kind in known if media_type(kind) == media_type(full)]
+        return matching[0] if matching else chosen_one(document, "format", full, dict.fromkeys(known, ""))
     if known:
         return min(known, key=_format_rank)
     raise document.wrong(
@@ -335,14 +335,14 @@ def chosen_format(document: Document, offered: list[str]) -> str:
 
 
 def media_type(kind: str) -> str:
-    """Media type of a service's name of a format, without parameters; empty if it cannot be decoded."""
+    """Media type, without parameters, of a format as a service names it; empty if the format cannot be decoded."""
     plain = kind.partition(";")[0].strip().lower()
     plain = _OTHER_NAMES.get(plain, plain)
     return plain if plain in FORMATS or plain == _EITHER else ""
 
 
 def _format_rank(kind: str) -> tuple[int, int]:
-    """Rank of a format for `min`: registered names first, as entries of earlier releases have them."""
+    """Rank of a format for `min`; registered names come first, as earlier releases chose these."""
     plain = kind.strip().lower()
     if plain in FORMATS:
         return 0, FORMATS.index(plain)
@@ -363,12 +363,12 @@ def read_policy(identification: Any) -> Policy:
 
 
 def read_credit(title: str | None, provider: Any) -> str:
-    """Attribution of the layer, otherwise the provider's name."""
+    """Attribution that the layer states, otherwise the provider's name."""
     return one_line(title) or one_line(getattr(provider, "name", None))
 
 
 def read_bounds(layers: Iterable[Any]) -> tuple[float, float, float, float]:
-    """West, south, east, north in degrees of all layers; the world where a layer states no bounds."""
+    """West, south, east, north in degrees of all layers together; the world if a layer states no bounds."""
     boxes = []
     for layer in layers:
         box = getattr(layer, "boundingBoxWGS84", None)

@@ -1,4 +1,4 @@
-"""The kind of service at an address, by the address itself or by the server's answer."""
+"""Detection of the kind of service at an address, by the address or by the server's answer."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class FoundService:
     Parameters
     ----------
     source : NamedSource
-        Named as in a mission, except for a layer that has yet to be chosen.
+        Source named as in a mission, except that the layer may still have to be chosen.
     layers : tuple of Offered, or None
-        Layers to choose from; None where there is no choice.
+        Layers to choose from; None if there is no choice.
     """
 
     source: NamedSource
@@ -30,24 +30,24 @@ class FoundService:
 
     @property
     def kind(self) -> str:
-        """One of the keys of `CHOICES`."""
+        """Kind of the service, a key of `CHOICES`."""
         return self.source.text.partition(":")[0].lower()
 
     @property
     def layer_choice(self) -> str:
-        """Name of the choice of a layer."""
+        """Name of the choice that selects a layer."""
         return CHOICES[self.kind][0]
 
 
 def is_service_address(text: str) -> bool:
-    """Whether a text may name a service: with its kind, or by a web address without placeholders."""
+    """Whether a text may name a service: with a prefix of its kind, or by a web address without placeholders."""
     if source_kind(text).is_service:
         return True
     return re.match(r"https?://", text, re.IGNORECASE) is not None and not re.search(r"\{(?!key\})", text)
 
 
 def found_service(text: str, options: SourceOptions) -> FoundService:
-    """Service at an address, found by requests to it.
+    """Detect the service at an address by requests.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def found_service(text: str, options: SourceOptions) -> FoundService:
     if source_kind(text).is_service:
         return _found(text, options)
     address = text.partition("#")[0]
-    # Kinds to try. The address of a WMS or WMTS of ArcGIS Server ends with that name.
+    # Kinds to try. ArcGIS Server's WMS and WMTS addresses end with these words, not with MapServer.
     hints = (
         (r"/(Map|Image)Server(/\d+)?/?(\?|$)|/rest/services(/[^/?]*)?/?(\?|$)", ("arcgis",)),
         ("(?i)wmts", ("wmts", "wms")),
@@ -91,7 +91,7 @@ def _found(text: str, options: SourceOptions) -> FoundService:
 
 
 def _answered_kind(address: str, options: SourceOptions) -> str:
-    """Kind of a service by its answer."""
+    """Request an address; return the kind of service that answers."""
     accept = {"Accept": "application/json, application/xml;q=0.9, text/xml;q=0.9, */*;q=0.1"}
     source = OGCAPITiles(f"ogcapi:{address}", options)
     service, key = source.service, source.key
@@ -108,7 +108,7 @@ def _answered_kind(address: str, options: SourceOptions) -> str:
     ):
         if names & known:
             return kind
-    # Many services answer a bare address with a page for people; most of these are WMS.
+    # Many services, most of them WMS, answer a bare address with a page for people.
     try:
         _found(f"wms:{address}", options)
     except SourceError:
@@ -122,7 +122,7 @@ def _answered_kind(address: str, options: SourceOptions) -> str:
 
 
 def _names(body: bytes) -> set[str]:
-    """Names in a JSON object; empty for other documents."""
+    """Names of the members of a JSON object; empty for other documents."""
     try:
         value: Any = parse_json(body)
     except InvalidInput:

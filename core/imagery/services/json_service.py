@@ -1,4 +1,4 @@
-"""Services that describe themselves in JSON: fetching a document, and reading values from it."""
+"""Services that describe themselves in JSON: fetching of documents, and reading of values."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ class JSONService(ServiceSource):
     """A layer of a service that describes itself in JSON, as a mission names it."""
 
     def _filled(self, url: str) -> str:
-        """Address with the key."""
+        """Fill the key into an address."""
         return url.replace("{key}", quote(self.key, safe="")) if self.key else url
 
     def _json(self, url: str, what: Message) -> Document:
-        """Fetch a JSON document, requested by header and, if that fails, by query.
+        """Fetch a JSON document; request JSON by header and, if the answer is not JSON, by query.
 
         Raises
         ------
         SourceError
-            It is not available, too large, or not a JSON object.
+            The document is not available, too large, or not a JSON object.
         """
         key, accept = self.key, {"Accept": "application/json"}
         document, body, words = fetch_document(self.service, url, key, self.options.transport, what, accept)
         if not _begins_as_json(body) and "f=" not in urlsplit(url).query:
-            # Some servers ignore the header.
+            # Some servers ignore the Accept header.
             url = set_query(url, {"f": "json"})
             document, body, words = fetch_document(self.service, url, key, self.options.transport, what, accept)
         if len(body) > MAX_SERVICE_JSON_BYTES:
@@ -54,7 +54,7 @@ class JSONService(ServiceSource):
         return replace(document, root=_mark_keys(root, document))
 
     def _made(self, title: str, credit: str, url: str, policy: Policy, **tiles: Any) -> CatalogueEntry:
-        """Entry of tiles by URL template."""
+        """Entry of tiles with a URL template."""
         return CatalogueEntry(
             name=self.text,
             title=title or self.service.host,
@@ -69,7 +69,7 @@ class JSONService(ServiceSource):
 
 
 def set_query(url: str, query: Mapping[str, str]) -> str:
-    """Address with parameters set in its query; placeholders are kept."""
+    """Set parameters in the query of an address; placeholders are kept."""
     parts = urlsplit(url)
     given = [(name, value) for name, value in parse_qsl(parts.query, keep_blank_values=True)]
     kept = [(name, value) for name, value in given if name.lower() not in query]
@@ -77,7 +77,7 @@ def set_query(url: str, query: Mapping[str, str]) -> str:
 
 
 def read_objects(value: object) -> list[Mapping[str, Any]]:
-    """Objects of a list, up to 10,000; empty for other values."""
+    """Objects in a list, up to 10,000; empty for other values."""
     if not isinstance(value, Sequence) or isinstance(value, str):
         return []
     return [one for one in value[:10_000] if isinstance(one, Mapping)]
@@ -96,7 +96,7 @@ def read_number(value: object) -> float | None:
 
 
 def sound_bounds(west: float, south: float, east: float, north: float) -> Bounds:
-    """Bounds in degrees, clipped to the Earth; the world where they are invalid."""
+    """Clip bounds in degrees to the Earth; the world if they are invalid."""
     box = max(west, -180.0), max(south, -90.0), min(east, 180.0), min(north, 90.0)
     return box if box[0] < box[2] and box[1] < box[3] else WORLD_DEG
 
@@ -106,7 +106,7 @@ def _begins_as_json(body: bytes) -> bool:
 
 
 def _mark_keys(value: Any, document: Document) -> Any:
-    """Value with its key replaced by {key}; a literal {key} is escaped."""
+    """Replace the key in all texts by {key}; a literal {key} is escaped."""
     if isinstance(value, str):
         return document.without_key(value.replace("{key}", "%7Bkey%7D"))
     if isinstance(value, list):

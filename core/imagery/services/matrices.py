@@ -1,8 +1,8 @@
-"""The tiles of a layer of a WMTS: the choice of a tile matrix set, and its pixel grid.
+"""Tiles of a layer of a WMTS: choice of a tile matrix set, and its pixel grid.
 
-From one level of a grid to the next, pixels halve; corner and tile size stay. In Web Mercator a set must match the
-quad, whatever its levels are named. In other projected systems, the levels used begin with the finest (or with the one
-chosen as ``tilematrix``), and their scale denominators double; levels between are ignored.
+Pixels halve from one level of a grid to the next; corner and tile size stay the same. In Web Mercator, a set must match
+the quad, with any names of levels. In other projected systems, the finest level (or the level chosen as ``tilematrix``)
+is used, and all levels whose scale denominators are 2, 4, 8 … times as large; other levels are ignored.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ..systems import (
 )
 from .capabilities import NAMED, Document, chosen_one, read_bounds
 
-#: Standardized pixel size, metres, which defines scales of WMTS and WMS (OGC 07-057r7, 6.1; OGC 06-042, 7.2.4.6.9).
+#: Standardized pixel size in metres, which defines scales of WMTS and WMS (OGC 07-057r7, 6.1; OGC 06-042, 7.2.4.6.9).
 SCALE_PX_M = 0.28e-3
 
 
@@ -42,15 +42,15 @@ class LayerTiles:
     Parameters
     ----------
     name : str
-        Of the tile matrix set.
+        Name of the tile matrix set.
     crs : str
     tile_px : int
     levels : mapping of int to str
-        Identifiers of the tile matrices by zoom.
+        Maps each zoom to the identifier of its tile matrix.
     plane : ProjectedPlane or None
-        None for the Web-Mercator map.
+        Plane of the tiles; None for the Web-Mercator map.
     limits : tuple
-        As `CatalogueEntry.tile_limits`.
+        See `CatalogueEntry.tile_limits`.
     """
 
     name: str
@@ -62,7 +62,7 @@ class LayerTiles:
 
     @property
     def finest(self) -> float:
-        """Relative fineness of the highest zoom, to compare sets of one system."""
+        """Relative fineness of the highest zoom, comparable between sets of the same system."""
         highest = max(self.levels)
         return float(highest) if self.plane is None else self.tile_px * 2.0**highest / self.plane.width
 
@@ -74,21 +74,21 @@ def chosen_tiles(document: Document, service: Any, layer: Any, crs: str, area_de
     ----------
     document : Document
     service, layer
-        Of OWSLib.
+        Service and layer of OWSLib.
     crs : str
-        As in `SourceOptions`.
+        See `SourceOptions`.
 
     Raises
     ------
     InvalidInput
-        No set is usable, or not the wanted set or system; the error lists the usable ones.
+        No set is usable, or the wanted set or system is not; the error lists the usable ones.
     """
     choices = document.service.choices
     wanted, first = choices.get("tilematrixset"), choices.get("tilematrix")
     sets: dict[str, Any] = {name: service.tilematrixsets[name] for name in layer.tilematrixsetlinks}
     found: dict[str, LayerTiles] = {}
-    asked_first = sorted(sets, key=lambda name: (name != wanted, epsg_code(sets[name].crs) != (crs or MAP)))
-    for name in asked_first[:50]:
+    by_priority = sorted(sets, key=lambda name: (name != wanted, epsg_code(sets[name].crs) != (crs or MAP)))
+    for name in by_priority[:50]:
         tiles = _matrix_tiles(sets[name], name, layer, first)
         if tiles is not None:
             found[name] = tiles
@@ -100,14 +100,14 @@ def chosen_tiles(document: Document, service: Any, layer: Any, crs: str, area_de
             document.service.host,
             one_line(", ".join(f"{name} ({one.crs})" for name, one in list(sets.items())[:NAMED])),
         )
-    there = list(dict.fromkeys(tiles.crs for tiles in found.values()))
-    if crs and crs not in there:
-        raise refused(crs, Message("layer {0!r} of {1}", layer.id, document.service.host), sorted(there))
+    systems = list(dict.fromkeys(tiles.crs for tiles in found.values()))
+    if crs and crs not in systems:
+        raise refused(crs, Message("layer {0!r} of {1}", layer.id, document.service.host), sorted(systems))
     if wanted is not None:
         chosen = found[chosen_one(document, "tilematrixset", wanted, {name: name for name in found})]
     else:
         boxes = filter(None, (area_deg, read_bounds([layer])))
-        system = crs or (MAP if MAP in there else best_system(there, *boxes))
+        system = crs or (MAP if MAP in systems else best_system(systems, *boxes))
         chosen = max(
             (tiles for tiles in found.values() if tiles.crs == system),
             key=lambda tiles: (tiles.finest, -tiles.tile_px),
@@ -119,7 +119,7 @@ def chosen_tiles(document: Document, service: Any, layer: Any, crs: str, area_de
 
 
 def _matrix_tiles(matrix_set: Any, name: str, layer: Any, first: str | None) -> LayerTiles | None:
-    """Tiles of a set, from the matrix ``first`` on if it exists; None where they form no grid."""
+    """Tiles of a set, without matrices finer than ``first`` (if it exists); None if they form no grid."""
     limits = layer.tilematrixsetlinks[name].tilematrixlimits
     offered = [one for one in matrix_set.tilematrix.values() if not limits or one.identifier in limits]
     scale = next((one.scaledenominator for one in offered if one.identifier == first), 0.0)
@@ -134,23 +134,23 @@ def _matrix_tiles(matrix_set: Any, name: str, layer: Any, first: str | None) -> 
 
 
 def _tile_px(matrices: Sequence[Any]) -> int | None:
-    """Width of the tiles of all matrices, px; None where they differ or form no grid."""
+    """Width of the tiles of all matrices, px; None if sizes differ or are not multiples of 256."""
     sizes = {size for matrix in matrices for size in (matrix.tilewidth, matrix.tileheight)}
     size = sizes.pop() if len(sizes) == 1 else 0
     return size if size >= 256 and size % 256 == 0 else None
 
 
 def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTiles | None:
-    """Tiles of the Web-Mercator quad; None where the matrices belong to another grid."""
-    # Documents round scales to eight digits or more, and corners to whole metres at worst; other grids differ by
-    # percents, and by kilometres.
+    """Tiles of the Web-Mercator quad; None if the matrices belong to another grid."""
+    # Documents round scales to eight digits or more, and corners at worst to whole metres; scales of other grids differ
+    # by percents, and corners by kilometres.
     scale_tolerance, corner_tolerance_m = 1e-6, 1.0
     width = _tile_px(matrices)
     if width is None:
         return None
     levels = {}
     for matrix in matrices:
-        # In either axis order, as west is negative and north positive.
+        # Sorting accepts either axis order, as west is negative and north positive.
         x_m, y_m = sorted(matrix.topleftcorner)
         zoom = math.log2(2.0 * HALF_WORLD_M / (matrix.scaledenominator * SCALE_PX_M * width))
         if (
@@ -162,16 +162,16 @@ def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTil
             levels[round(zoom)] = matrix
     if not levels:
         return None
-    # Zooms must be contiguous: captures cannot use those below a gap.
+    # Zooms must be contiguous: captures cannot use zooms below a gap.
     highest = max(levels)
     lowest = next(zoom for zoom in range(highest, -2, -1) if zoom not in levels) + 1
-    taken = {zoom: levels[zoom] for zoom in range(lowest, highest + 1)}
+    contiguous = {zoom: levels[zoom] for zoom in range(lowest, highest + 1)}
     return LayerTiles(
         name,
         MAP,
         width,
-        {zoom: matrix.identifier for zoom, matrix in taken.items()},
-        limits=tuple((zoom, *_limited(matrix, limits)) for zoom, matrix in taken.items() if limits),
+        {zoom: matrix.identifier for zoom, matrix in contiguous.items()},
+        limits=tuple((zoom, *_limited(matrix, limits)) for zoom, matrix in contiguous.items() if limits),
     )
 
 
@@ -183,19 +183,19 @@ def _own(
     by_axes: bool,
     bounds_deg: tuple[float, float, float, float],
 ) -> LayerTiles | None:
-    """Tiles in the plane of another projected system, from the finest matrix on; None where they form no grid.
+    """Tiles in the plane of another projected system, from the finest matrix on; None if they form no grid.
 
     Parameters
     ----------
     by_axes : bool
-        Whether the document names the system in a form for which its axis order holds.
+        Whether the document names the system in a form that implies the axis order of EPSG.
     """
     unit = unit_m(crs)
     chain = _halving([matrix for matrix in matrices if _is_sound(matrix)], unit)
     if not chain:
         return None
     tile_px = chain[0].tilewidth
-    # Zooms at which all columns and rows lie within the plane.
+    # Find the highest zoom such that the columns and rows of every matrix lie within the plane.
     most = (max(one.matrixwidth, one.matrixheight) for one in chain)
     highest = max((count - 1).bit_length() + at for at, count in enumerate(most))
     if highest > HIGHEST_ZOOM:
@@ -206,11 +206,11 @@ def _own(
     if by_axes and northing_first(crs):
         west, north = north, west
     plane = ProjectedPlane(crs, west, north, side, side)
-    turned = ProjectedPlane(crs, north, west, side, side)
+    swapped = ProjectedPlane(crs, north, west, side, side)
     ends = finest.matrixwidth / 2.0**highest, finest.matrixheight / 2.0**highest
-    # The ground of the layer reveals documents that state corners in the other axis order.
-    if not _meets(plane, bounds_deg, *ends) and _meets(turned, bounds_deg, *ends):
-        plane = turned
+    # Some documents state corners in the other axis order, which the bounds of the layer reveal.
+    if not _meets(plane, bounds_deg, *ends) and _meets(swapped, bounds_deg, *ends):
+        plane = swapped
     zooms = [highest - at for at in range(len(chain))]
     return LayerTiles(
         name,
@@ -236,8 +236,8 @@ def _is_sound(matrix: Any) -> bool:
 
 
 def _halving(matrices: list[Any], unit: float) -> list[Any]:
-    """Return the finest matrix, and those whose pixels are 2, 4, 8 … times as large."""
-    # Pixels of the finest matrix by which others may deviate, over its whole extent and at their corners.
+    """Return the finest matrix, and the matrices whose pixels are 2, 4, 8 … times as large."""
+    # Tolerance in pixels of the finest matrix, for the deviation of other matrices over the extent and at the corner.
     tolerance_px = 0.1
     ordered = sorted(matrices, key=lambda one: one.scaledenominator)
     chain = ordered[:1]
@@ -245,9 +245,9 @@ def _halving(matrices: list[Any], unit: float) -> list[Any]:
         finest, times = chain[0], 2.0 ** len(chain)
         px = finest.scaledenominator * SCALE_PX_M / unit
         across = max(finest.matrixwidth, finest.matrixheight) * finest.tilewidth
-        stretched = abs(matrix.scaledenominator / finest.scaledenominator / times - 1.0) * across
-        moved = max(abs(a - b) for a, b in zip(matrix.topleftcorner, finest.topleftcorner)) / px
-        if matrix.tilewidth == finest.tilewidth and stretched <= tolerance_px and moved <= tolerance_px:
+        scale_error_px = abs(matrix.scaledenominator / finest.scaledenominator / times - 1.0) * across
+        shift_px = max(abs(a - b) for a, b in zip(matrix.topleftcorner, finest.topleftcorner)) / px
+        if matrix.tilewidth == finest.tilewidth and scale_error_px <= tolerance_px and shift_px <= tolerance_px:
             chain.append(matrix)
     return chain
 
@@ -261,12 +261,12 @@ def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int
         return 0, 0, last_column, last_row
     left, top, right, bottom = max(stated[0], 0), max(stated[1], 0), stated[2], stated[3]
     right, bottom = min(right, last_column), min(bottom, last_row)
-    # Limits without any tile are an error of the document.
+    # Ignore limits without any tile, which are an error of the document.
     return (left, top, right, bottom) if left <= right and top <= bottom else (0, 0, last_column, last_row)
 
 
 def _meets(plane: ProjectedPlane, bounds_deg: tuple[float, float, float, float], right: float, bottom: float) -> bool:
-    """Whether a matrix that ends at ``right, bottom`` of a plane shows ground within bounds; true for the world."""
+    """Whether a matrix that ends at ``right, bottom`` of a plane overlaps bounds; True for the bounds of the world."""
     if bounds_deg == WORLD_DEG:
         return True
     box = project_box(plane, bounds_deg)

@@ -1,14 +1,15 @@
-"""WMTS and WMS by their capabilities: a layer becomes a source of tiles.
+"""Layers of WMTS and WMS as sources of tiles, by the capabilities of the service.
 
-A layer is named ``wmts:URL#layer=NAME`` or ``wms:URL#layers=NAME``: the address of the service or of its
-capabilities, and after ``#`` the choices, joined by ``&``: ``style, tilematrixset, format`` of a WMTS, ``styles,
-format, version`` of a WMS. Defaults are those of the server, and PNG where available, as PNG distinguishes ground
-without imagery from black or white ground. A key in the address is written ``{key}``.
+A layer is named ``wmts:URL#layer=NAME`` or ``wms:URL#layers=NAME``. URL is the address of the service or of its
+capabilities. Further choices after ``#``, joined by ``&``, are ``style, tilematrixset, format`` for a WMTS and
+``styles, format, version`` for a WMS. By default, the server's defaults apply, and PNG if available, as PNG
+distinguishes ground without imagery from black or white ground. A key in the address is written ``{key}``.
 
-The coordinate reference system is the wanted one; otherwise Web Mercator where available, whatever its levels are
-named; otherwise the projected system whose area of use suits the layer best. For a WMTS it is that of a tile matrix set
-(`matrices`). A WMS draws tiles of the Web-Mercator grid, or of a plane of the system that begins 2**26 units west and
-north of its origin, with pixels of 1, 2, 4 … and 1/2, 1/4, 1/8 … units. OWSLib, needed here only, reads the documents.
+The coordinate reference system is the wanted one; otherwise Web Mercator if available, with any names of levels;
+otherwise the projected system whose area of use suits the layer best. For a WMTS, it must be the system of a tile
+matrix set (`matrices`). A WMS draws tiles of the Web-Mercator grid, or of a plane of the system, which begins 2**26
+units west and north of the origin and has pixels of 1, 2, 4 … and 1/2, 1/4, 1/8 … units. OWSLib, which only this module
+needs, reads the documents.
 """
 
 from __future__ import annotations
@@ -48,9 +49,9 @@ from .capabilities import (
 from .matrices import SCALE_PX_M, chosen_tiles
 from .service import ServiceSource
 
-#: EPSG codes in a WMS.
+#: EPSG code, as a WMS states it.
 _EPSG = re.compile(r"EPSG:[1-9][0-9]{0,6}")
-#: Most systems of a layer to consider: services list thousands.
+#: Most systems of a layer to consider, as services may list thousands.
 _MOST_SYSTEMS = 500
 #: Most systems and tile matrix sets of each layer in a list of layers.
 _MOST_OFFERED = 50
@@ -62,7 +63,7 @@ class ServiceLayer(ServiceSource):
     """A layer of a WMTS or WMS as a mission names it."""
 
     def layers(self) -> list[Offered] | None:
-        """Layers of the service, where none is named yet."""
+        """Layers of the service if none is named yet; otherwise None."""
         if "layer" in self.service.choices or "layers" in self.service.choices:
             return None
         return super().layers()
@@ -81,7 +82,7 @@ class ServiceLayer(ServiceSource):
 
 
 def _entry(name: str, service: Any, layers: Sequence[Any], url: str, **tiles: Any) -> CatalogueEntry:
-    """Entry of one layer, or of several drawn over each other."""
+    """Entry of a layer, or of several layers drawn over each other."""
     credit = getattr(layers[0], "attribution", None) or {}
     return CatalogueEntry(
         name=name,
@@ -98,7 +99,7 @@ def _entry(name: str, service: Any, layers: Sequence[Any], url: str, **tiles: An
 
 
 def _append_query(base: str, query: dict[str, str]) -> str:
-    """Address with parameters added to its query; placeholders are kept."""
+    """Add parameters to the query of an address; placeholders are kept."""
     joint = "" if base.endswith(("?", "&")) else "&" if "?" in base else "?"
     return f"{base}{joint}{urlencode(query, safe='{}:/,', quote_via=quote)}"
 
@@ -118,7 +119,7 @@ def _wmts_layers(document: Document) -> list[Offered]:
 
 
 def _dates_of_layers(document: Document) -> dict[str, Dates]:
-    """Dates of the layers of a WMTS, by their names."""
+    """Dates of the layers of a WMTS, by layer name."""
     found = {}
     for element in document.root.iter(f"{_WMTS}Layer"):
         times = [about for about in _read_dimensions(element).values() if isinstance(about, Dates)]
@@ -128,14 +129,14 @@ def _dates_of_layers(document: Document) -> dict[str, Dates]:
 
 
 def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None) -> CatalogueEntry:
-    """Entry of a layer; raises InvalidInput and SourceError as `ogc.ServiceLayer` does."""
+    """Entry of a layer; raises InvalidInput and SourceError as `ServiceSource._find` does."""
     service = _wmts(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
     layer = service.contents[chosen_one(document, "layer", choices.get("layer"), contents)]
     chosen = chosen_tiles(document, service, layer, crs, area_deg)
     kind = chosen_format(document, _formats(layer))
-    # OWSLib has None for an empty identifier, which GeoWebCache writes for a style without a name.
+    # For a style without a name, GeoWebCache writes an empty identifier, which OWSLib returns as None.
     styles = {(known or "").strip(): about["isDefault"] for known, about in layer.styles.items()}
     style = choices.get("style")
     if style is None:
@@ -182,7 +183,7 @@ def _formats(layer: Any) -> list[str]:
 
 
 def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
-    """Dimensions of a layer, which OWSLib ignores: dates of the time, the default of every other."""
+    """Dimensions of a layer, which OWSLib ignores: dates of the time dimension, defaults of all others."""
     found: dict[str, Dates | str] = {}
     for element in document.root.iter(f"{_WMTS}Layer"):
         if (element.findtext(f"{_OWS}Identifier") or "").strip() == layer:
@@ -191,7 +192,7 @@ def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
 
 
 def _read_dimensions(layer: Any) -> dict[str, Dates | str]:
-    """Dimensions of a layer's element."""
+    """Dimensions in the XML element of a layer."""
     found: dict[str, Dates | str] = {}
     for dimension in layer.findall(f"{_WMTS}Dimension"):
         name = (dimension.findtext(f"{_OWS}Identifier") or "").strip()
@@ -203,9 +204,9 @@ def _read_dimensions(layer: Any) -> dict[str, Dates | str]:
 
 
 def _rest_url(document: Document, layer: Any, kind: str, filled: dict[str, str]) -> str:
-    """Template of the tiles as resources; empty where the service has none in this format."""
+    """Template of tiles as REST resources; empty if the service has none in this format."""
     tiles = [one for one in layer.resourceURLs if one["resourceType"] == "tile"]
-    # Some servers spell a format differently in the list of formats and at the resource.
+    # Some servers spell a format differently in the list of formats and in the resource.
     same = [one for one in tiles if one["format"] == kind]
     same += [one for one in tiles if media_type(one["format"]) == media_type(kind)]
     return filled_template(document, same[0]["template"], filled) if same else ""
@@ -219,7 +220,7 @@ def _kvp_url(
     filled: dict[str, str],
     dimensions: dict[str, Dates | str],
 ) -> str:
-    """Template of the tiles by GetTile, with parameters in the query."""
+    """Template of tiles requested by GetTile, with parameters in the query."""
     base = document.url.partition("?")[0]
     for operation in service.operations:
         if operation.name == "GetTile":
@@ -245,7 +246,7 @@ def _kvp_url(
 def _wms_layers(document: Document) -> list[Offered]:
     """Layers of a WMS."""
     _, service = _wms(document)
-    # Layers share lists of systems: each list is examined once.
+    # Layers share lists of systems, so examine each list once.
     known: dict[tuple[str, ...], tuple[str, ...]] = {}
     offered = []
     for name, layer in service.contents.items():
@@ -265,7 +266,7 @@ def _usable_systems(named: Sequence[str]) -> tuple[str, ...]:
 
 
 def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str, area_deg: Bounds | None) -> CatalogueEntry:
-    """Entry of one layer, or of several drawn over each other; raises as `ogc.ServiceLayer` does."""
+    """Entry of a layer, or of several layers drawn over each other; raises as `ServiceSource._find` does."""
     version, service = _wms(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
@@ -312,7 +313,7 @@ def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str, are
 
 
 def _wms(document: Document) -> tuple[str, Any]:
-    """Version of the server's answer, and its capabilities."""
+    """Return the version of the server's answer, and the capabilities."""
     read = importlib.import_module("owslib.wms").WebMapService
     versions = ("1.3.0", "1.1.1")
     version = document.root.get("version") or versions[0]
@@ -322,7 +323,7 @@ def _wms(document: Document) -> tuple[str, Any]:
 
 
 def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bounds | None) -> str:
-    """Coordinate reference system to request, as the service names it: the wanted, Web Mercator, or the best suited."""
+    """System to request, as the service names it: the wanted system, Web Mercator, or the best suited one."""
     offered = set.intersection(*({crs.upper() for crs in layer.crsOptions} for layer in layers))
     mercator = next((crs for crs in MERCATOR_CODES if crs in offered), None)
     if wanted in ("", MAP) and mercator is not None:
@@ -331,8 +332,8 @@ def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bound
     if wanted:
         if wanted in projected and is_usable(wanted):
             return wanted
-        there = [MAP] if mercator is not None else []
-        raise refused(wanted, _named(document, layers[0]), [*there, *filter(is_usable, projected[:_MOST_SYSTEMS])])
+        on_map = [MAP] if mercator is not None else []
+        raise refused(wanted, _named(document, layers[0]), [*on_map, *filter(is_usable, projected[:_MOST_SYSTEMS])])
     usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
     if usable:
         return best_system(usable, *filter(None, (area_deg, read_bounds(layers))))
@@ -353,8 +354,8 @@ def _named(document: Document, layer: Any) -> str:
 def own_plane(crs: str, tile_px: int) -> ProjectedPlane:
     """Plane for the pixels of a WMS: pixel sizes and edges are powers of two of the system's unit.
 
-    It does not depend on the layer, so that missions and cached tiles stay valid. Its corner lies farther west than
-    eastings that begin with a zone's number extend.
+    The plane does not depend on the layer, so that missions and cached tiles stay valid. Its corner lies so far out
+    that eastings prefixed with a zone number fit, too.
     """
     farthest, side = 2.0**26, float(tile_px)
     while side < 2.0 * farthest:
@@ -371,7 +372,7 @@ def _check_styles(document: Document, layers: Sequence[Any], styles: Sequence[st
 
 
 def _dates(layers: Sequence[Any]) -> Dates | None:
-    """Dates of the first layer that has a time."""
+    """Dates of the first layer with a time dimension; None if there is none."""
     for layer in layers:
         default = getattr(layer, "defaulttimeposition", None) or ""
         dates = time_dimension_dates(layer.timepositions or [], default)
@@ -381,7 +382,7 @@ def _dates(layers: Sequence[Any]) -> Dates | None:
 
 
 def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | None) -> int:
-    """Highest zoom at which every layer is drawn, as far as the service states it."""
+    """Highest zoom at which every layer is drawn, by the scales that the service states."""
     width_m = 2.0 * HALF_WORLD_M if plane is None else plane.width * plane.unit_m
     highest = DEFAULT_MAX_ZOOM if plane is None else finest_zoom(plane, tile_px)
     for layer in layers:

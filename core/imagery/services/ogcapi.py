@@ -1,8 +1,8 @@
-"""Tiles of an OGC API (OGC 20-057, "OGC API - Tiles - Part 1"), found by the links in its documents.
+"""Tiles of an OGC API (OGC 20-057, "OGC API - Tiles - Part 1"), found by following links between documents.
 
-``ogcapi:URL`` names a landing page, a list of collections, a collection, a list of tilesets or a tileset; the choices
-after ``#`` are ``collection``, ``tilematrixset``, ``tilematrix`` and ``format``. Choice and grid of a tile matrix set
-follow the rules for WMTS (`matrices`); WebMercatorQuad is built in, others are fetched (OGC 17-083r4).
+``ogcapi:URL`` names a landing page, a list of collections, a collection, a list of tilesets or a tileset. Choices after
+``#`` are ``collection``, ``tilematrixset``, ``tilematrix`` and ``format``. Tile matrix sets are chosen and converted to
+grids by the rules for WMTS (`matrices`); WebMercatorQuad is built in, others are fetched (OGC 17-083r4).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .capabilities import Document, Offered, chosen_format, chosen_one, filled_t
 from .json_service import JSONService, read_number, read_objects, read_text, set_query, sound_bounds
 from .matrices import SCALE_PX_M, LayerTiles, chosen_tiles
 
-#: Relations of links: in full, in short, and in earlier drafts.
+#: Relations of links, as a full URI, as a short name, and as in earlier drafts.
 _TILESETS = re.compile(r"(?:^|[/:])(?:tilesets-(?:map|coverage)|tiles)\]?$")
 _COLLECTIONS = re.compile(r"(?:^|[/:])(?:data|collections)\]?$")
 _QUAD = "WebMercatorQuad"
@@ -41,7 +41,7 @@ class OGCAPITiles(JSONService):
 
     def __init__(self, text: str, options: SourceOptions) -> None:
         super().__init__(text, options)
-        #: Title, credit, licence and ground in the documents.
+        #: Title, attribution, licence and bounds stated in documents.
         self._stated: dict[str, Any] = {}
 
     def _document(self) -> Document:
@@ -83,8 +83,8 @@ class OGCAPITiles(JSONService):
         )
 
     def _followed(self, document: Document, *, to_list: bool) -> Document:
-        """Document of tilesets, or a tileset; with ``to_list``, the list of collections where one has to be chosen."""
-        # More than there are between a landing page and a tileset.
+        """Follow links to a list of tilesets or a tileset; with ``to_list``, stop at a list of collections."""
+        # More links than lie between a landing page and a tileset.
         most_steps = 6
         wanted = self.service.choices.get("collection")
         for _ in range(most_steps):
@@ -99,7 +99,7 @@ class OGCAPITiles(JSONService):
                 self._note(collection)
                 link = _link(collection, _TILESETS)
             elif root.get("id") == wanted or wanted is None:
-                # A collection, or a landing page, which may have tiles of all its collections.
+                # This is a collection, or a landing page, which may have tiles of all collections together.
                 link = _link(root, _TILESETS) or _link(root, _COLLECTIONS)
             else:
                 link = _link(root, _COLLECTIONS)
@@ -118,7 +118,7 @@ class OGCAPITiles(JSONService):
         return offered[chosen_one(document, "collection", wanted, names)]
 
     def _chosen_tileset(self, document: Document) -> Document:
-        """Tileset of the wanted matrix set or system, otherwise of Web Mercator, or the first."""
+        """Tileset of the wanted matrix set or system; otherwise that of Web Mercator, otherwise the first."""
         offered: dict[str, Mapping[str, Any]] = {}
         for one in read_objects(document.root["tilesets"]):
             if read_text(one.get("dataType")) in ("", "map", "coverage") and _self(one):
@@ -135,7 +135,7 @@ class OGCAPITiles(JSONService):
         return self._json(link, Message("description of tiles"))
 
     def _tileset_tiles(self, tileset: Document) -> tuple[LayerTiles, str]:
-        """Grid of a tileset, and its template for the chosen format."""
+        """Return the grid of a tileset, and the template of its tiles in the chosen format."""
         root = tileset.root
         items = _items(root)
         if not items:
@@ -157,13 +157,13 @@ class OGCAPITiles(JSONService):
         by_id = {one.identifier: one for one in matrices}
         sets = {name: SimpleNamespace(crs=crs, tilematrix=by_id)}
         service = SimpleNamespace(tilematrixsets=sets)
-        # The set is already chosen by its name, which a link may spell differently.
+        # The set is already chosen; a link may spell its name differently.
         choices = {one: text for one, text in tileset.service.choices.items() if one != "tilematrixset"}
         document = _replace_choices(tileset, choices)
         return chosen_tiles(document, service, layer, self.options.crs, self.options.area_deg), items[kind]
 
     def _matrices(self, tileset: Document) -> tuple[str, list[SimpleNamespace], str]:
-        """Name of a tileset's matrix set, its matrices in the form of OWSLib, and its system."""
+        """Return the name of a tileset's matrix set, the matrices in the form of OWSLib, and the system."""
         root = tileset.root
         name = _matrix_set_name(root)
         if _QUAD_URI.search(read_text(root.get("tileMatrixSetURI"))) or name == _QUAD:
@@ -176,7 +176,7 @@ class OGCAPITiles(JSONService):
         return name or read_text(scheme.root.get("id")), _read_matrices(scheme), crs
 
     def _note(self, root: Mapping[str, Any]) -> None:
-        """Keep title, credit, licence and ground of a document; later documents are more specific."""
+        """Keep title, attribution, licence and bounds of a document; later documents are more specific."""
         stated = self._stated
         for name in ("title", "attribution"):
             if read_text(root.get(name)):
@@ -193,7 +193,7 @@ class OGCAPITiles(JSONService):
             stated["bounds"] = bounds
 
     def _keyed(self, link: str, base: str = "") -> str:
-        """Target of a link, with the key parameters of the service's address on the same server."""
+        """Target of a link; on the service's server, with the parameters of the service's address that hold the key."""
         url = urljoin(base or self.service.address, link)
         if base:
             check_address(url, Message("address in a description of {0}", self.service.host))
@@ -209,7 +209,7 @@ def _replace_choices(document: Document, choices: Mapping[str, str]) -> Document
 
 
 def _link(root: Mapping[str, Any], rel: re.Pattern[str]) -> str:
-    """Address of the first link of a relation, those to JSON before others; empty without one."""
+    """Address of the first link of a relation, preferably to JSON; empty without such a link."""
     links = [
         link
         for link in read_objects(root.get("links"))
@@ -244,7 +244,7 @@ def _matrix_set_name(tileset: Mapping[str, Any]) -> str:
 
 
 def _crs_name(root: Mapping[str, Any]) -> str:
-    """Name of a document's system, which may be a string or an object."""
+    """Name of a document's coordinate reference system, which may be stated as a string or an object."""
     crs = root.get("crs") or root.get("supportedCRS")
     if isinstance(crs, Mapping):
         crs = crs.get("uri")
@@ -254,10 +254,10 @@ def _crs_name(root: Mapping[str, Any]) -> str:
 
 
 def _read_matrices(scheme: Document) -> list[SimpleNamespace]:
-    """Matrices of a tile matrix set, by the current or the previous standard."""
+    """Matrices of a tile matrix set in the current or the previous standard, in the form of OWSLib."""
     root = scheme.root
     stated = root.get("tileMatrices") or root.get("tileMatrix")
-    made = []
+    matrices = []
     for one in read_objects(stated)[:_MOST_MATRICES]:
         corner = one.get("pointOfOrigin") or one.get("topLeftCorner")
         scale = read_number(one.get("scaleDenominator"))
@@ -267,7 +267,7 @@ def _read_matrices(scheme: Document) -> list[SimpleNamespace]:
         sizes = [_whole(one.get(name)) for name in ("tileWidth", "tileHeight", "matrixWidth", "matrixHeight")]
         if across is None or down is None or None in sizes or one.get("variableMatrixWidths"):
             continue
-        made.append(
+        matrices.append(
             SimpleNamespace(
                 identifier=str(one.get("id", one.get("identifier"))),
                 scaledenominator=scale,
@@ -275,9 +275,9 @@ def _read_matrices(scheme: Document) -> list[SimpleNamespace]:
                 **dict(zip(("tilewidth", "tileheight", "matrixwidth", "matrixheight"), sizes)),
             )
         )
-    if not made:
+    if not matrices:
         raise scheme.wrong(Message("a tile matrix set without matrices that can be used"))
-    return made
+    return matrices
 
 
 def _quad_matrices() -> list[SimpleNamespace]:
@@ -297,7 +297,7 @@ def _quad_matrices() -> list[SimpleNamespace]:
 
 
 def _stated_bounds(root: Mapping[str, Any]) -> Bounds | None:
-    """West, south, east and north in degrees of a collection; None where they are not stated."""
+    """West, south, east and north of a collection in degrees; None if not stated."""
     extent = root.get("extent")
     spatial = extent.get("spatial") if isinstance(extent, Mapping) else None
     boxes = spatial.get("bbox") if isinstance(spatial, Mapping) else None
@@ -306,7 +306,7 @@ def _stated_bounds(root: Mapping[str, Any]) -> Bounds | None:
     if spatial is None or "CRS84" not in read_text(spatial.get("crs") or "CRS84"):
         return None
     numbers = [read_number(edge) for edge in boxes[0]]
-    # Without the heights of a box in three dimensions.
+    # Leave out the heights of a box in three dimensions.
     edges = numbers if len(numbers) == 4 else [*numbers[:2], *numbers[3:5]]
     if len(edges) != 4:
         return None

@@ -1,4 +1,4 @@
-"""The base of all kinds of services: a layer as a mission names it."""
+"""Base class of sources from services of any kind."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ class ServiceSource(EntrySource):
 
     @property
     def needs_key(self) -> bool:
-        """Whether its address contains {key}."""
+        """Whether the address contains {key}."""
         return "{key}" in self.text
 
     @property
     def stated_policy(self) -> Policy | None:
-        """None: the documents of the service state its terms."""
+        """None, as only the service states the terms."""
         return None
 
     def layers(self) -> list[Offered] | None:
-        """Layers to choose from, where a layer is needed and none is named."""
+        """Layers to choose from if a layer is needed and none is named; otherwise None."""
         document = self._document()
         with reading(document):
             return self._layers(document)
 
     def _find(self) -> CatalogueEntry:
-        """Entry of the layer, under its provider's terms where those are known.
+        """Entry of the layer, with the terms of its provider if these are known.
 
         Raises
         ------
@@ -57,19 +57,19 @@ class ServiceSource(EntrySource):
 
     @abstractmethod
     def _layers(self, document: Document) -> list[Offered] | None:
-        """Layers in a document; None where no layer has to be named."""
+        """Layers in a document; None if no layer has to be named."""
 
     @abstractmethod
     def _entry(self, document: Document) -> CatalogueEntry:
         """Entry of the wanted layer."""
 
     def environment_key(self) -> str | None:
-        """Return the environment's key, if it is for its host."""
+        """Return the environment's key if the host may receive it."""
         return environment_key([self.service.host], named_by_user=self.options.named_by_user)
 
     @property
     def key(self) -> str:
-        """Key for the address; empty where it needs none. Raises SourceError where it is missing."""
+        """Key for the address; empty if it needs none. Raises SourceError if the key is missing."""
         if not self.needs_key:
             return ""
         key = self.options.key or self.environment_key()
