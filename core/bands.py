@@ -128,7 +128,7 @@ class Bands:
 
 
 def full(dtype: np.dtype[Any]) -> Any:
-    """Value of the mask (the channel after the bands) where available is imagery."""
+    """Value of the mask (the channel after the bands) where there is imagery."""
     return dtype.type(1.0 if dtype.kind == "f" else np.iinfo(dtype).max)
 
 
@@ -185,7 +185,7 @@ def stretch_range(text: str) -> Range | None:
 
 
 def percentiles(values: Values) -> Range:
-    """Percentiles 2 and 98 of a band's values (n,); 0 and 1 if available are no values."""
+    """Percentiles 2 and 98 of a band's values (n,); 0 and 1 if there are no values."""
     if not values.size:
         return 0.0, 1.0
     low, high = np.percentile(values, (2.0, 98.0))
@@ -251,7 +251,7 @@ def unnamed(index: int) -> str:
 
 
 def colour_channels(names: Sequence[str], first: Sequence[int] = (0, 1, 2)) -> tuple[int, ...]:
-    """Channels displayed as colours: red, green and blue by name if available are more than three, else ``first``."""
+    """Channels displayed as colours: red, green and blue by name if there are more than three, else ``first``."""
     if len(names) > 3:
         lower = [name.casefold() for name in names]
         if {"red", "green", "blue"} <= set(lower):

@@ -1,9 +1,9 @@
-"""Sources of heights and their vertical datums.
+"""Sources of heights, and vertical datums.
 
 In reading order:
 
-- `layered`: sources of heights, one filling the holes of another
+- `layered`: combination of sources, each of which fills holes of the sources before
 - `filling`: interpolation of holes in heights
-- `heights`: heights of one source, in its pixels
-- `datum`: vertical datums, and their heights over the ellipsoid
+- `heights`: heights of one source, on its pixel grid
+- `datum`: vertical datums, and heights of their zero surfaces over the ellipsoid
 """

@@ -1,4 +1,4 @@
-"""Vertical datums of heights, and their heights over the ellipsoid. PROJ is loaded when used."""
+"""Vertical datums, and heights of their zero surfaces over the ellipsoid. PROJ is loaded when used."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ..geodesy.vertical import vertical_code, vertical_crs
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Metres per unit of heights, by the names that files and users give.
+#: Metres per unit of heights, by the names that files and users write.
 UNITS_M = {
     **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
     **dict.fromkeys(("ft", "foot", "feet"), 0.3048),
     **dict.fromkeys(("us-ft", "sft", "us survey foot", "ussurveyfoot", "foot_us"), 1200.0 / 3937.0),
 }
-#: A transformer of PROJ is for one thread at a time.
+#: Held while a transformer of PROJ is used, which allows one thread at a time.
 _ONE_AT_A_TIME = threading.Lock()
 
 
@@ -38,7 +38,7 @@ class Datum:
     code : str
         ``EPSG:code`` or WKT of a vertical system; empty for the WGS 84 ellipsoid.
     unit_m : float
-        Metres per unit of the values, upwards: negative for depths.
+        Metres per unit of the values; negative for depths.
     """
 
     code: str = ""
@@ -46,14 +46,14 @@ class Datum:
 
     @classmethod
     def named(cls, text: str, unit_m: float = 1.0) -> Datum:
-        """Datum of a name: ``ellipsoid``, ``EGM96``, ``EGM2008`` or the code of a vertical system.
+        """Datum by name: ``ellipsoid``, ``EGM96``, ``EGM2008`` or the code of a vertical system.
 
-        Values of a system whose axis points down are depths, in the unit ``unit_m``.
+        If the axis of the system points down, values are depths, in the unit ``unit_m``.
 
         Raises
         ------
         InvalidInput
-            Another name.
+            The name is unknown.
         """
         code = vertical_code(text)
         if not code:
@@ -71,15 +71,15 @@ class Datum:
         wkt : str
             Coordinate reference system of the file.
         unit : str
-            Stated unit of its values, or empty.
+            Unit of the values that the file states, or empty.
         title : str
             Name of the file for errors.
 
         Raises
         ------
         InvalidInput
-            An unknown unit; no unit with coordinates in feet, as heights may be in metres or feet; or an axis that
-            points neither up nor down.
+            The unit is unknown, or missing with coordinates in feet (heights may then be in metres or feet); or the
+            axis points neither up nor down.
         """
         crs = read_reference(wkt)
         vertical = crs.sub_crs_list[1] if crs.is_compound and len(crs.sub_crs_list) > 1 else None
@@ -98,7 +98,7 @@ class Datum:
                 )
             stated = math.copysign(unit_m, stated or 1.0)
         if vertical is not None:
-            # Older versions of GDAL name the grid beside the code, which implies it.
+            # Older versions of GDAL wrap the system to add a grid, which the code implies.
             vertical = vertical.source_crs or vertical
             code = vertical.to_epsg()
             return cls(f"EPSG:{code}" if code else str(vertical.to_wkt()), stated or 1.0)
@@ -117,7 +117,7 @@ class Datum:
         return str(self._vertical.name) if self.code else Message("WGS 84 ellipsoid")
 
     def heights_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Heights of the datum over the WGS 84 ellipsoid, metres, at positions (any shape)."""
+        """Heights of the datum's zero surface over the WGS 84 ellipsoid, in metres, at positions of any shape."""
         if not self.code:
             return np.zeros(np.broadcast_shapes(np.shape(lat_deg), np.shape(lon_deg)))
         from ..geodesy.mercator import wrap_lon_deg
@@ -134,7 +134,7 @@ class Datum:
         return vertical_crs(self.code)
 
     def check(self) -> None:
-        """Raise InvalidInput, with the missing grid, if PROJ cannot transform the heights."""
+        """Raise InvalidInput, naming a missing grid, if PROJ cannot transform the heights."""
         _ = self._transformer
 
     @cached_property
@@ -145,7 +145,7 @@ class Datum:
 
         both = CompoundCRS(self.name, [CRS.from_epsg(4326), self._vertical])
         with warnings.catch_warnings():
-            # Missing grids are reported below, where they are needed.
+            # Missing grids are reported below if they are needed.
             warnings.simplefilter("ignore")
             found = TransformerGroup(both, CRS.from_epsg(4979), always_xy=True, allow_ballpark=False)
         if not found.transformers:
@@ -165,7 +165,7 @@ class Datum:
 
 
 def _up_m(axis: Any, title: str) -> float:
-    """Metres per unit of a vertical axis, negative where it points down; raises InvalidInput for other directions."""
+    """Metres per unit of a vertical axis, negative if it points down; raises InvalidInput for other directions."""
     directions = {"up": 1.0, "down": -1.0}
     if axis.direction.lower() not in directions:
         raise InvalidInput(

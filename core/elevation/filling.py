@@ -9,15 +9,15 @@ from ..errors import InvalidInput, PartError
 from ..imagery.raster.reading import ReadError, filled
 
 Heights32 = NDArray[np.float32]
-#: Largest distance of a hole from heights on all sides, px; the default of `gdal_fillnodata.py`.
+#: Longest distance over which holes are filled, px; the default of `gdal_fillnodata.py`.
 REACH_PX = 100
 
 
 def interpolated(heights_m: Heights32) -> Heights32:
     """Heights (rows, columns) with holes filled by GDAL's FillNodata.
 
-    NaN stays if one of the four quadrants around a pixel has no height within `REACH_PX`. Heights depend on those
-    within that distance only, and are rounded to millimetres, as further digits differ between processors.
+    A pixel stays NaN if any of the four quadrants around it has no height within `REACH_PX`. Filled heights depend on
+    heights within this distance only, and are rounded to millimetres, as further digits differ between processors.
 
     Raises
     ------
@@ -26,12 +26,12 @@ def interpolated(heights_m: Heights32) -> Heights32:
     PartError
         GDAL fails.
     """
-    there = np.isfinite(heights_m)
-    wanted = ~there & _is_surrounded(there)
+    is_known = np.isfinite(heights_m)
+    wanted = ~is_known & _is_surrounded(is_known)
     if not wanted.any():
         return heights_m
     try:
-        found = filled(np.where(there, heights_m, np.float32(0.0)), there, REACH_PX)
+        found = filled(np.where(is_known, heights_m, np.float32(0.0)), is_known, REACH_PX)
     except InvalidInput as wrong:
         raise InvalidInput(
             "missing heights: are interpolated by GDAL, which is not there: pip install terrainav[raster]",
@@ -42,12 +42,12 @@ def interpolated(heights_m: Heights32) -> Heights32:
     return np.where(wanted, np.round(found, 3), heights_m)
 
 
-def _is_surrounded(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _is_surrounded(is_known: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Whether each of the four quadrants around a pixel has heights within reach."""
-    counts = np.zeros((there.shape[0] + 1, there.shape[1] + 1), np.int64)
-    np.cumsum(np.cumsum(there, axis=0), axis=1, out=counts[1:, 1:])
-    surrounded = np.ones(there.shape, np.bool_)
-    spans = [_spans(side) for side in there.shape]
+    counts = np.zeros((is_known.shape[0] + 1, is_known.shape[1] + 1), np.int64)
+    np.cumsum(np.cumsum(is_known, axis=0), axis=1, out=counts[1:, 1:])
+    surrounded = np.ones(is_known.shape, np.bool_)
+    spans = [_spans(side) for side in is_known.shape]
     for top, bottom in spans[0]:
         for left, right in spans[1]:
             found = counts[bottom][:, right] - counts[top][:, right] - counts[bottom][:, left]

@@ -1,4 +1,4 @@
-"""Sources of heights over the ellipsoid, on the pixel grid of the source."""
+"""Sources of heights over the ellipsoid, each on its pixel grid."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ Heights32 = NDArray[np.float32]
 
 #: Plausible heights of the ground over the ellipsoid, metres.
 LOWEST_M, HIGHEST_M = -12_000.0, 9_500.0
-#: Common value for no data, which some programs write without declaring it.
+#: Common value for no data, which some programs write without a declaration.
 _VOID = -9999.0
-#: Encodings of heights in the red, green and blue of tiles.
+#: Functions to decode heights from red, green and blue of tiles, by name of the encoding.
 _ENCODED: dict[str, Callable[[NDArray[Any]], Floats]] = {
     "terrarium": lambda rgb: rgb @ np.array([256.0, 1.0, 1.0 / 256.0]) - 32768.0,
     "terrain-rgb": lambda rgb: rgb @ np.array([6553.6, 25.6, 0.1]) - 10000.0,
@@ -48,11 +48,11 @@ class HeightOptions:
     Parameters
     ----------
     datum : str
-        As for `Datum.named`; empty for that of the source, or the ellipsoid if it states none.
+        See `Datum.named`; empty for the datum of the source, or the ellipsoid if the source states none.
     unit : str
-        m, ft or us-ft; empty for that of the source.
+        m, ft or us-ft; empty for the unit of the source.
     offset_m : float
-        Added to all heights, metres.
+        Metres to add to all heights.
     source : SourceOptions
         Options common to sources of heights and of imagery.
     """
@@ -76,7 +76,7 @@ class Layer(Protocol):
 
     @property
     def grid(self) -> PixelGrid:
-        """Pixel grid; heights are those of the pixel centres."""
+        """Pixel grid; heights are at pixel centres."""
 
     def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
         """Read heights (height_px, width_px) in metres, NaN if missing."""
@@ -98,18 +98,18 @@ class ConstantHeight:
 
 
 class TiledHeights:
-    """Heights of a source of tiles, with a cache of 64 MB; the source is closed with the last reference.
+    """Heights of a source of tiles, with a cache of 64 MB; the source is closed when the last reference is gone.
 
     Parameters
     ----------
     source : Source
-        Source with heights in its first band, or encoded in its colours.
+        Source with heights in the first band, or encoded in colours.
     decoded : callable or None
-        Converts colours (h, w, 3) to heights; None for a band.
+        Converts colours (h, w, 3) to heights; None for heights in a band.
     datum : Datum
     offset_m : float
     scale, offset : float
-        The heights of a band are value * scale + offset.
+        Heights in a band are value * scale + offset.
     says_void : bool
         Whether the source declares a no-data value, so that -9999 may be a value of a scaled band.
     """
@@ -183,14 +183,14 @@ class TiledHeights:
             heights = values[..., 0] * self._scale + self._offset
         else:
             heights = self._decoded(values)
-            # Missing heights in such tiles, and black, the least that they encode. Rounded, as steps are 4 mm or more.
+            # Values for missing heights in such tiles, and black; rounded, as steps of the encodings are 4 mm or more.
             void = np.isin(np.round(heights, 3), (_VOID, -32767.0, -32768.0)) | ~values.any(axis=-1)
             heights = np.where(void, np.nan, heights)
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
         void = heights == _VOID
         if not self._says_void:
-            # The no-data value is stored unscaled.
+            # The value for no data is stored unscaled.
             void |= values[..., 0] == _VOID
         heights = heights * self._datum.unit_m + self._offset_m
         if self._datum.code:
@@ -215,9 +215,10 @@ class TiledHeights:
         return heights.astype(np.float32)
 
     def _datum_heights_m(self, tile: Window) -> Floats:
-        """Heights of the datum at the pixels of a tile.
+        """Heights of the datum's zero surface at the pixels of a tile.
 
-        Tiles below 30 km are interpolated between 17 points along each side: geoids are straight to a centimetre there.
+        In tiles narrower than 30 km, heights are interpolated between 17 points along each side: geoids are straight
+        to a centimetre between these.
         """
         size = self.grid.tile_px
         middle = self._places(tile, np.array([size / 2.0]), np.array([size / 2.0]))
@@ -244,10 +245,9 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     ----------
     text : str
         A raster file; ``world``, the embedded landscape; ``terrarium``, the public tiles of that name;
-        ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles in that encoding,
-        followed by ``#maxzoom=N`` where the tiles of a template end at another zoom than 15, by ``#tilesize=512`` where
-        they have other than 256 px (512 with @2x in the address), or by both joined by &; or a number, the height of
-        level ground over the ellipsoid in metres.
+        ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles in that encoding; or
+        a number, the height of level ground over the ellipsoid in metres. ``#maxzoom=N&tilesize=N`` after a template
+        states the highest zoom, by default 15, and the tile size, by default 256 px, or 512 px with @2x in the address.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
     asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
     if text.lower() == "world":
-        # The embedded world stands above this room.
+        # Import by name, as this room must not import the embedded world.
         module = __import__(resolve_name("..world.source", __package__ or ""), fromlist=["*"])
         return TiledHeights(
             module.WorldHeights(asked.seed, options.source.crs), None, datum or Datum(), options.offset_m
@@ -290,7 +290,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
 
 
 def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
-    """Parse the source after an encoding, and the highest zoom and tile size after it."""
+    """Parse the text after an encoding; return the source, the highest zoom and the tile size."""
     source, _, behind = inner.partition("#")
     words = dict(word.split("=", 1) for word in behind.split("&") if "=" in word)
     if not words.keys() & {"maxzoom", "tilesize"}:
@@ -309,7 +309,7 @@ def _read_template(inner: str, text: str) -> tuple[str, int, int | None]:
 
 
 def _check_one(text: str) -> None:
-    """Raise InvalidInput for a text of several sources."""
+    """Raise InvalidInput for a text that lists several sources."""
     parts = re.split(r"\s*[;,]\s*", text)
     if len(parts) > 1 and not file_exists(text) and all(_may_be_heights(part, text) for part in parts):
         raise InvalidInput(
@@ -324,7 +324,7 @@ def _check_one(text: str) -> None:
 
 
 def _may_be_heights(part: str, text: str) -> bool:
-    """Whether a part of a text may be a source of heights; numbers may also be parts of an address."""
+    """Whether a part of a text may name a source of heights; in an address, numbers do not."""
     if _number(part) is not None:
         return "://" not in text
     if part.lower() == "world" or part in _shipped() or part.partition(":")[0] in _ENCODED:
@@ -334,7 +334,7 @@ def _may_be_heights(part: str, text: str) -> bool:
 
 
 def whole_heights_path(text: str) -> str:
-    """Text that names the same heights from any current folder."""
+    """Make the path in a text absolute, so that the text names the same heights from any current folder."""
     if _number(text) is not None:
         return text
     encoding, colon, inner = text.partition(":")
@@ -342,7 +342,7 @@ def whole_heights_path(text: str) -> str:
 
 
 def _check_known(named: NamedSource) -> None:
-    """Raise InvalidInput for an unknown name, with a hint for heights."""
+    """Raise InvalidInput for an unknown name; the remedy lists sources of heights."""
     try:
         _ = named.title
     except InvalidInput as unknown:

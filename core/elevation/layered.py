@@ -1,4 +1,4 @@
-"""The relief: combined sources of heights, and surfaces of it for ray tracing."""
+"""The relief: sources of heights combined, and read as surfaces for ray tracing."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from ..geodesy.raytracing.surface import Surface
 from .filling import REACH_PX, interpolated
 from .heights import ConstantHeight, HeightOptions, Heights32, Layer, open_heights
 
-#: Most cells of a surface: 32 MB of heights, and several times as much when rays are traced.
+#: Most cells of a surface, with 32 MB of heights; ray tracing takes several times this memory.
 MOST_CELLS = 1 << 23
-#: Pixels that a surface reaches beyond the requested ground.
+#: Pixels by which a surface extends beyond the requested ground.
 _MARGIN_PX = 2
-#: Size of the cells of level ground, which has no pixels, metres.
+#: Size in metres of the cells of level ground, which has no pixels.
 _LEVEL_CELL_M = 1024.0
 
 
 @dataclass(eq=False)
 class LayeredElevation:
-    """Heights over the WGS 84 ellipsoid as one surface, bilinear between the pixels' centres of the first source.
+    """Heights over the WGS 84 ellipsoid as one surface, bilinear between pixel centres of the first source.
 
     Parameters
     ----------
     layers : sequence of Layer
-        At least one; the first with a height counts.
+        At least one; at each place, the first layer with a height counts.
     interpolates : bool
         Whether holes that no layer fills are interpolated.
     """
@@ -62,8 +62,8 @@ class LayeredElevation:
         lat_deg, lon_deg : array (n,)
             Positions; longitudes are continuous.
         cell_m : float
-            Largest size of cells; 0 for the finest. Cells are the source's pixels, or 2, 4, 8 … of them along each
-            side, and larger than asked for if there were too many.
+            Largest size of cells; 0 for the finest. Cells are 1, 2, 4, 8 … of the source's pixels wide
+            and high, and larger than ``cell_m`` if there would be too many otherwise.
 
         Raises
         ------
@@ -80,18 +80,18 @@ class LayeredElevation:
         heights, holes = self._read(layer, zoom, left, top, right, bottom)
         made = None
         if self.interpolates and np.isnan(heights).any():
-            # Heights depend on those within reach only, so the window's edges do not matter.
+            # Filled heights depend on heights within reach only, so read this margin around the window.
             reach = REACH_PX
-            wide, _ = self._read(layer, zoom, left - reach, top - reach, right + reach, bottom + reach)
-            whole = interpolated(wide)[reach:-reach, reach:-reach]
-            made = np.isnan(heights) & ~np.isnan(whole)
-            heights = whole
+            with_margin, _ = self._read(layer, zoom, left - reach, top - reach, right + reach, bottom + reach)
+            filled = interpolated(with_margin)[reach:-reach, reach:-reach]
+            made = np.isnan(heights) & ~np.isnan(filled)
+            heights = filled
         return Surface(layer.grid, zoom, left, top, heights, holes, made)
 
     def _read(
         self, layer: Layer, zoom: int, left: int, top: int, right: int, bottom: int
     ) -> tuple[Heights32, NDArray[np.bool_] | None]:
-        """Read a window of a layer's pixels, and mark pixels missing from the first source."""
+        """Read a window of a layer's pixels from all layers; also return which pixels the first layer lacks."""
         heights = np.full((bottom - top, right - left), np.nan, np.float32)
         missing, holes = np.isnan(heights), None
         for other in self.layers:
@@ -108,7 +108,7 @@ class LayeredElevation:
 
     @staticmethod
     def _fill(layer: Layer, grid: PixelGrid, first: tuple[int, int, int], heights: Heights32) -> None:
-        """Fill missing heights, on pixels of another grid from ``first`` on, with those of a layer."""
+        """Fill missing heights from a layer; ``first`` is the zoom, left and top of ``heights`` on ``grid``."""
         zoom, left, top = first
         rows, columns = np.nonzero(np.isnan(heights))
         world = grid.world_px(zoom)
@@ -123,7 +123,7 @@ class LayeredElevation:
         surface = Surface(layer.grid, own_zoom, own_left, own_top, read)
         column, row = surface.position(lat, lon)
         found = surface.heights(column, row)
-        # Outer pixels reach half of their size beyond their centres, to the pixels of an adjacent file.
+        # Beyond the centres of outer pixels, to half a pixel, use the nearest pixel, as an adjacent file begins there.
         on = [(at > -0.5) & (at < side - 0.5) for at, side in zip((row, column), read.shape)]
         alone = np.flatnonzero(np.isnan(found) & on[0] & on[1])
         nearest = (np.rint(at[alone]).astype(np.intp) for at in (row, column))
@@ -137,7 +137,7 @@ def open_relief(
     *,
     interpolates: bool = False,
 ) -> LayeredElevation:
-    """Open the sources of heights that texts name, see `open_heights`; the first with a height counts.
+    """Open the sources of heights that texts name (see `open_heights`); at each place, the first with a height counts.
 
     Raises
     ------
@@ -164,16 +164,17 @@ def _window(
     Parameters
     ----------
     cell_m : float
-        Largest size of pixels, unless a surface would have too many; the largest within it are chosen.
+        Largest size of pixels. The zoom with the largest pixels of at most this size is chosen, or a lower zoom if a
+        surface would have too many pixels.
     cut : bool
-        Leave out pixels well beyond the layer.
+        Whether to leave out pixels well beyond the layer.
     """
     grid = layer.grid
     u, v = grid.plane.forward(lat, lon)
-    there = np.isfinite(u) & np.isfinite(v)
+    finite = np.isfinite(u) & np.isfinite(v)
     lows, highs = np.zeros(2), np.zeros(2)
-    if there.any():
-        lows, highs = (np.array([f(u[there]), f(v[there])]) for f in (np.min, np.max))
+    if finite.any():
+        lows, highs = (np.array([f(u[finite]), f(v[finite])]) for f in (np.min, np.max))
     if cut and not grid.plane.wraps and grid.extent is not None:
         ends = np.array(grid.extent)
         lows, highs = (np.clip(at, ends.min(axis=0), ends.max(axis=0)) for at in (lows, highs))
@@ -187,7 +188,7 @@ def _window(
         right, bottom = (int(np.ceil(at * world - 0.5)) + 1 + _MARGIN_PX for at in highs)
         if grid.plane.wraps:
             top, bottom = max(min(top, world - 2), 0), min(max(bottom, 2), world)
-        few = (right - left) * (bottom - top) <= MOST_CELLS
-        if zoom <= grid.min_zoom or (few and 2.0 * size_m > wanted_m):
+        fits = (right - left) * (bottom - top) <= MOST_CELLS
+        if zoom <= grid.min_zoom or (fits and 2.0 * size_m > wanted_m):
             return zoom, (left, top, right, bottom)
         zoom, size_m = zoom - 1, 2.0 * size_m

@@ -4,5 +4,5 @@
 - `drawing`: diagrams with matplotlib
 - `native_calls`: interruptible calls into C libraries
 - `user_code`: methods written by the user
-- `unexpected`: unforeseen errors as failures of single parts
+- `unexpected`: conversion of unforeseen errors to failures of single parts
 """

@@ -35,7 +35,7 @@ def check_matplotlib() -> None:
 
 
 def _figure_class() -> Any:
-    # Not pyplot, which keeps global state and may open a display.
+    # Do not use pyplot, which keeps global state and may open a display.
     try:
         return imported("matplotlib.figure").Figure
     except ImportError as missing:
@@ -46,20 +46,20 @@ def _figure_class() -> Any:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """Make an empty figure of a size in inches; raises OutputError without matplotlib."""
+    """Create an empty figure of a size in inches; raises OutputError without matplotlib."""
     figure = _figure_class()(figsize=(width, height), dpi=_DPI, facecolor="white", constrained_layout=True)
     importlib.import_module("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
     return figure
 
 
 def png(figure: Any) -> bytes:
-    """Write a figure as PNG; its texts, which may hold foreign names, are drawn literally."""
+    """Write a figure as PNG; texts, which may hold foreign names, are drawn literally."""
     _take_literally(figure)
     buffer = io.BytesIO()
     with warnings.catch_warnings():
-        # About glyphs that the font lacks, which are drawn as boxes, and labels that are too long.
+        # Ignore warnings of missing glyphs, which are drawn as boxes, and of labels that are too long.
         warnings.simplefilter("ignore", UserWarning)
-        # Without matplotlib's version, so that the same figure gives the same bytes.
+        # Leave out matplotlib's version, so that the same figure gives the same bytes.
         figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
@@ -70,7 +70,7 @@ def short_label(name: str) -> str:
 
 
 def _take_literally(figure: Any) -> None:
-    """Turn off mathematical text (``$…$``) and LaTeX for all texts of a figure but tick labels."""
+    """Turn off LaTeX for all texts of a figure, and mathematical text (``$…$``) for all except tick labels."""
     text, axis = (importlib.import_module(f"matplotlib.{name}") for name in ("text", "axis"))
     ticks = {id(one) for tick in figure.findobj(axis.Tick) for one in (tick.label1, tick.label2)}
     for one in figure.findobj(text.Text):
@@ -93,7 +93,7 @@ def dress(axes: Any, title: str, across: str, up: str) -> None:
 
 
 def logarithmic(axes: Any, which: str) -> None:
-    """Make axes logarithmic, with tick labels in plain text: some parsers of mathematical text warn."""
+    """Make axes logarithmic, with plain tick labels, as some parsers of mathematical text warn."""
     for name in which:
         getattr(axes, f"set_{name}scale")("log")
         axis = getattr(axes, f"{name}axis")

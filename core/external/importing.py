@@ -1,4 +1,4 @@
-"""Import of libraries that read settings of the user."""
+"""Import of libraries that read the user's settings."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from ..errors import OutputError
 def imported(name: str) -> Any:
     """Import a library that may be missing.
 
-    Some read configuration files and environment variables on import, and raise errors of any type for wrong ones.
+    Some libraries read configuration files and environment variables on import, and raise errors of any type if these
+    are wrong.
 
     Raises
     ------
     ImportError
-        It is missing.
+        The library is missing.
     OutputError
-        It fails for another reason, which the message states.
+        The import fails for another reason, which the message states.
     """
     try:
         return importlib.import_module(name)
     except (ImportError, MemoryError):
         raise
     except Exception as wrong:
-        # Imported late, as the command imports this module even for its help.
+        # Import this late, as the command imports this module even to print its help.
         from ..text.plain import error_text
 
         raise OutputError(

@@ -1,8 +1,8 @@
 """Long calls into C libraries that the caller can abandon.
 
 Python handles signals between bytecode instructions only, so Ctrl-C has no effect while the main thread is inside GDAL.
-Here the library runs on a separate thread, and the caller waits in Python. An abandoned call runs to its end, as GDAL
-cannot be stopped within a block, and its result is dropped.
+Here the library runs in a separate thread, and the caller waits in Python. An abandoned call runs to its end, as GDAL
+cannot be stopped within a block; its result is dropped.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Generic, TypeVar
 from ..errors import Cancelled
 
 Result = TypeVar("Result")
-#: Seconds that calls get after a request to end the program, so that images in progress can be finished.
+#: Seconds for which calls may continue after a request to end the program, to finish images in progress.
 GRACE_S = 1.0
 
 
@@ -36,7 +36,7 @@ class _Ending:
         self._until_s = min(self._until_s, time.monotonic() + grace_s)
 
     def has_passed(self, began_s: float) -> bool:
-        # A call that begins later still gets 0.1 s.
+        # A call that begins after the deadline still has 0.1 s.
         return time.monotonic() > max(self._until_s, began_s + 0.1)
 
 
@@ -45,7 +45,7 @@ _exit_code: int | None = None
 
 
 def ask_to_end(number: int, grace_s: float = GRACE_S) -> None:
-    """Have calls abandoned that do not end within the grace period; ``number`` is that of the signal."""
+    """Abandon calls that do not end within the grace period; ``number`` is the number of the signal."""
     _ending.ask(number, grace_s)
 
 
@@ -55,13 +55,13 @@ def signals_asked() -> list[int]:
 
 
 def forget_signals() -> None:
-    """Let later calls run without deadline; that of calls in progress stays."""
+    """Let later calls run without a deadline; the deadline of calls in progress stays."""
     global _ending  # noqa: PLW0603 (signals concern the whole process)
     _ending = _Ending()
 
 
 class NativeCall(Generic[Result]):
-    """A call that is made once, on a separate thread."""
+    """A call that is made once, in a separate thread."""
 
     def __init__(self, work: Callable[[], Result]) -> None:
         self._work, self._ending = work, _ending
@@ -73,16 +73,16 @@ class NativeCall(Generic[Result]):
         self._thread = _Thread(self._run)
 
     def result(self, is_wanted: Callable[[], bool] = lambda: True) -> Result:
-        """Make the call and wait for its result; re-raises its exception.
+        """Make the call and wait for the result; re-raise the exception of the call.
 
         Raises
         ------
         Cancelled
-            The result is not wanted any more, or the program is to end.
+            The result is no longer wanted, or the program must end.
         """
         began_s = time.monotonic()
-        _have_end_wait()
-        # Set before the thread starts, as a signal may interrupt that.
+        _register_end()
+        # Set this before the thread starts, as a signal may interrupt the start.
         self._has_begun = True
         self._thread.start()
         # Check every 50 ms whether the result is still wanted.
@@ -94,7 +94,7 @@ class NativeCall(Generic[Result]):
         return self._result.pop()
 
     def when_ended(self, afterwards: Callable[[list[Result]], None]) -> None:
-        """Call ``afterwards`` when the call has ended, now or on its thread, with its result unless that was taken."""
+        """Call ``afterwards`` when the call has ended, now or in its thread, with the result in a list unless taken."""
         with self._lock:
             if self._has_begun and not self._ended.is_set():
                 self._afterwards = afterwards
@@ -120,7 +120,7 @@ class _Thread(threading.Thread):
 
 
 def set_exit_code(code: int) -> None:
-    """Have the process exit at once with a code, even if abandoned calls are still running."""
+    """Make the process exit at once with a code, if abandoned calls are still running at its end."""
     global _exit_code  # noqa: PLW0603 (a process has one)
     if _under_way():
         _exit_code = code
@@ -131,7 +131,7 @@ def _under_way() -> list[_Thread]:
 
 
 @cache
-def _have_end_wait() -> None:
+def _register_end() -> None:
     atexit.register(_end)
 
 

@@ -1,4 +1,4 @@
-"""Unforeseen errors, which must not end a run because of an answer or a file."""
+"""Unforeseen errors, which must not end a run because of a single answer or file."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class UnexpectedErrors:
         self._logged: set[tuple[type, str, int]] = set()
 
     def failure(self, wrong: BaseException, hide: Callable[[str], str] = str) -> PartError:
-        """Make the failure of a part.
+        """Convert an error to the failure of a part.
 
         Parameters
         ----------
         hide : callable
-            Masks keys.
+            Masks keys in a text.
         """
         at = traceback.extract_tb(wrong.__traceback__)[-1:]
         kind = (type(wrong), at[0].filename if at else "", (at[0].lineno or 0) if at else 0)

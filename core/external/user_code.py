@@ -1,4 +1,4 @@
-"""Calls of the user's code, which may neither end the program nor print into its output."""
+"""Calls of the user's code, which must neither end the program nor print into its output."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from typing import Any
 from ..errors import InvalidInput, TerrAInavError
 from ..text.plain import error_text
 
-#: File descriptors of the process's output and error output, wherever `sys.stdout` and `sys.stderr` lead.
+#: File descriptors of the process's output and error output, which `sys.stdout` and `sys.stderr` may not use.
 _OUTPUT, _ERRORS = 1, 2
 
 
@@ -30,7 +30,8 @@ def called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
     Raises
     ------
     InvalidInput
-        It raised anything but a `TerrAInavError`, even ``SystemExit``; the message has the line in the module.
+        The function raised an exception other than `TerrAInavError`, ``SystemExit`` included; the message has the line
+        in the module.
     """
     try:
         with output_apart:
@@ -55,8 +56,8 @@ def called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
 def is_ctrl_c(wrong: BaseException) -> bool:
     """Whether an exception stems from Ctrl-C rather than from the user's code.
 
-    The command's handler raises a subclass of KeyboardInterrupt. Python's raises KeyboardInterrupt, in the main thread
-    only.
+    The command's handler raises a subclass of KeyboardInterrupt; Python's handler raises KeyboardInterrupt itself, in
+    the main thread only.
     """
     if not isinstance(wrong, KeyboardInterrupt):
         return False
@@ -67,10 +68,10 @@ def is_ctrl_c(wrong: BaseException) -> bool:
 
 
 class _OutputApart:
-    """Context that redirects the output of the process, from C code too, to its error output.
+    """Context that redirects the output of the process, including that of C code, to the error output.
 
-    Several threads may be inside: the first to enter redirects, the last to leave restores. In programs without these
-    file descriptors, such as QGIS on Windows, only `sys.stdout` is redirected.
+    Several threads may be inside: the first to enter redirects, and the last to leave restores. In programs without
+    the file descriptors, such as QGIS on Windows, only `sys.stdout` is redirected.
     """
 
     def __init__(self) -> None:
@@ -99,7 +100,7 @@ output_apart = _OutputApart()
 
 @contextlib.contextmanager
 def _file_apart() -> Iterator[None]:
-    """Redirect the descriptor of the output to that of the error output, if both exist."""
+    """Redirect the output's descriptor to the error output's, if both exist."""
     _flush()
     try:
         os.fstat(_ERRORS)
@@ -117,10 +118,10 @@ def _file_apart() -> Iterator[None]:
 
 
 def _flush() -> None:
-    """Flush the buffers of Python and C, which would otherwise be written to the other file."""
+    """Flush the buffers of Python and C, whose content would otherwise go to the other file."""
     import ctypes
 
-    # An output that is closed or broken is reported to whoever prints next.
+    # Ignore a closed or broken output here; the next print reports it.
     with contextlib.suppress(OSError, ValueError, AttributeError):
         sys.stdout.flush()
     with contextlib.suppress(OSError, AttributeError):

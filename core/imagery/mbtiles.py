@@ -311,7 +311,7 @@ def _may_name(sql: str, name: str) -> bool:
 
 
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, tuple[Any, Any]]:
-    """Return the metadata, and some tile (empty if exists are none) with its zoom and row."""
+    """Return the metadata, and some tile (empty if there are none) with its zoom and row."""
     found = connection.execute(
         "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN ('name', 'attribution', 'date', 'license', "
         "'licence', 'format', 'bounds', 'minzoom', 'maxzoom', 'scheme') LIMIT 100",
@@ -327,7 +327,7 @@ def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, 
 
 
 def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
-    """Whether rows count from the north, by the scheme in the metadata, unless the bounds exists contradict it.
+    """Whether rows count from the north, by the scheme in the metadata, unless the bounds there contradict it.
 
     Parameters
     ----------

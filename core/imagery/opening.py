@@ -230,7 +230,7 @@ def _is_inside_file(text: str) -> bool:
 
 
 def _is_any_file(text: str) -> bool:
-    """Whether GDAL may open a text as a file; a file named like a source of the catalogue must be written ``./name``."""
+    """Whether GDAL may open a text as a file; files named like sources of the catalogue are written ``./name``."""
     return _is_inside_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and file_exists(text))
 
 
@@ -329,7 +329,7 @@ class NamedSource(ABC):
         return self.policy
 
     def environment_key(self) -> str | None:
-        """Return the key of the source in the environment, or None; raises SourceError if the key is for other hosts."""
+        """Return the source's key in the environment, or None; raises SourceError if the key is for other hosts."""
         return None
 
     def layers(self) -> list[Offered] | None:

@@ -1,4 +1,4 @@
-"""Images by which providers say that they have no imagery: known ones, and files sent for many places."""
+"""Images that providers send instead of missing imagery: known images, and files sent for many places."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .source import Window
 
 #: Reason of pictures that fail with a placeholder.
 PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder image")
-#: Digits of a SHA-256 that identify a file, unless a collision is made on purpose.
+#: Digits of a SHA-256 that are enough to identify a file, unless somebody creates a collision.
 DIGEST_DIGITS = 16
 #: Called with a part and the file that its pixels were decoded from.
 Received = Callable[[Window, bytes], object]
-#: A place and its file: the digest's first bytes, and the part's place.
+#: A part and its file: first bytes of the file's digest, and place of the part.
 _PLACE = np.dtype([("digest", ">u8"), ("zoom", "<i4"), ("left", "<f8"), ("top", "<f8"), ("width", "<f8")])
 Places = NDArray[np.void]
 
@@ -34,11 +34,11 @@ class Placeholder:
     Parameters
     ----------
     sha256 : tuple of str
-        SHA-256 of its files, 16 to 64 digits of each.
+        SHA-256 of each of its files, or the first 16 digits or more.
     header : tuple of (name, value) pairs
-        Headers that accompany it; "*" stands for any value.
+        Headers of the answer; "*" stands for any value.
     flat_rgb : tuple of (red, green, blue)
-        Colours of images of one colour that are no imagery.
+        Colours; an image of only one of these colours is no imagery.
     """
 
     sha256: tuple[str, ...] = ()
@@ -61,20 +61,20 @@ class Placeholder:
         return replace(self, sha256=tuple(dict.fromkeys((*self.sha256, *known))))
 
     def knows(self, digest: str) -> bool:
-        """Whether a file is a placeholder, by its hash or the first digits of it."""
+        """Whether a file is a placeholder, by the digest or its first digits."""
         return any(digest.startswith(known) or known.startswith(digest) for known in self.sha256)
 
 
 @runtime_checkable
 class Provided(Protocol):
-    """A source whose parts are files of a provider.
+    """A source whose parts are files from a provider.
 
     Attributes
     ----------
     placeholder : Placeholder
         The provider's "no imagery" image.
     received : callable or None
-        Called with each fetched part, from the network or the cache, in the calling thread.
+        Called with each part fetched from the network or the cache, in the thread that calls `fetch`.
     """
 
     placeholder: Placeholder
@@ -82,14 +82,14 @@ class Provided(Protocol):
 
 
 class Repeats:
-    """Digests of the files of a run, each with its place; safe to use from several threads.
+    """Digests and places of the files of a run; safe to use from several threads.
 
-    The results depend on files and places only, not on their order. A place takes 36 bytes.
+    Results do not depend on the order of files. A place takes 36 bytes.
 
     Parameters
     ----------
     grid : PixelGrid
-        Of the source.
+        Grid of the source.
     """
 
     def __init__(self, grid: PixelGrid) -> None:
@@ -105,7 +105,7 @@ class Repeats:
             self._noted += place
 
     def noted(self) -> bytes:
-        """Return the notes, sorted, for `add`."""
+        """Return all notes, sorted, for `add`."""
         with self._lock:
             return np.sort(np.frombuffer(bytes(self._noted), _PLACE)).tobytes()
 
@@ -119,14 +119,15 @@ class Repeats:
     def found(self) -> Mapping[str, frozenset[Window]]:
         """Files sent for three or more places that lie far apart.
 
-        Far is 3.5 widths of a part from west to east or from north to south, as nearer parts may show one lake; a
-        narrower run counts as far as it is wide. Tiles lie whole widths apart, so that rounding does not matter.
+        Places lie far apart if they are 3.5 widths of a part apart from west to east or from north to south, as nearer
+        parts may show one lake; for a narrower run, if they are as far apart as the run extends. Tiles lie whole widths
+        apart, so rounding does not matter.
 
         Returns
         -------
         mapping of str to frozenset of Window
-            First digits of the digest, as `Placeholder` takes them, to the upper left corners of parts (of size 0);
-            files of the most places first.
+            Maps the first digits of a digest, as for `Placeholder`, to the upper left corners of parts (windows of
+            size 0); files with the most places come first.
         """
         least_places = 3
         with self._lock:
@@ -141,13 +142,13 @@ class Repeats:
         for begin, count in zip(begins[counts >= least_places], counts[counts >= least_places]):
             places = noted[begin : begin + count]
             corners = frozenset(corner(int(zoom), left, top) for _, zoom, left, top, _ in places.tolist())
-            # A part that was requested twice is one place.
+            # A part that was requested twice counts as one place.
             if len(corners) >= least_places and self._span(places) >= far:
                 found[f"{int(places['digest'][0]):0{DIGEST_DIGITS}x}"] = corners
         return dict(sorted(found.items(), key=lambda one: (-len(one[1]), one[0])))
 
     def _span(self, places: Places) -> float:
-        """Greatest distance of places along an axis, in widths of a part; the map's edges meet."""
+        """Greatest distance of places along an axis, in widths of a part, on a map that wraps around."""
         world = np.ldexp(float(self._grid.tile_px), places["zoom"])
         across, down = np.sort(places["left"] / world), places["top"] / world
         gap = np.diff(across, append=across[0] + 1.0).max()
@@ -155,7 +156,7 @@ class Repeats:
 
 
 def noted_digests(noted: bytes) -> set[str]:
-    """First digits of the files' digests in the notes of `Repeats.noted`."""
+    """First digits of all digests in the notes of `Repeats.noted`."""
     return {f"{digest:0{DIGEST_DIGITS}x}" for digest in np.frombuffer(noted, _PLACE)["digest"].tolist()}
 
 

@@ -73,7 +73,7 @@ class Source(Protocol):
         """Return the parts that together fill ``window`` exactly."""
 
     def fetch(self, map_type: str, part: Window) -> PixelValues:
-        """Pixels of one part, (height_px, width_px, 3) uint8 red, green and blue, or the source's `bands` if it has any.
+        """Pixels of one part, (height_px, width_px, 3) uint8 red, green and blue, or of the source's `bands`, if any.
 
         A further channel, if present, is 0 for pixels without imagery and nonzero for others (255 for uint8).
 

@@ -1,4 +1,4 @@
-"""Tiles of a grid, and the URL templates that address them: ``{z}``, ``{x}``, ``{y}`` and other placeholders."""
+"""Tiles of a grid, and URL templates with ``{z}``, ``{x}``, ``{y}`` and other placeholders that address them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..geodesy.planes import ProjectedPlane
 from ..map_types import MAP_TYPES
 from .source import Window
 
-#: Environment variable with the key for a user's address. It is sent to hosts that the user has named only, as anybody
-#: may have written the address in a mission file, a config file or a server's document.
+#: Environment variable with the key for a user's address. The key is sent only to hosts that the user has named, as
+#: addresses in mission files, config files and servers' documents may come from anybody.
 KEY_ENV = "TERRAINAV_KEY"
-#: Placeholders in braces, and their values.
+#: Placeholders in braces, and descriptions of their values.
 PLACEHOLDERS = {
     "z": "zoom",
     "x": "column",
@@ -36,7 +36,8 @@ PLACEHOLDERS = {
     "bbox": "west,south,east,north of the tile in the plane that the source states",
     "bbox-yx": "south,west,north,east of it",
 }
-#: Bounds of a tile, as Mapbox and MapLibre name them; in the source's plane, with easting or northing first.
+#: Placeholders of a tile's bounds: on the map, as Mapbox and MapLibre name it; in the source's plane, with easting or
+#: northing first.
 BBOX = "bbox-epsg-3857"
 OWN_BBOX, OWN_BBOX_YX = "bbox", "bbox-yx"
 _BRACES = re.compile(r"\{([^{}]*)\}")
@@ -70,7 +71,7 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     part : Window
     grid : PixelGrid
     title : str
-        The source, as errors name it.
+        Name of the source in errors.
 
     Raises
     ------
@@ -92,7 +93,7 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
 
 
 def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
-    """Refuse a zoom beyond those of a grid; errors name the source by its title."""
+    """Refuse a zoom that a grid does not have; errors name the source by its title."""
     if not grid.min_zoom <= zoom <= grid.max_zoom:
         raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
@@ -104,11 +105,11 @@ class Template:
     Parameters
     ----------
     text : str
-        http or https; with {z}, {x} and {y} or {-y}, or with {q} or {bbox-epsg-3857}; with {key} in place of a key.
+        Address of http or https with {z}, {x} and {y} or {-y}, or with {q} or {bbox-epsg-3857}; {key} stands for a key.
     subdomains : tuple of str
-        Values of {s}, in turn.
+        Values of {s}, used in turn.
     levels : tuple of (zoom, name) pairs
-        Values of {z} where the server names its zooms.
+        Values of {z} for zooms that the server names.
     plane : ProjectedPlane or None
         Plane of the tiles; None for the Web-Mercator map.
     """
@@ -137,19 +138,19 @@ class Template:
 
     @property
     def host(self) -> str:
-        """Host of the tiles, the first of several."""
+        """Host of the tiles; the first one if there are several."""
         return self.hosts[0]
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """Hosts of the tiles, as `url_host` spells them: for every subdomain, map type and tile size."""
+        """Hosts of the tiles for every subdomain, map type and tile size, as `url_host` spells them."""
         values = itertools.product(self.subdomains or ("",), MAP_TYPES, ("", "@2x"))
         asked = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
-        # The values of further placeholders depend on the tile.
+        # Values of other placeholders depend on the tile; any value will do.
         return tuple(dict.fromkeys(url_host(_BRACES.sub("0", url)) for url in asked))
 
     def url(self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = "") -> str:
-        """URL of a tile; column and row determine the subdomain, so that a tile always has the same URL."""
+        """URL of a tile; the subdomain depends on column and row, so that a tile always has the same URL."""
         names = self.names
         level = next((name for zoom, name in self.levels if zoom == z), str(z))
         values = {"z": quote(level, safe=":"), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
@@ -214,10 +215,10 @@ class Template:
 
 
 def url_host(url: str) -> str:
-    """Host of a URL as DNS has it, in whatever spelling; empty without a host.
+    """Host of a URL in the spelling of DNS; empty without a host.
 
-    Upper case, percent-encoding, IDNA forms of letters and dots, and the root's dot are normalised. A host that
-    programs resolve differently, such as ``straße.example``, counts as missing: xn--… is unambiguous.
+    Upper case, percent-encoding, IDNA forms of letters and dots, and the final dot are normalised. A host that
+    programs resolve differently, such as ``straße.example``, counts as missing; users can write xn--… instead.
     """
     try:
         host = unquote(urlsplit(url).hostname or "").rstrip(".")
@@ -227,7 +228,7 @@ def url_host(url: str) -> str:
         plain = host.encode("idna").decode("ascii").lower()
     except ValueError:
         return ""
-    # Programs disagree on where a host with other characters ends.
+    # With other characters, programs disagree on the end of the host.
     return plain.rstrip(".") if re.fullmatch(r"[a-z0-9._-]+|[0-9a-f:.]+", plain) else ""
 
 
@@ -237,7 +238,7 @@ def check_address(text: str, what: str) -> None:
     Parameters
     ----------
     text : str
-        May contain placeholders in braces.
+        Address, possibly with placeholders in braces.
     what : str
         Name of the address in errors.
     """
@@ -273,7 +274,7 @@ def _braced(names: Iterable[str]) -> str:
 
 
 def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
-    """Subdomains of a range or list in a template, as `_RANGE` matches it."""
+    """Subdomains of a range or list in a template, matched by `_RANGE`."""
     first, last = inline.group(1) or inline.group(3), inline.group(2) or inline.group(4)
     if first is None:
         return tuple(inline.group(5).split(","))
@@ -291,7 +292,7 @@ def bbox(z: int, x: int, y: int) -> str:
     """West, south, east and north of a tile in metres of EPSG:3857, with all digits."""
     size_m = 2.0 * HALF_WORLD_M / (1 << z)
     west, north = x * size_m - HALF_WORLD_M, HALF_WORLD_M - y * size_m
-    # Each edge follows from its grid line, so that neighbours share it to the last digit.
+    # Compute each edge from its grid line, so that neighbours share it to the last digit.
     edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
     return ",".join(repr(edge) for edge in edges)
 
@@ -305,14 +306,14 @@ def own_edges(plane: ProjectedPlane, z: int, x: int, y: int) -> tuple[float, flo
 
 
 def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
-    """Return the environment's key for an address with ``{key}``, or None.
+    """Return the environment's key for an address with ``{key}``; None if there is none.
 
     Parameters
     ----------
     hosts : iterable of str
         All hosts of the address.
     named_by_user : bool
-        Whether the user, not a file, has named the address for this run.
+        Whether the user, not a file, has named the address, so that all hosts may receive the key.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Options for clients of object stores and web servers that refuse redirects to other hosts.
 
-A store gets the user's signed requests and images; without these options its Python libraries would send both to
-whatever host an answer names.
+A store receives the user's signed requests and images. Without these options, the store's Python libraries would send
+both to any host that an answer names.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Redirected(OSError):
 
 def is_redirect(wrong: BaseException) -> bool:
     """Whether an error of a store's library, or one of its causes, stems from a refused redirect."""
-    # Our words, S3's, and those of HTTP, as an answer to HEAD has no body.
+    # Words of this module, of S3, and of HTTP (answers to HEAD have no body).
     words = rf"{_ELSEWHERE}|PermanentRedirect|TemporaryRedirect|Moved Permanently|Temporary Redirect"
     each: BaseException | None = wrong
     # Chains of causes may be circular.
@@ -37,12 +37,12 @@ def is_redirect(wrong: BaseException) -> bool:
 
 
 def led_elsewhere(place: str) -> OutputError:
-    """Make the error for a store or server that redirects to another host."""
+    """Error for a store or server that redirects to another host."""
     return OutputError("{0}: its server leads to another one, which is not asked (name that one if it is meant)", place)
 
 
 def unredirected(kind: str) -> dict[str, Any]:
-    """Return fsspec options for a scheme, such as ``s3``, merged with those of the user's configuration."""
+    """Return fsspec options for a scheme, such as ``s3``, merged with the options in the user's configuration."""
     if kind in ("s3", "s3a"):
         return {"config_kwargs": {**_configured("s3", "config_kwargs"), "http_session_cls": s3_session}}
     if kind in ("gs", "gcs"):
@@ -52,7 +52,7 @@ def unredirected(kind: str) -> dict[str, Any]:
 
 
 def follow_none(store: Any) -> Any:
-    """Turn off redirects of an fsspec file system for Azure, which has no option for it; return the file system."""
+    """Turn off redirects of an fsspec file system; needed for Azure, which has no option. Return the file system."""
     clients = getattr(store, "service_client", None) if type(store).__module__.startswith("adlfs") else None
     for client in clients if isinstance(clients, list) else [clients] if clients is not None else []:
         # Clients of containers and blobs inherit these policies.
@@ -66,7 +66,7 @@ def follow_none(store: Any) -> Any:
 
 
 def _configured(kind: str, name: str) -> dict[str, Any]:
-    """Return the user's fsspec setting, which ours would otherwise replace."""
+    """Return the user's fsspec setting, which an option would otherwise replace."""
     fsspec: Any = import_module("fsspec")
     names = fsspec.get_filesystem_class(kind).protocol
     found: dict[str, Any] = {}
@@ -76,7 +76,7 @@ def _configured(kind: str, name: str) -> dict[str, Any]:
 
 
 def s3_session(**options: Any) -> Any:
-    """Make an aiobotocore session that leaves redirects to botocore, which follows them to AWS regions only."""
+    """Create an aiobotocore session that leaves redirects to botocore, which follows them to AWS regions only."""
     return _s3_session_class()(**options)
 
 
@@ -92,7 +92,7 @@ def _s3_session_class() -> Any:
             try:
                 return await super().send(request)
             except failed as wrong:
-                # Wrapped, it would be retried like any error of a request.
+                # Unwrap a Redirected error, which would otherwise be retried like any error of a request.
                 raise (redirect if isinstance(redirect := wrong.kwargs.get("error"), Redirected) else wrong) from None
 
         async def _get_session(self, proxy_url: str | None) -> Any:
@@ -119,7 +119,7 @@ class _Unredirected:
 
 @lru_cache(maxsize=1)
 def same_server() -> Any:
-    """Make an aiohttp trace that fails a redirect to another host, but allows one to the same."""
+    """Create an aiohttp trace that refuses redirects to other hosts and allows redirects to the same host."""
     aiohttp: Any = import_module("aiohttp")
 
     class Trace(aiohttp.TraceConfig):  # type: ignore[misc]

@@ -1,7 +1,8 @@
-"""Requests to object stores, limited in bytes, names and time, and interruptible.
+"""Requests to object stores that are interruptible and limited in bytes, names and time.
 
-fsspec talks to network stores in a separate thread; callers here wait for it, watch the progress, and can be
-interrupted. Stores that run in the caller's thread, such as the in-memory one, only have their built-in timeouts.
+fsspec communicates with network stores in a separate thread; functions here wait for this thread, watch the progress,
+and can be interrupted. Stores that run in the caller's thread, such as the in-memory store, have only built-in
+timeouts.
 """
 
 # ruff: noqa: SLF001 (names of fsspec's asynchronous methods begin with an underscore)
@@ -26,7 +27,7 @@ from ..waiting import wait_until_done
 from .redirects import same_server
 
 _PIECE_BYTES = 1 << 18
-#: Bytes counted for a name: about what it takes in an answer of S3.
+#: Bytes counted for a name, about as many as it takes in an answer of S3.
 _NAME_BYTES = 300
 
 
@@ -36,7 +37,7 @@ class StoreLimitError(Exception):
     Parameters
     ----------
     message : Message
-        To follow the store's address.
+        Text that follows the store's address.
     """
 
     def __init__(self, message: Message) -> None:
@@ -54,7 +55,7 @@ class Entry(NamedTuple):
 
 @dataclass
 class Moved:
-    """Bytes received so far, and bytes received or sent that cannot be counted as they move."""
+    """Number of bytes received so far, and of bytes whose transfer, in either direction, cannot be observed."""
 
     come: int = 0
     uncounted: int = 0
@@ -69,12 +70,12 @@ def ask(store: Any, what: str, *arguments: Any, sent_bytes: int = 0, **options: 
     what : str
         Name of the method.
     sent_bytes : int
-        Size of the request, which extends its time limit.
+        Size of the request, which extends the time limit.
 
     Raises
     ------
     StoreLimitError
-        It takes too long.
+        The request takes too long.
     Exception
         As raised by the store's library.
     """
@@ -90,7 +91,7 @@ def fetch(store: Any, key: str, file: IO[bytes], most_bytes: int) -> None:
     Raises
     ------
     InvalidInput
-        It is larger; a few words.
+        The object is larger; the message has a few words.
     """
     if store.async_impl:
         _ended(store, lambda moved: _copied(store, key, file, most_bytes, moved))
@@ -117,7 +118,7 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
                 await _copied(store, key, file, most_bytes, moved)
             except FileNotFoundError:
                 return False
-            # A small object takes time too: count at least one second's bytes.
+            # A small object takes time, too: count the bytes of one second.
             moved.come += MIN_STORE_BYTES_PER_S
             return True
 
@@ -138,7 +139,7 @@ def entries(store: Any, key: str) -> list[Entry]:
     FileNotFoundError
         There is no such folder.
     StoreLimitError
-        It holds more than `MAX_STORE_NAMES`.
+        The folder holds more than `MAX_STORE_NAMES`.
     """
     store.invalidate_cache()
     if _is_s3(store):
@@ -146,14 +147,14 @@ def entries(store: Any, key: str) -> list[Entry]:
         if not listed and "/" in key:
             raise FileNotFoundError(key)
         return listed
-    # Other stores report no progress; HTTP listings are one page, which is limited.
+    # Other stores report no progress. An HTTP listing is a single page, whose size is limited.
     uncounted = 0 if _is_http(store) else MAX_STORE_NAMES * _NAME_BYTES
     found = ask(store, "ls", key, detail=True, sent_bytes=uncounted)
     return [_entry(one) for one in found]
 
 
 def larger_than(most_bytes: int) -> InvalidInput:
-    """Make the error for a file that is too large, in a few words."""
+    """Error for a file that is too large, in a few words."""
     return InvalidInput("larger than {0:,.0f} MB", most_bytes / 1000000.0)
 
 
@@ -161,7 +162,7 @@ def larger_than(most_bytes: int) -> InvalidInput:
 
 
 def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | None = None) -> Any:
-    """Run work in fsspec's thread; cancel it if it stalls or the caller is interrupted."""
+    """Run a coroutine in fsspec's thread; cancel it if it stalls or the caller is interrupted."""
     moved = moved or Moved()
 
     async def limited_work() -> Any:
@@ -178,9 +179,9 @@ def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | N
 
 
 class _Watch:
-    """Raises StoreLimitError if too little arrives, or the request takes too long.
+    """Check of progress; raises StoreLimitError if too few bytes arrive or the request takes too long.
 
-    Time for which this process was stopped, and could not receive anything, does not count.
+    Time during which this process was suspended does not count.
     """
 
     def __init__(self, moved: Moved) -> None:
@@ -190,7 +191,7 @@ class _Watch:
     def look(self) -> None:
         """Check the progress; called several times a second."""
         moved, now_s = self._moved, time.monotonic()
-        # Even a busy machine gives a turn within this many seconds.
+        # Longer gaps between checks mean that the process was suspended, as even a busy machine runs it sooner.
         if (stopped_s := now_s - self._looked_s) > 5.0:
             self._began_s += stopped_s
             self._since_s += stopped_s
@@ -229,14 +230,14 @@ async def _copied_range(store: Any, key: str, start: int, length: int, file: IO[
             moved.come += len(piece)
             left -= len(piece)
             if left <= 0:
-                # A store that ignores the range would go on.
+                # Stop here, as a store that ignores the range sends more.
                 return
 
     await _tried(copy, file)
 
 
 async def _tried(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
-    """Copy a body, starting again if it breaks off, three times in all."""
+    """Copy a body; if it breaks off, start again, up to three attempts in all."""
     for tries_left in reversed(range(3)):
         try:
             return await copy()
@@ -303,7 +304,7 @@ async def _pages(store: Any, key: str, moved: Moved) -> list[Entry]:
     except StoreLimitError:
         raise
     except Exception as wrong:
-        # Errors that s3fs has already translated are returned as they are.
+        # The function returns errors that s3fs has already translated unchanged.
         if (made := errors.translate_boto_error(wrong)) is wrong:
             raise
         raise made from wrong
@@ -318,7 +319,7 @@ def _entry(one: dict[str, Any]) -> Entry:
 
 
 async def _limit_answers(store: Any) -> None:
-    """Limit the size of S3's answers; HTTP stores limit theirs in `http_client`."""
+    """Limit the size of S3's answers; `http_client` does this for HTTP stores."""
     if _is_s3(store):
         client = await store.set_session()
 
@@ -336,7 +337,7 @@ async def _sent(client: Any, request: Any) -> Any:
     answer = await client._endpoint.http_session.send(request)
     if not is_object or answer.status_code >= 300:
         try:
-            # The attribute in which botocore caches a body.
+            # botocore caches a body in this attribute.
             answer._content = await limited(answer.raw.content)
         except (asyncio.TimeoutError, OSError) as wrong:
             raise errors.ConnectionClosedError(error=wrong, request=request, endpoint_url=request.url) from wrong
@@ -344,7 +345,7 @@ async def _sent(client: Any, request: Any) -> Any:
 
 
 async def limited(content: Any) -> bytes:
-    """Read an aiohttp stream to its end; raises StoreLimitError above the limit."""
+    """Read an aiohttp stream to its end; raises StoreLimitError for answers above the limit."""
     found = bytearray()
     while piece := await content.read(_PIECE_BYTES):
         found += piece
@@ -354,7 +355,7 @@ async def limited(content: Any) -> bytes:
 
 
 async def http_client(**options: Any) -> Any:
-    """Make the client of an HTTP store, which limits answers and refuses redirects to other servers."""
+    """Create the client of an HTTP store, which limits answers and refuses redirects to other servers."""
     import aiohttp
 
     class Limited(aiohttp.ClientResponse):

@@ -1,6 +1,6 @@
-"""Folders on this machine and in object stores, the latter by fsspec addresses.
+"""Folders on this machine, and in object stores by fsspec addresses.
 
-Functions that take a folder also take such an address: `store_path` converts it to a path with pathlib's methods.
+Functions that accept a folder also accept such an address: `store_path` converts it to a path with pathlib's methods.
 Paths in object stores come from universal_pathlib, which is imported on demand. Objects are written atomically.
 """
 
@@ -38,9 +38,9 @@ Address = Union[str, "os.PathLike[str]"]
 
 #: A single letter is a drive.
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")
-#: Installs everything for S3.
+#: Name for pip that installs everything for S3.
 _EXTRA = "'terrainav[cluster]'"
-#: By scheme, the module that extends fsspec, and the package to install.
+#: For each scheme, the module that extends fsspec, and the package to install.
 _PACKAGES = {
     **dict.fromkeys(("s3", "s3a"), ("s3fs", _EXTRA)),
     **dict.fromkeys(("gs", "gcs"), ("gcsfs", "gcsfs")),
@@ -67,11 +67,11 @@ def check_no_credentials(place: object, what: str, instead: str, field: str = ""
     Parameters
     ----------
     place : str or path
-        Anything but an address is ignored.
+        Ignored unless it is an address.
     what, instead : str
-        Noun for the address, and where credentials come from instead, for the error.
+        Noun for the address, and the proper origin of credentials, for the error.
     field : str
-        As for errors.
+        See `TerrAInavError`.
 
     Raises
     ------
@@ -91,12 +91,12 @@ def check_no_credentials(place: object, what: str, instead: str, field: str = ""
 def store_path(place: Address) -> Path:
     """Convert a path on this machine, or an address such as ``s3://bucket/folder``, to a path.
 
-    A path in an object store is not a pathlib.Path, but has those of its methods that make sense for a store.
+    A path in an object store is not a pathlib.Path, but has the methods that make sense for a store.
 
     Raises
     ------
     InvalidInput
-        An address of a scheme unknown to fsspec, or with credentials, which are not quoted.
+        The address has a scheme unknown to fsspec, or contains credentials, which the message does not quote.
     OutputError
         A package is missing, or there are no credentials.
     """
@@ -116,20 +116,20 @@ def store_path(place: Address) -> Path:
         )
     if kind in _PACKAGES:
         _imported(*_PACKAGES[kind])
-        # These libraries log pages for an error that is reported in one line.
+        # These libraries log pages of text for an error that is reported in one line.
         for log in map(logging.getLogger, ("azure", "gcsfs")):
             if log.level == logging.NOTSET:
                 log.setLevel(logging.CRITICAL)
     options = {"get_client": http_client} if kind in ("http", "https") else unredirected(kind)
     path: Path = upath.UPath(place, **options)
     with store_errors(path):
-        # Creates the client, without a request.
+        # This creates the client, without a request.
         follow_none(path.fs)  # type: ignore[attr-defined]
     return path
 
 
 def resolved(path: Path) -> Path:
-    """Resolve dots and links of a path; HTTP addresses, which would need a request, stay as they are."""
+    """Resolve dots and links of a path; HTTP addresses, which would need a request, are unchanged."""
     by_http = is_address(path) and str(path).startswith(("http:", "https:"))
     return path if by_http else path.resolve()
 
@@ -146,7 +146,7 @@ def put(path: Path, data: bytes) -> None:
 
 
 def put_new(path: Path, data: bytes) -> bool:
-    """Put an object unless it exists; return whether it was put. Of several concurrent writers, one succeeds.
+    """Put an object unless it exists; return whether it was put. Of concurrent writers, only one succeeds.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def put_new(path: Path, data: bytes) -> bool:
             _let_go(wrong)
             return False
         except Exception as wrong:
-            # S3 answers with a failed precondition, which s3fs does not translate.
+            # S3 reports a failed precondition, an error that s3fs does not translate.
             if "PreconditionFailed" in repr(wrong) or "ConditionalRequestConflict" in repr(wrong):
                 _let_go(wrong)
                 return False
@@ -173,7 +173,7 @@ def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
     Raises
     ------
     InvalidInput
-        It is larger than ``most_bytes``; a few words.
+        The object is larger than ``most_bytes``; the message has a few words.
     OutputError
     """
     data = io.BytesIO()
@@ -192,7 +192,7 @@ def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
     Raises
     ------
     InvalidInput
-        One of them is larger than ``most_bytes``; a few words.
+        An object is larger than ``most_bytes``; the message has a few words.
     OutputError
     """
     if not paths:
@@ -202,19 +202,19 @@ def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
         return [get(path, most_bytes) for path in paths]
     files = [io.BytesIO() for _ in paths]
     with store_errors(paths[0].parent):
-        there = fetch_each(store, [_key(path) for path in paths], files, most_bytes)
-    return [file.getvalue() if found else None for file, found in zip(files, there)]
+        exists = fetch_each(store, [_key(path) for path in paths], files, most_bytes)
+    return [file.getvalue() if found else None for file, found in zip(files, exists)]
 
 
 def open_object(path: Path, most_bytes: int) -> IO[bytes]:
-    """Copy an object to an anonymous temporary file and open that.
+    """Copy an object to an anonymous temporary file, and return this file, open for reading.
 
     Raises
     ------
     FileNotFoundError
         There is no such object.
     InvalidInput
-        It is larger than ``most_bytes``; a few words.
+        The object is larger than ``most_bytes``; the message has a few words.
     OutputError
         The store fails, or the copy cannot be written.
     """
@@ -242,7 +242,7 @@ def get_range(path: Path, start: int, length: int) -> bytes:
     Raises
     ------
     OutputError
-        Also if it does not exist.
+        Also if the object does not exist.
     """
     data = io.BytesIO()
     with store_errors(path):
@@ -259,8 +259,8 @@ def list_sizes(folder: Path) -> dict[str, int]:
     """
     if not is_address(folder):
         try:
-            with os.scandir(folder) as entries_here:
-                return {one.name: one.stat().st_size for one in entries_here if one.is_file()}
+            with os.scandir(folder) as scanned:
+                return {one.name: one.stat().st_size for one in scanned if one.is_file()}
         except FileNotFoundError:
             return {}
         except OSError as wrong:
@@ -272,7 +272,7 @@ def list_sizes(folder: Path) -> dict[str, int]:
 
 
 def list_folders(folder: Path) -> list[Path]:
-    """Subfolders of a folder in a store, by name.
+    """Subfolders of a folder in a store, sorted by name.
 
     Raises
     ------
@@ -315,7 +315,7 @@ def remove(path: Path) -> None:
 
 @contextmanager
 def store_errors(path: Path) -> Iterator[None]:
-    """Convert errors of a store's library to one line, without words that may quote a key.
+    """Convert errors of a store's library to an OutputError of one line, without words that may quote a key.
 
     Raises
     ------
@@ -330,13 +330,13 @@ def store_errors(path: Path) -> Iterator[None]:
         _let_go(wrong)
     else:
         return
-    # The original error may quote a key.
+    # Do not chain the original error, which may quote a key.
     raise problem from None
 
 
 @contextmanager
 def _ignore_missing(path: Path) -> Iterator[None]:
-    """As `store_errors`, and leave the block without an error if the object does not exist."""
+    """Convert errors as `store_errors` does, but suppress the error if the object does not exist."""
     with store_errors(path):
         try:
             yield
@@ -349,14 +349,14 @@ def _ignore_missing(path: Path) -> Iterator[None]:
 def _let_go(wrong: Exception) -> None:
     """Drop the frames that an error holds.
 
-    A frame of fsspec refers to the error, a cycle that would keep all callers, such as loaders with worker processes,
+    A frame of fsspec refers to the error. This cycle would keep all callers, such as loaders with worker processes,
     alive until garbage collection.
     """
     wrong.__traceback__ = None
 
 
 def _problem(path: Path, wrong: Exception) -> OutputError:
-    """Convert an error of a store's library to one line."""
+    """Convert an error of a store's library to an OutputError of one line."""
     what, root = str(path), _root(path)
     if isinstance(wrong, StoreLimitError):
         return OutputError("{0}: {1}", what, wrong.message)

@@ -1,7 +1,7 @@
 """Foreign text, read and written within limits.
 
-- `plain`: numbers, times and one printable line of any text
+- `plain`: parsing of numbers and times, and reduction of any text to one printable line
 - `secrets`: masking of keys
-- `safe_json`, `safe_xml`: JSON and XML from outside
+- `safe_json`, `safe_xml`: parsing of foreign JSON and XML
 - `markup`: self-contained HTML pages
 """

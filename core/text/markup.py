@@ -8,7 +8,7 @@ from typing import Union
 
 
 class Markup(str):
-    """HTML made by this module; any other text is escaped."""
+    """HTML written by this module; all other text is escaped."""
 
     __slots__ = ()
 
@@ -19,7 +19,7 @@ Content = Union[str, Markup]
 def element(name: str, *content: Content, **attributes: str) -> Markup:
     """Write an element; trailing underscores of attribute names, as in ``class_``, are dropped."""
     marks = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items())
-    # Void elements.
+    # These elements are void: they have neither content nor an end tag.
     if name in ("img", "meta", "link", "br"):
         return Markup(f"<{name}{marks}>")
     inside = "".join(part if isinstance(part, Markup) else escape(part) for part in content)
@@ -29,12 +29,12 @@ def element(name: str, *content: Content, **attributes: str) -> Markup:
 def table(header: Sequence[str], rows: Iterable[Sequence[str]], chosen: Container[int] = ()) -> Markup:
     """Write a table with its chosen rows marked."""
     head = element("tr", *(element("th", text, scope="col") for text in header))
-    made = []
+    body = []
     for index, row in enumerate(rows):
-        # Short cells are not wrapped.
+        # Do not wrap short cells.
         cells = (element("td", text, class_="short") if len(text) <= 18 else element("td", text) for text in row)
-        made.append(element("tr", *cells, class_="chosen") if index in chosen else element("tr", *cells))
-    return element("div", element("table", element("thead", head), element("tbody", *made)), class_="scroll")
+        body.append(element("tr", *cells, class_="chosen") if index in chosen else element("tr", *cells))
+    return element("div", element("table", element("thead", head), element("tbody", *body)), class_="scroll")
 
 
 def pairs(found: list[tuple[str, str]]) -> Markup:
@@ -55,7 +55,7 @@ def document(title: str, *content: Content) -> str:
         element("meta", name_="viewport", content="width=device-width, initial-scale=1"),
         element("meta", name_="color-scheme", content="light dark"),
         element("title", title),
-        # Not escaped, as browsers do not unescape a style element.
+        # Do not escape the style sheet, as browsers do not unescape it.
         element("style", Markup(_STYLE)),
     )
     body = element("body", element("main", *content))

@@ -1,6 +1,6 @@
-"""Foreign text (of servers, files, the environment): numbers and times read, markup removed, one plain line made.
+"""Foreign text (of servers, files, the environment): parsing numbers and times, removing markup, making one plain line.
 
-Every function takes at most linear time in the length of the text.
+The time of every function is at most linear in the length of the text.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from ..limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
 from ..numbers import real_number
 from .safe_json import parse_json
 
-#: End of a shortened text.
+#: Last character of a shortened text.
 CUT = "…"
 
 
 def time_s(text: str, where: str) -> float:
-    """Parse an ISO 8601 time, of which Python before 3.11 reads few forms, to seconds after 1970.
+    """Parse an ISO 8601 time to seconds after 1970; Python before 3.11 reads only few forms.
 
     Raises InvalidInput, which begins with ``where``.
     """
-    # Date, time, decimals of a second, zone.
+    # Groups are date, time, decimals of a second, and zone.
     pattern = r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?"
     found = re.fullmatch(pattern, text.strip())
     try:
@@ -53,7 +53,7 @@ def finite_number(text: str, where: str) -> float:
 
 
 def whole_number(text: str) -> int | None:
-    """Parse a whole number of decimal digits, clipped at 10^18; None for any other text."""
+    """Parse a whole number of decimal digits, limited to 10^18; None for other text."""
     digits = text.strip()
     if not (digits.isascii() and digits.isdigit()):
         return None
@@ -67,12 +67,12 @@ def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
 
 
 def safe_str(thing: object, shown: Callable[[Any], str] = str) -> str:
-    """Convert a foreign object to text, even where its ``__str__`` raises.
+    """Convert a foreign object to text, even if its ``__str__`` raises.
 
     Parameters
     ----------
     shown : callable
-        `str` or `repr`.
+        Conversion, `str` or `repr`.
     """
     try:
         return shown(thing)
@@ -102,7 +102,7 @@ def writable(name: str) -> str:
 
 
 def table_cell(text: str) -> str:
-    """Text for a cell of a table; an apostrophe keeps spreadsheets from reading it as a formula."""
+    """Text for a cell of a table; an apostrophe before it keeps spreadsheets from reading it as a formula."""
     plain = printable(text)
     return f"'{plain}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else plain
 
@@ -118,7 +118,7 @@ def without_markup(text: str, between: str = " ") -> str:
     Parameters
     ----------
     between : str
-        Replaces tags other than those within a line.
+        Replaces tags, except of inline elements, which are just removed.
     """
     start = re.compile(r"<(?:(!--)|/?([a-zA-Z][a-zA-Z0-9]*)|[!?/])")
     inline = "a abbr b big cite code em font i img mark small span strong sub sup tt u".split()
@@ -132,7 +132,7 @@ def without_markup(text: str, between: str = " ") -> str:
             continue
         end = text.find("-->" if tag[1] else ">", begin)
         if end < 0:
-            # As in browsers, an unclosed comment hides the rest; any other unclosed bracket is text.
+            # As in browsers, an unclosed comment hides the rest; other unclosed brackets are text.
             return "".join(pieces) if tag[1] else "".join([*pieces, text[begin:]])
         name = (tag[2] or "").lower()
         pieces.append("" if name in inline else between)
@@ -151,9 +151,9 @@ def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str
     Parameters
     ----------
     hide : callable
-        Masks keys before the text is cut.
+        Masks keys; called before the text is cut.
     """
-    # A key that begins before the limit ends within 4,096 more characters.
+    # Decode 4,096 characters more, so that a key that begins before the limit is complete.
     whole = body[: MAX_TEXT_CHARACTERS + 4096].decode("utf-8", "replace")
     text = hide(whole)[:MAX_TEXT_CHARACTERS].lstrip("\ufeff").strip()
     if text.count("\ufffd") > len(text) // 20 or "\0" in text:
@@ -178,7 +178,7 @@ def _unescaped(text: str) -> str:
     try:
         return html.unescape(text)
     except ValueError:
-        # A character reference with more digits than Python reads.
+        # A character reference has more digits than Python reads.
         return text
 
 

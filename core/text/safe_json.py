@@ -1,4 +1,4 @@
-"""Foreign JSON, read within limits, so that no text can hang, fill or crash the program."""
+"""Foreign JSON, parsed within limits, so that no text can hang the program, crash it or fill its memory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def parse_json(text: str | bytes) -> Any:
     Raises
     ------
     InvalidInput
-        A few words, for a message that names the file.
+        The message has a few words, without the name of the file.
     """
     if isinstance(text, bytes):
         text = decoded(text)
@@ -33,7 +33,7 @@ def parse_json(text: str | bytes) -> Any:
         raise InvalidInput(str(wrong)) from wrong
     except RecursionError as wrong:
         raise _too_deep() from wrong
-    # Most texts have too few brackets to be nested too deep, and no escaped surrogates.
+    # Skip the check for most texts, which have too few brackets to be nested too deep, and no escaped surrogates.
     if text.count("[") + text.count("{") > MAX_JSON_DEPTH or "\\ud" in text or "\\uD" in text:
         _check(value)
     return value
@@ -48,7 +48,7 @@ def decoded(data: bytes) -> str:
 
 
 def _check(value: Any) -> None:
-    """Refuse too deep nesting, and surrogates, which cannot be encoded."""
+    """Refuse nesting that is too deep, and surrogates, which cannot be encoded."""
     level, depth = [value], 0
     while level:
         inner: list[Any] = []

@@ -1,7 +1,7 @@
-"""Foreign XML, read within limits, without document types, entities or network access.
+"""Foreign XML, parsed within limits, without document types, entities or network access.
 
-Other libraries, such as OWSLib, get a document only after it was parsed and written anew here, so that it does not
-depend on their settings whether they read it safely.
+Other libraries, such as OWSLib, receive a document only after it was parsed and written again here, so that reading it
+is safe with any settings of these libraries.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from ..limits import (
 )
 from .plain import one_line
 
-#: The document type that WMS 1.1.1 prescribes (OGC 01-068r3, annex A), with declarations of elements but not entities.
+#: Document type that WMS 1.1.1 prescribes (OGC 01-068r3, annex A); it may declare elements, but not entities.
 _WMS_TYPE = re.compile(
     r"\s*<!DOCTYPE\s+WMT_MS_Capabilities\s+SYSTEM\s+(?:\"[^\"<>]*\"|'[^'<>]*')\s*"
     r"(?:\[(?:\s|<!(?:ELEMENT|ATTLIST)\s[^<>%&\[\]]*>)*\]\s*)?>"
 )
 
-#: Reader of users' documents. At the start of each element it yields the name without namespace, the text and the
-#: attributes; at its end, empty values. Texts of elements other than `TEXTS`, and attributes of elements other than
-#: `ATTRIBUTES`, may be omitted. It raises `UnreadableXMLError`.
+#: Reader of users' documents, which raises `UnreadableXMLError`. At the start of an element, it yields the name without
+#: namespace, the text and the attributes; at the end, empty values. It may omit texts of elements other than `TEXTS`
+#: and attributes of elements other than `ATTRIBUTES`.
 XMLReader = Callable[[bytes], Iterator[tuple[str, str, Mapping[str, str]]]]
-#: Elements of KML and GPX whose text is read, and those whose attributes are.
+#: Elements of KML and GPX whose text is read, and elements whose attributes are read.
 TEXTS, ATTRIBUTES = ("coordinates", "ele", "time"), ("trkpt", "rtept")
 
 
 class UnreadableXMLError(ValueError):
-    """A document is refused or is not XML; the text says why."""
+    """A document is refused or is not XML; the text states the reason."""
 
 
 def decode_document(body: bytes) -> str:
@@ -49,11 +49,11 @@ def decode_document(body: bytes) -> str:
     Raises
     ------
     UnreadableXMLError
-        Its encoding is not UTF-8, UTF-16 or Latin-1, or not the declared one.
+        The encoding is not UTF-8, UTF-16 or Latin-1, or differs from the declared encoding.
     """
     body = body.lstrip(b" \t\r\n")
     allowed = "UTF-8, UTF-16 or Latin-1"
-    # Byte order marks, and the first bracket in UTF-16 without one.
+    # Byte order marks, and the first bracket in UTF-16 without such a mark.
     marks = {
         codecs.BOM_UTF8: "utf-8-sig",
         codecs.BOM_UTF16_LE: "utf-16",
@@ -84,7 +84,7 @@ def decode_document(body: bytes) -> str:
 
 
 def checked_text(body: bytes) -> str:
-    """Decode a document that is safe for any reader: within the limits, without a document type or entities.
+    """Decode a document and check that it is safe for any reader: within limits, without document type and entities.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def checked_text(body: bytes) -> str:
 
 
 def too_deep() -> UnreadableXMLError:
-    """Make the error for elements nested deeper than `MAX_XML_DEPTH`."""
+    """Error for elements nested deeper than `MAX_XML_DEPTH`."""
     return UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
 
 
@@ -109,13 +109,13 @@ def parse_xml(body: bytes) -> Any:
     Raises
     ------
     UnreadableXMLError
-        It declares a document type (other than that of WMS 1.1.1, which is removed) or entities, exceeds a limit, or is
-        not XML.
+        The document declares entities or a document type (other than that of WMS 1.1.1, which is removed), exceeds a
+        limit, or is not XML.
     """
     text = checked_text(body)
     etree = importlib.import_module("lxml.etree")
     parser = etree.XMLParser(
-        # A second declaration, after the first, may state another one.
+        # A second declaration, after the removed one, may state another encoding.
         encoding="utf-8",
         resolve_entities=False,
         no_network=True,
@@ -137,7 +137,7 @@ def parse_xml(body: bytes) -> Any:
 
 
 def iterate_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
-    """`XMLReader` that uses lxml; raises as `parse_xml` does."""
+    """Read a document with lxml, as an `XMLReader`; raises as `parse_xml` does."""
     todo: list[Any] = [parse_xml(body)]
     while todo:
         element = todo.pop()
@@ -149,13 +149,13 @@ def iterate_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]
 
 
 def written(root: Any) -> bytes:
-    """Write a parsed document, for other libraries."""
+    """Write a parsed document for other libraries."""
     xml: bytes = importlib.import_module("lxml.etree").tostring(root, encoding="utf-8")
     return xml
 
 
 def _without_wms_type(text: str) -> str:
-    """Remove the document type of WMS 1.1.1, which declares nothing of use here."""
+    """Remove the document type of WMS 1.1.1, which is not needed."""
     comment = re.compile(r"\s*(?:<!--.*?-->|<\?.*?\?>)", re.DOTALL)
     at = 0
     head = text[: 1 << 16]
@@ -167,7 +167,7 @@ def _without_wms_type(text: str) -> str:
 
 def _check_size(text: str) -> None:
     """Refuse a document that would take too much memory or time to parse."""
-    # Upper bound: brackets within comments and attributes count as well.
+    # This is an upper bound, as brackets within comments and attributes are also counted.
     elements = text.count("<") - text.count("</")
     if len(text) > MAX_CAPABILITIES_BYTES or elements > MAX_XML_ELEMENTS or text.count("</") > MAX_XML_ELEMENTS:
         raise UnreadableXMLError(
@@ -176,14 +176,14 @@ def _check_size(text: str) -> None:
     if elements + text.count("=") > MAX_XML_NODES:
         raise UnreadableXMLError(Message("more than {0:,} elements and attributes", MAX_XML_NODES))
     for piece in text.split("<"):
-        # Parsers compare each attribute of an element with all others. The shortest, with its space, is ` a=""`.
+        # Parsers compare each attribute of an element with all others. The shortest attribute is ` a=""`, 5 characters.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
             raise UnreadableXMLError(Message("more than {0:,} attributes of one element", MAX_XML_ATTRIBUTES))
     names = set()
-    # Names of elements and attributes.
+    # Match names of elements and attributes.
     for found in re.finditer(r"<[^\s/<>]+|\s[^\s=<>\"'/]+\s*=", text):
         names.add(found.group())
-        # Parsers keep each name in a hash table of fixed size.
+        # Parsers keep all names in a hash table of fixed size.
         if len(names) > MAX_XML_NAMES:
             raise UnreadableXMLError(Message("more than {0:,} different names", MAX_XML_NAMES))
 
@@ -193,7 +193,7 @@ def _check_layers(root: Any) -> None:
     if sum(1 for _ in root.iter("{*}Layer", "{*}Style")) > MAX_SERVICE_LAYERS:
         raise UnreadableXMLError(Message("more than {0:,} layers and styles", MAX_SERVICE_LAYERS))
     inherited, total = ("CRS", "SRS", "Style", "BoundingBox"), 0
-    # Depth of each layer, and number of properties that it passes on; parents come first.
+    # Depth of each layer, and number of properties that the layer passes on; parents come first.
     known: dict[Any, tuple[int, int]] = {}
     for layer in root.iter("{*}Layer"):
         depth, passed_on = known.get(layer.getparent(), (0, 0))

@@ -1,4 +1,4 @@
-"""Masking of keys in texts, however they are encoded."""
+"""Masking of keys in texts, in any usual encoding."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from urllib.parse import quote, quote_plus
 
 from .plain import CUT
 
-#: Replaces a key.
+#: Text in place of a key.
 MASK = "***"
-#: A character encoded for URLs (up to nine times over), HTML or JSON.
+#: A character encoded for URLs (up to nine times), HTML or JSON.
 _ENCODED = re.compile(
     rb"%(?:25){0,8}([0-9a-f]{2})|(&(?:#[0-9]{1,7}|#x[0-9a-f]{1,6}|[a-z]{2,8});)|\\u([0-9a-f]{4})|\\(?=[/\"\\])",
     re.IGNORECASE,
@@ -21,7 +21,7 @@ _ENCODED = re.compile(
 
 
 class Secrets:
-    """Keys to be masked in any text, plain or encoded (also repeatedly) for URLs, HTML or JSON."""
+    """Keys to mask in texts, plain or encoded (also repeatedly) for URLs, HTML or JSON."""
 
     def __init__(self, values: Iterable[str]) -> None:
         forms = set()
@@ -38,7 +38,7 @@ class Secrets:
         return bool(self._forms)
 
     def masked(self, text: str) -> str:
-        """Mask the keys, and the beginning of a key where the text was shortened."""
+        """Mask the keys, and the beginning of a key if the text was shortened within the key."""
         return self._replace(MASK, text, lambda plain, form: _places(plain, form) + _cut_short(plain, form))
 
     def replaced(self, text: str, by: str) -> str:
@@ -62,12 +62,12 @@ class Secrets:
 
 
 def _folded(plain: bytes) -> bytes:
-    """Fold differences between encodings of a key: upper case, and + for a space."""
+    """Fold upper case and + for a space, in which encodings of a key differ."""
     return plain.lower().replace(b"+", b" ")
 
 
 def _read(text: str) -> tuple[bytes, list[int] | range]:
-    """Decode and fold a text; return its UTF-8, and the index of each byte in the UTF-8 of the original."""
+    """Decode and fold a text; return UTF-8, and for each byte its index in the UTF-8 of the original."""
     written = text.encode("utf-8", "replace")
     if not _ENCODED.search(written):
         return _folded(written), range(len(written) + 1)
@@ -100,7 +100,7 @@ def _cut_short(plain: bytes, form: bytes) -> list[tuple[int, int]]:
     """Begin and end of the part of a key before the last mark of a shortened text."""
     found = []
     cut = plain.rfind(CUT.encode())
-    # An encoded character may be cut as well.
+    # The cut may lie within an encoded character.
     encoded_part = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
     partly = encoded_part.search(plain, max(cut - 20, 0), cut) if cut >= 0 else None
     for end in {cut, partly.start() if partly else cut} - {-1}:

@@ -332,7 +332,7 @@ def _oldest(connection: sqlite3.Connection) -> list[int]:
 
 
 def _remove_oldest(ages: list[tuple[int, Path]], goal: float, until_s: float) -> None:
-    """Remove tiles, oldest first among all files, until ``goal`` bytes are removed or `time.monotonic` reaches ``until_s``."""
+    """Remove tiles, oldest first among all files, until ``goal`` bytes are removed or the time is up."""
     heapq.heapify(ages)
     while ages and goal > 0 and time.monotonic() < until_s:
         _, path = heapq.heappop(ages)

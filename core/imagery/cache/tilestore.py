@@ -1,4 +1,4 @@
-"""Cached tiles of one source, map type and date: read from a file; new tiles wait in memory until a thread writes them."""
+"""Cached tiles of one source, map type and date: read from a file, and written to it by a thread."""
 
 from __future__ import annotations
 

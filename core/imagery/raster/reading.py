@@ -423,7 +423,7 @@ class RasterioFile:
                 crs_wkt=dataset.crs.to_wkt(version="WKT2_2019") if dataset.crs else "",
                 geotransform=geotransform,
                 tags=dict(dataset.tags()),
-                # Read only if needed: is_known may be a million points, and rasterio creates an object for each.
+                # Read only if needed: there may be a million points, and rasterio creates an object for each.
                 by_points=geotransform is None and bool(dataset.gcps[0]),
                 parts=tuple(dataset.subdatasets),
                 white_is_zero=dataset.tags(ns=_WHITE_IS_ZERO[1]).get(_WHITE_IS_ZERO[0]) == "YES",
