@@ -90,7 +90,7 @@ class Bands:
 
     @property
     def each_metadata(self) -> tuple[BandMetadata, ...]:
-        """Metadata of each channel, with defaults where none is stated."""
+        """Metadata of each channel, with defaults if the file states none."""
         return self.metadata or (BandMetadata(),) * len(self)
 
     @cached_property

@@ -95,7 +95,7 @@ class TerrAInavError(Exception):
     field : str
         Name of the invalid field of a mission or a source; empty if the error concerns no single field.
     remedy : str or None
-        What the user can do; a `Message` that names an option is omitted where that option does not exist.
+        What the user can do; a `Message` that names an option is omitted if the user interface lacks the option.
     """
 
     message: Message

@@ -164,7 +164,7 @@ class XYZSource:
         return pixels
 
     def close(self) -> None:
-        """End requests under way, which raise `Cancelled`, and close connections and stores."""
+        """End running requests, which raise `Cancelled`, and close connections and stores."""
         self._client.close()
         with self._lock:
             self._cache = None

@@ -102,7 +102,7 @@ class TileFile:
         return kept
 
     def write(self, changes: Mapping[Tile, Kept | None], used: Mapping[Tile, int]) -> None:
-        """Write tiles, remove those that are None, and note when others were last used."""
+        """Write the changed tiles, remove tiles whose change is None, and note the times of use of other tiles."""
         with self._writing, transaction(self._writer):
             for tile, kept in changes.items():
                 if kept is None:

@@ -102,7 +102,7 @@ class Client:
     title : str
         The provider, as errors name it.
     connections : int
-        Requests under way at once.
+        Most simultaneous requests.
     requests_per_s : float or None
     first_after_s : float
         Seconds from now to the first request.
@@ -256,7 +256,7 @@ class Client:
         return first_words(response.body, response.headers.get("content-type", ""), self._secrets.masked)
 
     def close(self) -> None:
-        """End every wait and request under way; they raise `Cancelled`."""
+        """End all waits and running requests, which raise `Cancelled`."""
         self._closed.set()
         self._transport.close()
 

@@ -312,7 +312,7 @@ class EndedError(OSError):
 
 
 class Exchange:
-    """A request under way.
+    """A running request.
 
     Attributes
     ----------

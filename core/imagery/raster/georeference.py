@@ -176,7 +176,7 @@ class RasterGeoreference:
         if to_map is not None:
             x, y = through_proj(to_map.transform, x, y, direction=TransformDirection.INVERSE)
         if period is not None:
-            # A raster across the antimeridian continues where the map starts again.
+            # A raster that crosses the antimeridian continues at the other edge of the map.
             away = np.abs(x - self._centre_x) > period / 2.0
             if away.any():
                 turns = np.rint((x - self._centre_x) / period)

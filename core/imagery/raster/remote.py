@@ -88,7 +88,7 @@ class Remote:
             "GDAL_HTTP_TIMEOUT": f"{timeouts.whole_s:g}",
             "GDAL_HTTP_MAX_RETRY": str(TRIES - 1),
             "GDAL_HTTP_RETRY_DELAY": f"{FIRST_WAIT_S:g}",
-            # Use one connection for each open handle, as the number of handles is limited by that of connections.
+            # Use one connection for each open handle, as there are at most as many handles as connections.
             "GDAL_HTTP_MULTIRANGE": "SERIAL",
         }
         self._path_with_key = fill_key(path, key)
@@ -183,7 +183,7 @@ class Remote:
             raise SourceError("{0}: has changed since it was opened", self._title, remedy="start anew")
 
     def close(self) -> None:
-        """End a request under way."""
+        """End a running request."""
         if self._client is not None:
             self._client.close()
 

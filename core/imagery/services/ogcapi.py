@@ -118,7 +118,7 @@ class OGCAPITiles(JSONService):
         return offered[chosen_one(document, "collection", wanted, names)]
 
     def _chosen_tileset(self, document: Document) -> Document:
-        """Tileset of the wanted matrix set or system; otherwise that of Web Mercator, otherwise the first."""
+        """Tileset of the wanted matrix set or system; otherwise the tileset of Web Mercator, otherwise the first."""
         offered: dict[str, Mapping[str, Any]] = {}
         for one in read_objects(document.root["tilesets"]):
             if read_text(one.get("dataType")) in ("", "map", "coverage") and _self(one):
