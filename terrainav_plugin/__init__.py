@@ -1,6 +1,6 @@
 """The QGIS plugin: its windows, tools and algorithms. Calculations are in ``terrainav.core``.
 
-Rooms from top to bottom; a room imports only those below it, and the session joins those on one level:
+Rooms from top to bottom; a room imports only lower rooms, and the session connects rooms of the same level:
 
 plugin          toolbar and menu; loads everything else on first use
 session         creates the objects of the rooms and connects them

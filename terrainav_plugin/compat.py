@@ -15,7 +15,7 @@ from qgis.core import (
 )
 from qgis.PyQt import QtCore, QtGui, QtWidgets
 
-# Qt 6 has these in QtGui, with other classes that need no widgets.
+# In Qt 6, these classes are in QtGui.
 QAction = getattr(QtGui, "QAction", None) or QtWidgets.QAction
 QUndoCommand = getattr(QtGui, "QUndoCommand", None) or QtWidgets.QUndoCommand
 QUndoStack = getattr(QtGui, "QUndoStack", None) or QtWidgets.QUndoStack
@@ -49,19 +49,19 @@ else:
 
 LABELS_ALONG_LINE = Qgis.LabelPlacement.Line if hasattr(Qgis, "LabelPlacement") else QgsPalLayerSettings.Placement.Line
 
-#: Flags of a task that can be cancelled and, where QGIS allows it (3.26), shows no notice of its end.
+#: Flags of a task that can be cancelled and, from QGIS 3.26, shows no notice of its end.
 TASK_FLAGS = QgsTask.Flag.CanCancel
 if hasattr(QgsTask.Flag, "Silent"):
     TASK_FLAGS |= QgsTask.Flag.Silent
 
-#: Method of an algorithm that returns the chosen field names, given itself, the parameters, a name and the context.
+#: Method of an algorithm that returns the chosen field names; takes the parameters, a name and the context.
 chosen_fields = getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
 
-#: Whether the log panel shows messages verbatim. QGIS 3.40.6 takes them for HTML and 3.44.15 does not; in between
-#: they are escaped, since entities in a log do less harm than tags.
+#: Whether the log panel shows messages verbatim. QGIS 3.40.6 takes them for HTML, and 3.44.15 does not; between these
+#: versions, messages are escaped, since entities in a log do less harm than tags.
 LOG_IS_PLAIN = Qgis.QGIS_VERSION_INT >= 34415
 
-#: Attribute types: their names in Qt 6, and in Qt 5's QVariant.
+#: Names of attribute types in Qt 6, and in Qt 5's QVariant.
 _KINDS = {
     "text": ("QString", "String"),
     "integer": ("Int", "Int"),
@@ -73,7 +73,7 @@ _KINDS = {
 
 def attribution(layer: QgsMapLayer) -> str:
     """Credit that a layer's server asks for."""
-    # Since 3.38, server properties of a layer hold the credit.
+    # Since 3.38, the credit is among the server properties of a layer.
     if Qgis.QGIS_VERSION_INT >= 33800:
         return layer.serverProperties().attribution()
     return layer.attribution()
@@ -81,8 +81,8 @@ def attribution(layer: QgsMapLayer) -> str:
 
 def field(name: str, kind: str) -> QgsField:
     """Attribute of a layer; ``kind`` is text, integer, number, yes_no or time."""
-    there, before = _KINDS[kind]
-    # Since 3.38, fields take Qt 6's types, under Qt 5 as well.
+    meta_type, variant_type = _KINDS[kind]
+    # Since 3.38, fields take the types of Qt 6, also under Qt 5.
     if Qgis.QGIS_VERSION_INT >= 33800:
-        return QgsField(name, getattr(QtCore.QMetaType.Type, there))
-    return QgsField(name, getattr(QtCore.QVariant, before))
+        return QgsField(name, getattr(QtCore.QMetaType.Type, meta_type))
+    return QgsField(name, getattr(QtCore.QVariant, variant_type))

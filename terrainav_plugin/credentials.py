@@ -11,7 +11,7 @@ _BASIC, _HEADER = "Basic", "APIHeader"
 
 
 def read_key(authcfg: str) -> str | None:
-    """API key: the password of a Basic configuration, or the value of an API header; None without a key.
+    """API key: the password of a Basic configuration, or the value of an API header; None if there is no key.
 
     Main thread only: QGIS may ask for the master password.
     """
@@ -32,7 +32,7 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
     Parameters
     ----------
     authcfg : str
-        Empty where none is chosen.
+        Id of the configuration; empty if none is chosen.
     is_key : bool
         Whether the configuration must hold a key; otherwise it authenticates requests.
     """
@@ -43,7 +43,7 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
         return tr("QGIS's authentication database cannot be used: {reason}").format(reason=manager.disabledMessage())
     if authcfg not in manager.configIds():
         return tr("authentication configuration {id} does not exist (any more): choose another").format(id=authcfg)
-    # Let QGIS ask for the master password now: nobody may be there once the run is under way.
+    # Let QGIS ask for the master password now, as the user may be away during the run.
     if not manager.setMasterPassword(True):
         return tr("QGIS's authentication database is locked: press Capture again and enter its master password")
     if is_key and read_key(authcfg) is None:
@@ -54,7 +54,7 @@ def credential_problem(authcfg: str, is_key: bool) -> str:
 
 
 def store_key(title: str, key: str) -> str:
-    """Store a key in QGIS's authentication database; returns the configuration's id, empty if the user refuses.
+    """Store a key in QGIS's authentication database, and return the configuration's id; empty if the user refuses.
 
     Main thread only: QGIS may ask for the master password.
     """

@@ -1,4 +1,4 @@
-"""Check files of unknown origin before QGIS opens them: GDAL detects formats by content and follows references."""
+"""Checks of foreign files before QGIS opens them: GDAL detects formats by content and follows references."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .i18n import tr, translate
 
 
 def check_vector(path: Path) -> None:
-    """Refuse a file unless QGIS would read it as GeoJSON without references; on any thread.
+    """Refuse a file unless QGIS would read it as GeoJSON without references to other files; on any thread.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def check_raster(path: Path) -> None:
 
 
 def check_driver(path: Path) -> None:
-    """Refuse a checked GeoJSON file that QGIS would open with another driver, or whose path it reads as another."""
+    """Refuse a checked GeoJSON file if QGIS would open it with another driver, or read its path as another path."""
     _check_path("ogr", path)
     _check_kind(path, gdal.OF_VECTOR, ["GeoJSON"])
 

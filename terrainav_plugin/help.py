@@ -1,4 +1,4 @@
-"""The guide: a window if it is installed with the plugin, otherwise the project's homepage."""
+"""The guide: shown in a window if it is installed with the plugin; otherwise the project's homepage."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from .tasks import single_shot
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
-#: The open window: Qt alone does not keep attributes added by Python.
+#: The open window, if any; without this reference, Python would drop the object's attributes.
 _OPEN: list[GuideWindow] = []
 
 
 def help_url(topic: str = "") -> QUrl:
-    """Address of the guide: the plugin's file, in the user's language if there is one, or the homepage.
+    """Address of the guide: a file of the plugin, in the user's language if available; otherwise the homepage.
 
     Parameters
     ----------
     topic : str
-        Heading to scroll to, as links name it; empty for the beginning.
+        Heading to scroll to, as in the fragment of a link; empty for the beginning.
     """
     for name in (f"{_GUIDE}.{language()}.md", f"{_GUIDE}.md"):
         path = _PLUGIN / "docs" / name
@@ -58,14 +58,14 @@ def close_help() -> None:
 
 
 def add_help_button(buttons: QDialogButtonBox, topic: str) -> None:
-    """Add a button that opens the guide at a topic: a heading in the user's language."""
+    """Add a button that opens the guide at ``topic``, a heading in the user's language."""
     button = buttons.addButton(QDialogButtonBox.StandardButton.Help)
     button.setToolTip(tr("Open the guide"))
     buttons.helpRequested.connect(lambda: show_help(topic))
 
 
 class GuideWindow(QTextBrowser):
-    """Show the guide; follow links within it, and open others in the browser."""
+    """Show the guide; follow links within it, and open other links in the browser."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -89,7 +89,7 @@ class GuideWindow(QTextBrowser):
 
             _OPEN.append(cls(iface.mainWindow()))
         window = _OPEN[0]
-        # Show first: only then is the width final by which pictures and headings are laid out.
+        # Show the window first: only then is its width final, which the layout of pictures and headings needs.
         window.show()
         window.load(Path(url.toLocalFile()))
         window.show_heading(url.fragment())
@@ -114,7 +114,7 @@ class GuideWindow(QTextBrowser):
         self._fitted_px = self.viewport().width()
         # Picture paths are relative to the page.
         self.setSearchPaths([str(path.parent)])
-        # A new document each time: it would inherit the formats of the previous contents.
+        # Use a new document each time, as the old one would keep the formats of its contents.
         document, before = QTextDocument(self), self._shown
         document.setDefaultFont(self.font())
         document.setMarkdown(path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub)
@@ -129,15 +129,15 @@ class GuideWindow(QTextBrowser):
         if path.suffix not in (".jpg", ".png"):
             return super().loadResource(kind, name)
         reader = QImageReader(str(path))
-        # 12 px of margins, and the 40 px by which Qt indents lists, which may hold images.
+        # Subtract 12 px of margins, and 40 px by which Qt indents lists, as images may be in lists.
         size, room = reader.size(), self.viewport().width() - 12 - 40
         if size.width() > room > 0:
-            # JPEG readers scale while they read, in a fraction of the time.
+            # The reader scales JPEG while reading, in a fraction of the time.
             reader.setScaledSize(size * (room / size.width()))
         return reader.read()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the pictures once the new width stays."""
+        """Fit the pictures to the new width after a pause."""
         super().resizeEvent(event)
         if self._path.is_file():
             self._fit_soon.start()
@@ -151,7 +151,7 @@ class GuideWindow(QTextBrowser):
         bar.setValue(round(share * bar.maximum()))
 
     def show_heading(self, topic: str) -> None:
-        """Scroll to a heading, named as in links; to the beginning if it is missing."""
+        """Scroll to a heading, named as in a link; to the beginning if there is no such heading."""
         block = self.document().begin()
         while block.isValid():
             if block.blockFormat().headingLevel() and _anchor(block.text()) == topic:
@@ -180,5 +180,5 @@ class GuideWindow(QTextBrowser):
 
 
 def _anchor(heading: str) -> str:
-    """Name of a heading, as links have it."""
+    """Name of a heading in links."""
     return re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.strip().lower()))

@@ -1,4 +1,4 @@
-"""Translation of user-visible texts: the plugin's, and the core's messages."""
+"""Translation of user-visible texts: those of the plugin, and messages of the core."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from ..core.errors import Message
 
 _FOLDER = RESOURCES / "i18n"
-#: Contexts in the translation files: texts of the plugin and of the core.
+#: Contexts of the translation files, for texts of the plugin and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
-#: Options named in the core's advice, which the panel shows under their declared titles.
+#: Options that advice of the core may name and that have entries in the panel, with their declared titles.
 _ENTERED = (
     "error_budget",
     "accept_error",
@@ -40,12 +40,12 @@ _ENTERED = (
 
 
 def tr(text: str) -> str:
-    """Text in the user's language; fill in placeholders afterwards with ``str.format``."""
+    """Text in the user's language; fill in its placeholders with ``str.format`` afterwards."""
     return QCoreApplication.translate(_PLUGIN, text)
 
 
 def install_translator() -> QTranslator | None:
-    """Install the user's language in Qt; None if it is missing or not needed."""
+    """Install the translation to the user's language in Qt; None if it is missing or not needed."""
     path = _FOLDER / f"terrainav_{language()}.qm"
     if not path.is_file():
         return None
@@ -63,10 +63,10 @@ def remove_translator(translator: QTranslator | None) -> None:
 
 
 def translate(message: object) -> str:
-    """Message, error or word of the core in the user's language, with numbers as the user writes them.
+    """Message, error or word of the core in the user's language, with numbers in the user's format.
 
-    Options are named as in the panel. Advice that names an option without an entry there is left out, and so is a
-    nested message that does. A plain string is looked up as a whole.
+    Options are named as in the panel. Advice and nested messages that name an option without an entry in the panel are
+    left out. A plain string is looked up as a whole.
     """
     from ..core.errors import Message, TerrAInavError
 
@@ -76,7 +76,7 @@ def translate(message: object) -> str:
             parts.append(message.remedy)
         return "; ".join(map(translate, parts))
     template = message.template if isinstance(message, Message) else str(message)
-    # Users can paste half a surrogate pair, which Qt cannot convert.
+    # Replace lone surrogates, which users can paste and Qt cannot convert.
     template = QCoreApplication.translate(_CORE, template.encode("utf-8", "replace").decode())
     if not isinstance(message, Message):
         return template
@@ -86,7 +86,7 @@ def translate(message: object) -> str:
 
 
 def option_label(name: str) -> str:
-    """The panel's name of a mission option, quoted; empty if it has no entry."""
+    """Name of a mission option in the panel, quoted; empty if it has no entry."""
     if name == "max_images":
         return tr("“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file")
     from ..core.fields import declared_fields
@@ -107,9 +107,9 @@ def capitalized(text: str) -> str:
 
 
 def number_text(value: float, form: str = ",") -> str:
-    """Return a number as the user writes it.
+    """Return a number in the user's format.
 
-    Thousands are always grouped: these figures are for reading, unlike those in entries.
+    By default, thousands are grouped, as the text is for reading and not for an entry.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def number_text(value: float, form: str = ",") -> str:
 
 
 def localized(number: str) -> str:
-    """A number formatted by Python, as the user writes it."""
+    """Convert a number formatted by Python to the user's format."""
     locale = QLocale()
     written = {",": locale.groupSeparator(), ".": decimal_sign()}
     return "".join(written.get(sign, sign) for sign in number)
@@ -134,7 +134,7 @@ def plain_number(text: str) -> float:
     ValueError
         The text is not a number.
     """
-    # QGIS imports this module at start-up; the core is imported on first use.
+    # QGIS imports this module at start-up: import the core only on first use.
     from ..core.numbers import real_number
 
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
@@ -157,12 +157,12 @@ def language() -> str:
 
 
 def _locale() -> str:
-    # The locale QGIS was started with overrides the setting; without windows only the setting exists.
+    # The locale with which QGIS was started overrides the setting; without windows, only the setting exists.
     return QgsApplication.instance().translation() or QgsApplication.locale()
 
 
 class _Formatter(Formatter):
-    """Fill values into a message, with numbers as the user writes them."""
+    """Fill values into a message, with numbers in the user's format."""
 
     def convert_field(self, value: Any, conversion: str) -> Any:
         converted = super().convert_field(value, conversion)
@@ -177,7 +177,7 @@ _FORMATTER = _Formatter()
 
 
 def _shown(value: object) -> object:
-    """Value of a message as the translation shows it."""
+    """Value of a message, translated for display."""
     from ..core.errors import Message, OptionName, TerrAInavError
 
     if isinstance(value, OptionName):
@@ -195,7 +195,7 @@ def _layer_title(found: re.Match[str]) -> str:
     from qgis.core import QgsProject
 
     if QThread.currentThread() != QCoreApplication.instance().thread():
-        # Only the main thread may use the project.
+        # Other threads must not use the project.
         return tr("a layer of the project")
     layer = QgsProject.instance().mapLayer(found["id"])
     return tr("a layer that is not in the project") if layer is None else f"“{layer.name()}”"

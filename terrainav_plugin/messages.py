@@ -1,4 +1,4 @@
-"""Messages to the user: in the message bar, with details in the log."""
+"""Messages to the user in the message bar, with details in the log."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from .i18n import tr
 from .plain import escaped
 
 TITLE = "TerrAInav"
-#: Characters that fit in two lines of the bar beside its buttons.
+#: Number of characters that fit in two lines of the bar, next to its buttons.
 _MOST_LETTERS = 140
 
 
 def _masked(text: str, most: int) -> str:
-    """Text of at most ``most`` characters, without credentials of addresses."""
-    # The core is imported on first use.
+    """Text of at most ``most`` characters, without credentials in addresses."""
+    # Import the core only on first use.
     from ..core.addresses import without_credentials
     from ..core.text.plain import shortened
 
@@ -47,7 +47,7 @@ def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
 
 
 class LogPanelHandler(logging.Handler):
-    """Write the core's warnings and errors, with tracebacks, to the log panel; from any thread."""
+    """Write warnings and errors of the core, with tracebacks, to the log panel; on any thread."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -66,7 +66,7 @@ class LogPanelHandler(logging.Handler):
 
 
 def show_log(iface: QgisInterface) -> None:
-    """Open the log panel at TerrAInav's tab."""
+    """Open the log panel, with TerrAInav's tab in front."""
     iface.openMessageLog()
     panel = iface.mainWindow().findChild(QDockWidget, "MessageLog")
     for tabs in panel.findChildren(QTabWidget) if panel is not None else ():
@@ -82,13 +82,13 @@ class Messages(QObject):
         super().__init__()
         self._iface = iface
         self._shown: list[QgsMessageBarItem] = []
-        #: The refusal shown, if any: the next one replaces it.
+        #: The refusal shown, if any; the next refusal replaces it.
         self._refusal: QgsMessageBarItem | None = None
-        #: Shown while the user waits.
+        #: The message shown while the user waits, if any.
         self._waiting: QgsMessageBarItem | None = None
         #: Items by topic.
         self._topics: dict[str, list[QgsMessageBarItem]] = {}
-        # The bar reports removed items: what an item calls on its destruction may be gone already.
+        # Use the bar's signal: on the destruction of an item, objects that it calls may already be deleted.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
     def info(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
@@ -110,7 +110,7 @@ class Messages(QObject):
         self._show(text, Qgis.MessageLevel.Warning, action, details, other=other)
 
     def refused(self, reason: str, what: str) -> None:
-        """Report why a request was refused; replaces the previous refusal.
+        """Report why a request was refused, in place of the previous refusal.
 
         Parameters
         ----------
@@ -132,7 +132,7 @@ class Messages(QObject):
         self._show(text, Qgis.MessageLevel.Critical, details=details)
 
     def failed(self, text: str, trace: str) -> None:
-        """Report why work ended early; ``trace`` is the traceback of an unexpected error, else empty."""
+        """Report why work ended early; ``trace`` is the traceback of an unexpected error, empty for other errors."""
         if trace:
             self.error(text, trace)
         else:
@@ -150,13 +150,13 @@ class Messages(QObject):
 
     @contextmanager
     def topic(self, topic: str) -> Iterator[None]:
-        """Assign a topic to the messages shown inside, for `withdraw`."""
+        """Assign a topic to the messages shown within the context, for `withdraw`."""
         before = len(self._shown)
         yield
         self._topics.setdefault(topic, []).extend(self._shown[before:])
 
     def withdraw(self, topic: str) -> None:
-        """Remove the messages of a topic: it no longer holds."""
+        """Remove the messages of a topic, which no longer apply."""
         for item in self._topics.pop(topic, []):
             if item in self._shown:
                 self._iface.messageBar().popWidget(item)
@@ -179,8 +179,8 @@ class Messages(QObject):
         lasts: bool = False,
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
-        # The bar reads every text as HTML.
-        # A few lines on any screen; Qt takes minutes to lay out a million characters.
+        # Escape the text, as the bar reads every text as HTML, and shorten it to a few lines: Qt takes minutes to lay
+        # out a million characters.
         shown = escaped(_masked(text, 2000))
         item = QgsMessageBarItem(
             TITLE,
@@ -210,7 +210,7 @@ class Messages(QObject):
         action()
 
     def _forget(self, item: QgsMessageBarItem) -> None:
-        """Drop an item: the bar deletes it, and its wrapper must not be used afterwards."""
+        """Drop an item that the bar deletes, as its wrapper must not be used afterwards."""
         if item in self._shown:
             self._shown.remove(item)
         if item is self._refusal:
@@ -223,10 +223,10 @@ class Messages(QObject):
 
 
 class _Fitting(QObject):
-    """Fit a message to the map: its width to the canvas, its height to its lines.
+    """Fit the width of a message to the canvas, and its height to its lines.
 
-    QGIS gives every text the height of one or two lines, and its bar asks for the full width of text and buttons: on a
-    small screen that takes space from the panels beside it and never returns it.
+    QGIS gives every text the height of one or two lines, and its bar requests the full width of text and buttons: on a
+    small screen, this permanently narrows the panels next to the map.
 
     Attributes
     ----------
@@ -250,7 +250,7 @@ class _Fitting(QObject):
         item.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Follow the width there is."""
+        """Fit the message to a new width."""
         if isinstance(event, QResizeEvent):
             if watched is self._text:
                 self._fit_text(event.size().width())
@@ -270,7 +270,7 @@ class _Fitting(QObject):
 
 
 def shortened(text: str) -> str:
-    """As many parts of the text's sentences as fit in the bar."""
+    """Beginning of a text that fits in the bar, cut after a part of a sentence."""
     if len(text) <= _MOST_LETTERS:
         return text
     room = text[:_MOST_LETTERS]

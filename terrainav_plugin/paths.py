@@ -1,4 +1,4 @@
-"""Paths of the plugin's files and of the user's."""
+"""Paths of files of the plugin and of the user."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from qgis.PyQt.QtGui import QDesktopServices, QIcon
 COPIES = "TerrAInav/addresses"
 #: Folder of the user's profile for notes on unfinished captures.
 UNFINISHED = "TerrAInav/unfinished"
-#: Linux's list of mounts, and the types of network file systems in it.
+#: List of mounted file systems on Linux.
 _MOUNTS = Path("/proc/self/mounts")
+#: Types of network file systems in that list, or the beginning of their names.
 _SERVED = (
     "nfs",
     "cifs",
@@ -44,25 +45,25 @@ def entered_folder(text: str) -> Path:
 
 
 def is_remote(folder: str | os.PathLike[str]) -> bool:
-    """Whether a folder is on another machine, found without asking that machine."""
+    """Whether a folder is on another machine; determined without contacting that machine."""
     text = str(folder).replace("\\", "/")
     if "://" in text or text.startswith("//"):
         return True
     if sys.platform == "win32":
-        # DRIVE_REMOTE: a network drive.
+        # 4 is DRIVE_REMOTE, a network drive.
         return bool(ctypes.windll.kernel32.GetDriveTypeW(f"{Path(folder).drive}\\") == 4)
     try:
         mounts = [line.split(" ") for line in _MOUNTS.read_text("utf-8", "replace").splitlines()]
     except OSError:
         return False
-    # Spaces are written in octal there.
+    # The list has spaces in octal.
     places = [(kind, at.replace("\\040", " ").rstrip("/")) for _, at, kind, *_ in mounts]
     above = [(len(at), kind) for kind, at in places if f"{text}/".startswith(f"{at}/")]
     return bool(above) and max(above)[1].startswith(_SERVED)
 
 
 def path_key(path: Path) -> str:
-    """Key of a path, the same for all its spellings."""
+    """Key that is the same for all spellings of a path."""
     return os.path.normcase(os.path.realpath(path))
 
 
@@ -82,14 +83,14 @@ def style(name: str) -> str:
 
 
 def open_in_system(path: Path) -> None:
-    """Open a folder or file with the system's program for it."""
+    """Open a folder or file with the system's default program."""
     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
 
 
 def exists(path: Path) -> bool:
-    """Whether something exists at a path.
+    """Whether a file or folder exists.
 
-    False, where `Path.exists` raises: in a folder that may not be read, or for a name longer than the system allows.
+    Where `Path.exists` raises, return False: in a folder that may not be read, or for a name too long for the system.
     The same holds for `is_folder` and `files.file_exists`.
     """
     return os.path.exists(path)  # noqa: PTH110
@@ -101,7 +102,7 @@ def is_folder(path: Path) -> bool:
 
 
 def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
-    """Folder beside ``folder`` that neither exists nor is ``taken``: mission, mission-2, mission-3."""
+    """Folder with the next number that neither exists nor is ``taken``: mission-2 or mission-3 for mission."""
     stem = re.sub(r"-\d+$", "", folder.name)
     number = 2
     while exists(candidate := folder.with_name(f"{stem}-{number}")) or candidate in taken:

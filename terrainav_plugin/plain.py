@@ -1,4 +1,4 @@
-"""Foreign text shown verbatim: Qt takes whatever looks like HTML for HTML, and opens the files it names."""
+"""Foreign text, to be shown verbatim: Qt takes text that looks like HTML for HTML, and opens the files it names."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def plain_label(text: str = "", parent: QWidget | None = None) -> QLabel:
 
 
 def escaped(text: str) -> str:
-    """Text escaped for widgets that always read HTML."""
+    """Text escaped for widgets that take every text for HTML."""
     return html.escape(text, quote=False)
 
 
 def shown_plain(text: str) -> str:
-    """Text for widgets that detect HTML: tooltips and message boxes."""
+    """Text escaped if needed for widgets that detect HTML: tooltips and message boxes."""
     return f"<qt>{escaped(text)}</qt>".replace("\n", "<br>") if "<" in text else text
 
 
@@ -32,7 +32,7 @@ def escaped_field(name: str) -> str:
 
 
 def image_in_tip(name: str, width_px: int) -> str:
-    """Image in a map tip, by the field with its path; empty unless that is a regular file (a pipe never ends)."""
+    """Image in a map tip whose path is in the field ``name``; empty unless it is a regular file, as a pipe blocks."""
     start, end = '<img src="file:///', f'" width="{width_px}"/><br/>'
     return f"[% if(is_file(\"{name}\"), '{start}' || {_escaped_value(name)} || '{end}', '') %]"
 
@@ -45,19 +45,19 @@ def _escaped_value(name: str) -> str:
 
 
 def path_inside(folder: str, name: str, ending: str) -> str:
-    """Return an expression for the path of a file in a folder; NULL if a field's value is not a plain file name.
+    """Expression for the path of a file in a folder; NULL if the name in the field is not a plain file name.
 
-    Refused are addresses, ``..`` and other characters that lead out of the folder.
+    Names that may lead out of the folder, such as addresses and ``..``, are refused.
 
     Parameters
     ----------
     folder : str
         Expression for the folder.
     name : str
-        Field with the name.
+        Field with the name of the file.
     ending : str
-        Ending of the file's name.
+        Ending to add to the name.
     """
-    # Backslashes of the pattern are doubled inside the expression's string.
+    # In the string of an expression, backslashes are doubled.
     refused = r"[/\\\\:%?#<>|*\\x00-\\x1f]|^\\.*$"
     return f"if(regexp_match(\"{name}\", '{refused}'), NULL, {folder} || '/' || \"{name}\" || '{ending}')"

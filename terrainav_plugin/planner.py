@@ -1,4 +1,4 @@
-"""Plan in the background while the user types: the latest change wins."""
+"""Planning in the background while the user types; only the latest request counts."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ class PlannedMission(NamedTuple):
 
 
 class Planner(QObject):
-    """Plan one mission at a time on a thread, and drop requests overtaken by newer ones.
+    """Plan one mission at a time on a thread, and drop requests that newer requests have overtaken.
 
     Signals
     -------
     planned(object)
-        `PlannedMission`, of the latest request.
+        The `PlannedMission` of the latest request.
     costed(object, object)
-        The plan as above, and the timing of its methods; after `planned`.
+        The same `PlannedMission`, and the timing of its methods; after `planned`.
     refused(object)
         The error of the latest request.
     """
@@ -56,11 +56,11 @@ class Planner(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an answer is due."""
+        """Whether an answer is pending."""
         return self._wanted is not None or self._worker.busy
 
     def request(self, mission: Mission, at_once: bool = False, timed: bool = True) -> None:
-        """Request a plan: emits `planned` or `refused`, then `costed` if ``timed``."""
+        """Request a plan, to be emitted by `planned` (or an error by `refused`), then `costed` if ``timed``."""
         from .sources import grid_finder
 
         self._worker.forget()
@@ -74,7 +74,7 @@ class Planner(QObject):
         self._pause.stop()
 
     def close(self) -> None:
-        """End the thread; emits no more answers."""
+        """End the thread, and emit no more answers."""
         self.forget()
         self._worker.close()
 
@@ -106,9 +106,9 @@ def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     from .sources import mission_bands
 
     plan = planned.plan
-    # Time only images that take a few seconds and little memory.
+    # Do not time larger images, which take more than a few seconds or much memory.
     if int(plan.frames.width_px[0]) * int(plan.frames.height_px[0]) > 4_000_000:
         return tr("not timed, as the images are large")
-    # A copy: the views that the plan caches belong to the capture.
+    # Use a copy of the plan: the views that it caches belong to the capture.
     bands = mission_bands(planned.mission)
     return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))

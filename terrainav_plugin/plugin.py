@@ -1,4 +1,4 @@
-"""The plugin's entry point: toolbar and menu. Everything else is loaded on first use."""
+"""The entry point of the plugin, with toolbar and menu. Everything else is loaded on first use."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 MENU = "TerrAInav"
 #: Name of the algorithm provider, as in ``terrainav:plan``.
 PROVIDER = "terrainav"
-#: Actions with icons of QGIS.
+#: Icons of QGIS, by the actions that use them.
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
 #: Key of the plugin's page in QGIS's options.
 PAGE = "terrainav_options"
@@ -54,13 +54,13 @@ class TerrAInavPlugin:
         self._path_finder = ""
 
     def initProcessing(self) -> None:
-        """Add the provider of algorithms; QGIS calls this itself without windows (``qgis_process``)."""
+        """Add the provider of algorithms; QGIS calls this itself if it has no windows (``qgis_process``)."""
         from .processing.provider import Provider
 
         registry = QgsApplication.processingRegistry()
         if registry.providerById(PROVIDER) is None:
             self._translate()
-            # The registry owns the provider; this reference keeps its Python half.
+            # The registry owns the provider; this reference keeps its Python wrapper.
             self._provider = Provider()
             registry.addProvider(self._provider)
 
@@ -71,7 +71,7 @@ class TerrAInavPlugin:
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
-        # Not QGIS's plugin menu, which stays after its last entry is removed.
+        # Not in QGIS's plugin menu, which would stay after its last entry is removed.
         self._menu = QMenu(f"&{MENU}", self.iface.rasterMenu())
         self._menu.setObjectName("terrainav_menu")
         self._menu.setIcon(icon("icon"))
@@ -96,28 +96,28 @@ class TerrAInavPlugin:
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
-        # QGIS looks for a layer's file before it reports that the project is read.
+        # A preprocessor of paths, as QGIS looks for the files of layers before it reports that the project is read.
         self._path_finder = QgsPathResolver.setPathPreprocessor(_local_source)
         self.iface.projectRead.connect(self._project_read)
         self.iface.newProjectCreated.connect(self._project_begun)
-        # Do not delay QGIS's start: nothing runs before it has a window.
+        # Do nothing before QGIS has a window, to not delay its start.
         self._processing_soon = QTimer(self.iface.mainWindow())
         self._processing_soon.setSingleShot(True)
         self._processing_soon.timeout.connect(self.initProcessing)
         self._processing_soon.start(0)
         self._unfinished_soon = QTimer(self.iface.mainWindow())
-        # Check twice a second whether QGIS has its window.
+        # Check twice a second whether QGIS has a window.
         self._unfinished_soon.setInterval(500)
         self._unfinished_soon.timeout.connect(self._offer_unfinished)
         self._unfinished_soon.start()
 
     def unload(self) -> None:
-        """Remove everything again."""
+        """Remove everything that the plugin has added."""
         for timer in filter(None, (self._processing_soon, self._unfinished_soon)):
             timer.stop()
             timer.deleteLater()
         self._processing_soon = self._unfinished_soon = None
-        # By name: the registry may have deleted the provider with its algorithms.
+        # By name, as the registry may already have deleted the provider.
         QgsApplication.processingRegistry().removeProvider(PROVIDER)
         self._provider = None
         if self._toolbar is not None:
@@ -126,7 +126,7 @@ class TerrAInavPlugin:
         self._translator = None
 
     def _translate(self) -> None:
-        """Install the user's language; once, with or without windows."""
+        """Install the translation to the user's language, unless it is installed."""
         if self._translator is None:
             self._translator = install_translator()
 
@@ -184,7 +184,7 @@ class TerrAInavPlugin:
         action.setToolTip(tr("TerrAInav: {text}").format(text=text.replace("&", "")))
         action.setCheckable(checkable)
         action.triggered.connect(slot)
-        # No shortcut until the user sets one among QGIS's.
+        # Without a default shortcut; the user can set one in QGIS's dialog.
         self.iface.registerMainWindowAction(action, "")
         if in_toolbar:
             self._toolbar.addAction(action)
@@ -214,7 +214,7 @@ class TerrAInavPlugin:
 
     def _toggle_box_tool(self, on: bool) -> None:
         self._use(lambda session: session.draw_box() if on else session.box_tool.stop())
-        # On an empty map, imagery is shown first; the tool presses the button once it starts.
+        # On an empty map, imagery is shown first: the button is pressed only once the tool starts.
         if self._session is not None:
             self.actions["draw_box"].setChecked(self._session.box_tool.isActive())
 
@@ -229,7 +229,7 @@ class TerrAInavPlugin:
     def _toggle_view_tool(self, on: bool) -> None:
         self._use(lambda session: session.viewing.start() if on else session.viewing.stop())
         if self._session is not None:
-            # Stays up if there is nothing to view.
+            # The button stays released if there is nothing to view.
             self.actions["view_images"].setChecked(self._session.viewing.tool.isActive())
 
     def _toggle_preview(self, on: bool) -> None:
@@ -254,12 +254,12 @@ class TerrAInavPlugin:
             self._use(lambda session: session.missions.restore())
 
     def _project_begun(self) -> None:
-        # QGIS also starts with a new project: keep the entries of the last session then.
+        # Not for the new project with which QGIS starts: keep the entries of the last session.
         if self._session is not None and self.iface.mainWindow().isVisible():
             self._session.project_begun()
 
     def _offer_unfinished(self) -> None:
-        """Offer captures left unfinished, once there is a window; loads nothing for other users."""
+        """Offer unfinished captures once there is a window; load nothing if there are none."""
         if not self.iface.mainWindow().isVisible():
             return
         self._unfinished_soon.stop()
@@ -267,7 +267,7 @@ class TerrAInavPlugin:
             self._use(lambda session: session.runs.offer_unfinished())
 
     def _can_work(self) -> bool:
-        """Whether the needed packages are installed; reports those that are not."""
+        """Whether the needed packages are installed; reports missing packages."""
         missing = [package for module, package in NEEDED.items() if not _importable(module)]
         if missing:
             self.messages.warning(
@@ -301,7 +301,7 @@ class OptionsFactory(QgsOptionsWidgetFactory):
 
 
 def _local_source(source: str) -> str:
-    """Local copy of a project's file that belongs to a remote dataset; other files unchanged."""
+    """Source of a layer, changed to the local copy if it is a file of a remote dataset."""
     if COPIES not in source.replace("\\", "/"):
         return source
     from .remote.copies import local_copy

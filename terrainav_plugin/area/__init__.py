@@ -2,9 +2,9 @@
 
 menu        menu of the origins of an area
 no_fly      menu of the origins of no-fly areas
-entries     four edges around a button, as on a map, and a description of the area
+entries     entries of the four edges, arranged as on a map, and a description of the area
 history     undo and redo of changes to the area
-editing     undoable edits, between the entries and their form
+editing     undoable edits, from the entries to the form
 dialogs     questions about the layer or file that an area is taken from
 patterns    corridors, orbits, scans and random poses, turned into points
 xml         KML and GPX read by Qt, which every QGIS has

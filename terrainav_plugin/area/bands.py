@@ -24,18 +24,18 @@ class BandColours(NamedTuple):
     brush: Qt.BrushStyle = Qt.BrushStyle.SolidPattern
 
 
-#: Vermillion of the Okabe-Ito palette and its tint, which colour-blind people distinguish.
+#: Vermillion of the Okabe-Ito palette, which colour-blind people distinguish, and a tint of it.
 AREA_COLOURS = BandColours(QColor(213, 94, 0), QColor(213, 94, 0, 40))
 #: Without a fill, which would tint the images inside.
 OUTLINE_COLOURS = AREA_COLOURS._replace(fill=QColor(0, 0, 0, 0))
 #: Red as on flight maps, hatched to leave the map below visible.
 NO_FLY_COLOURS = BandColours(QColor(190, 0, 30), QColor(190, 0, 30, 200), Qt.BrushStyle.BDiagPattern)
 _HANDLE_PX = 9
-#: Width and height of the plugin's symbols, drawn at their natural size.
+#: Width and height of the plugin's symbols, which are drawn at their original size.
 _SYMBOL_PX = 24
-#: Distance of the readout from the pointer, to leave the target visible.
+#: Distance of the text from the pointer, so that it does not hide the target.
 _ASIDE_PX = 16
-#: Legible over any map; some themes paint no background for labels.
+#: Legible over any map, also in themes that paint no background for labels.
 _READOUT_STYLE = "QLabel { background-color: #202020; color: #ffffff; border-radius: 3px; padding: 3px; }"
 
 
@@ -46,12 +46,12 @@ class AreaMark(QObject):
     ----------
     colours : BandColours
     symbol : str
-        Path of an image that marks points; without one, a dot.
+        Path of an image that marks points; empty for a dot.
 
     Attributes
     ----------
     area : Box, Polygon, Polygons, Points or None
-        Area outlined while the mark is shown.
+        Area whose outline is drawn while the mark is shown.
     is_shown : bool
     """
 
@@ -72,7 +72,7 @@ class AreaMark(QObject):
         self._bands.clear()
 
     def set_area(self, area: Area | None) -> None:
-        """Set the area; None for none."""
+        """Set the area; None clears it."""
         if area != self.area:
             self.area = area
             self._draw()
@@ -84,12 +84,12 @@ class AreaMark(QObject):
             self._draw()
 
     def _follow(self) -> None:
-        """Redraw geographic maps on the turn that is in view."""
+        """Redraw the mark if a geographic map now shows another turn around the Earth."""
         if self._turn() != self._drawn_on:
             self._draw()
 
     def _turn(self) -> int:
-        """Turns around the Earth from the area to the middle of the view; 0 on projected maps."""
+        """Number of turns around the Earth from the area to the middle of the view; 0 on projected maps."""
         if self.area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
         return count_turns(self.area, self._canvas.extent().center().x())
@@ -111,7 +111,7 @@ class AreaBands:
         self._bands: list[QgsRubberBand] = []
 
     def show(self, outline: AreaOutline, with_handles: bool, picked: Corner | None = None) -> None:
-        """Replace the outline drawn; the corner ``picked`` is filled."""
+        """Draw an outline in place of the previous one; the handle of the corner ``picked`` is filled."""
         if not self._bands:
             icons = QgsRubberBand.IconType
             self._bands = [
@@ -132,11 +132,11 @@ class AreaBands:
         shape = outline.shape
         if not shape.isEmpty():
             band = points if shape.type() == POINT else area
-            # These are canvas coordinates: transform nothing.
+            # None: the coordinates are those of the canvas, and must not be transformed.
             band.setToGeometry(shape, None)
         if with_handles:
             _show_points(handles, [*outline.handles.values(), *outline.corners.values()])
-            # An edge shorter than this on the screen has no handle in its middle.
+            # Edges shorter than 40 px on the screen get no handle in their middle.
             least = 40.0 * self._canvas.mapUnitsPerPixel()
             long = (
                 corner
@@ -154,14 +154,14 @@ class AreaBands:
 
 
 class PointerText:
-    """A line of text beside the pointer."""
+    """A line of text next to the pointer."""
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         self._canvas = canvas
         self._label: QLabel | None = None
 
     def say(self, text: str, at: QPoint) -> None:
-        """Show a text beside a pixel, within the canvas."""
+        """Show a text next to a pixel, within the canvas."""
         if self._label is None:
             self._label = plain_label(parent=self._canvas.viewport())
             self._label.setObjectName("terrainav_readout")
@@ -198,7 +198,7 @@ def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = 
 
 
 def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
-    """Create a band for handles, white inside to stand out from their line."""
+    """Create a band for handles, which are white inside to stand out from their line."""
     band = area_band(canvas, POINT, colours)
     band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
     band.setIconSize(_HANDLE_PX)
@@ -208,7 +208,7 @@ def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> Qg
 
 
 def _show_points(band: QgsRubberBand, points: list[QgsPointXY]) -> None:
-    """Set a band's points all at once: adding one by one takes quadratic time."""
+    """Set all points of a band at once, as adding them one by one takes quadratic time."""
     if points:
         band.setToGeometry(QgsGeometry.fromMultiPointXY(points), None)
 

@@ -59,20 +59,20 @@ class AreaControl(QObject):
     ----------
     iface : QgisInterface
     panel : QgsDockWidget
-        Panel with the entries; the area is marked on the map while it is visible.
+        Panel with the entries; while it is visible, the area is marked on the map.
     entries : AreaEntries
     editing : AreaEditing
     messages : Messages
     box_tool : BoxTool
     draw : callable
-        Calls a function that begins drawing, once the map has something to draw on.
+        Takes a function that begins drawing, and calls it once the map shows something.
 
     Attributes
     ----------
     tool : AreaTool
         Changes the area on the map.
     polygon_tool, hole_tool, part_tool, no_fly_tool : PolygonTool
-        Draw the area, a hole in it, one more polygon of it, and a no-fly area.
+        Draw the area, a hole in it, another polygon of it, and a no-fly area.
     takeoff_tool : PointTool
         Picks the take-off point.
     single_tool, orbit_tool : PointTool
@@ -111,7 +111,7 @@ class AreaControl(QObject):
         self.mark, self._previewed = AreaMark(self._canvas), False
         self.no_fly_mark = AreaMark(self._canvas, NO_FLY_COLOURS)
         self.takeoff_mark = AreaMark(self._canvas, symbol=symbol("takeoff"))
-        # After a pause in typing, move the map to the area if it is out of sight.
+        # After a pause in typing, move the map to the area unless it is in view.
         self._pause = single_shot(self._go_to_typed, self, 600)
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
@@ -122,7 +122,7 @@ class AreaControl(QObject):
         self._editing.noted.connect(self._follow)
         self._editing.coordinates_entered.connect(self._pause.start)
         self._editing.history.stepped.connect(self._pause.start)
-        # Not if the user moves the map meanwhile.
+        # Do not move the map if the user has moved it meanwhile.
         self._canvas.extentsChanged.connect(self._pause.stop)
         self._canvas.mapToolSet.connect(self._show_mark)
         panel.visibilityChanged.connect(self._show_mark)
@@ -151,7 +151,7 @@ class AreaControl(QObject):
         }
 
     def close(self) -> None:
-        """Remove everything made here."""
+        """Remove marks and connections for good."""
         if self._task is not None:
             self._task.abandon()
             self._task = None
@@ -173,7 +173,7 @@ class AreaControl(QObject):
         return self.takeoff_tool, self.single_tool, self.orbit_tool
 
     def _join_tools(self) -> None:
-        """Enter the areas from the map tools."""
+        """Connect the map tools, to enter their areas."""
         tool = self.tool
         tool.dragging.connect(self._show_dragged)
         tool.changed.connect(self._take_changed)
@@ -189,7 +189,7 @@ class AreaControl(QObject):
         self.no_fly_tool.drawn.connect(self._take_no_fly)
         for drawing in self._polygon_tools():
             drawing.refused.connect(self._refuse_drawn)
-            # A refused outline no longer matters once another tool is chosen.
+            # Once another tool is chosen, a refused outline no longer matters.
             drawing.deactivated.connect(self._messages.withdraw_refusal)
         self.takeoff_tool.clicked.connect(self._take_takeoff)
         self.single_tool.clicked.connect(self._take_single)
@@ -219,12 +219,12 @@ class AreaControl(QObject):
             self._refuse(translate(wrong))
 
     def read(self, step: str, reading: Callable[[], Reading], take: Callable[[Found, str], None] | None = None) -> None:
-        """Read an area on a thread, then enter it; drops a reading under way.
+        """Read an area on a thread, then enter it; abandon a previous reading.
 
         Parameters
         ----------
         take : callable or None
-            Receives the area found and the name of the step; None enters it as the mission's area.
+            Takes the area found and the name of the step; None enters it as the mission's area.
         """
         try:
             task = ReadTask(step, reading())
@@ -386,7 +386,7 @@ class AreaControl(QObject):
         settings = self._canvas.mapSettings()
         dialog = PosesDialog(window, path, self._editing.state())
         with suppress(TerrAInavError):
-            # An empty map's CRS may have no such place.
+            # The CRS of an empty map may have no such place.
             dialog.set_origin(
                 *canvas_lon_lat(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
             )
@@ -439,7 +439,7 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _polygons(self) -> Polygon | Polygons:
-        """Polygons of the area; raises InvalidInput if it has none."""
+        """Polygons of the area; raises InvalidInput if the area has none."""
         area = entered_area(self._editing.state())
         found = None if area is None else as_polygons(area)
         if found is None:
@@ -462,7 +462,7 @@ class AreaControl(QObject):
         self._show_on_canvas(found.area)
 
     def _add_no_fly(self, added: tuple[Polygon, ...], step: str) -> None:
-        """Add no-fly areas, without repeating any."""
+        """Add no-fly areas, except those already entered."""
         self._editing.set_no_fly(tuple(dict.fromkeys((*entered_no_fly(self._editing.state()), *added))), step)
 
     def _take_takeoff(self, lat_deg: float, lon_deg: float) -> None:
@@ -519,7 +519,7 @@ class AreaControl(QObject):
             self._show_on_canvas()
 
     def _show_dragged(self, area: Area) -> None:
-        """Show the coordinates of an area while it is dragged."""
+        """Show in the entries the coordinates of an area while it is dragged."""
         state = self._editing.state()
         self._entries.show_edges(replace_area(state, area))
         self._entries.show_description(
@@ -529,7 +529,7 @@ class AreaControl(QObject):
         )
 
     def _show_on_canvas(self, area: Area | None = None) -> None:
-        """Move the map only if an area, by default the mission's, is out of sight."""
+        """Move the map to an area, by default the mission's, unless it is in view."""
         area = entered_area(self._editing.state()) if area is None else area
         if area is None:
             return
@@ -540,11 +540,11 @@ class AreaControl(QObject):
             self._messages.warning(translate(wrong))
             return
         if not (is_in_sight(self._canvas, rectangle) and self._is_any_visible(area)):
-            # Leave a margin around the area.
+            # Show the area with a margin.
             show_extent(self._canvas, rectangle, 1.5)
 
     def _is_any_visible(self, area: Area) -> bool:
-        """Whether any point is in view: the view may lie between them; for other areas, their bounds decide."""
+        """Whether any point of an area of points is in view; True for other areas, whose bounds decide."""
         if area.covers_ground:
             return True
         view = self._canvas.extent()
@@ -559,5 +559,5 @@ def _takeoff_place(state: FormState) -> Points | None:
         place = takeoff(state)
     except TerrAInavError:
         return None
-    # The mark needs no height.
+    # Any height will do, as the mark is drawn without it.
     return None if place is None else Points(((*place, 1.0),))

@@ -14,12 +14,12 @@ from .outline import Corner, area_rings, move_latitude, polygon_geometry
 
 #: Fewest corners of a ring.
 LEAST_CORNERS = 3
-#: Decimals of degrees, about a centimetre on the ground: finer than pointing, and all shown in the entries.
+#: Number of decimals of degrees, about a centimetre on the ground: finer than pointing, and shown in the entries.
 DECIMALS = 7
 
 
 def as_polygons(area: Area) -> Polygon | Polygons | None:
-    """An area as polygons; None for points, and for boxes of half a turn or more."""
+    """An area as polygons; None for points, and for boxes that span 180° or more."""
     if isinstance(area, Box):
         if area.span_deg >= 180.0:
             return None
@@ -29,12 +29,12 @@ def as_polygons(area: Area) -> Polygon | Polygons | None:
 
 
 def pointed(lon_deg: float, lat_deg: float) -> Position:
-    """Position of the pointer, rounded to the decimals in use."""
+    """Position of the pointer, rounded to `DECIMALS`."""
     return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
 
 
 def move_corner(area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float) -> Polygon | Polygons:
-    """Area with one corner moved by degrees, within the latitudes of images."""
+    """Area with one corner moved by degrees, within the limits of `move_latitude`."""
 
     def move(ring: list[Position]) -> None:
         lon, lat = ring[corner.at]
@@ -58,7 +58,7 @@ def without_corner(area: Polygon | Polygons, corner: Corner) -> Polygon | Polygo
     Raises
     ------
     InvalidInput
-        Its ring has only three, or the outline would cross itself.
+        The ring has only three corners, or the outline would cross itself.
     """
     if len(area_rings(area)[corner.part][corner.ring]) <= LEAST_CORNERS:
         raise InvalidInput(tr("a polygon needs at least 3 corners"))
@@ -71,7 +71,7 @@ def cut_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
     Raises
     ------
     InvalidInput
-        The hole is not inside one polygon, beside its other holes.
+        The hole is not inside a polygon, or it overlaps another hole.
     """
     shapes = area_rings(area)
     for rings in shapes:
@@ -83,14 +83,14 @@ def cut_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
 
 
 def without_hole(area: Polygon | Polygons, part: int, hole: int) -> Polygon | Polygons:
-    """Area without one of its holes, which count from 1 as rings do."""
+    """Area without one hole; ``hole`` is its index among the rings of the polygon, from 1."""
     shapes = area_rings(area)
     del shapes[part][hole]
     return _area(shapes)
 
 
 def join_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygons:
-    """Area with one more polygon, merged with those it overlaps."""
+    """Area with another polygon, merged with the polygons that it overlaps."""
     shapes, outline = [], [list(ring) for ring in polygon.rings]
     for rings in area_rings(area):
         joined = _joined(rings, _on_turn_of(rings, outline))
@@ -102,14 +102,14 @@ def join_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygo
 
 
 def without_polygon(area: Polygons, part: int) -> Polygon | Polygons:
-    """Area without one of its polygons."""
+    """Area without the polygon of index ``part``."""
     shapes = area_rings(area)
     del shapes[part]
     return _area(shapes)
 
 
 def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tuple[int, int] | None:
-    """Polygon that contains a place, and the ring around it: 0 on its ground, from 1 in a hole; None outside all."""
+    """Index of the polygon that contains a place, and of the hole (from 1; 0 for none); None outside all polygons."""
     for part, rings in enumerate(area_rings(area)):
         west = min(lon for lon, _ in rings[0])
         at = QgsPointXY(west + (lon_deg - west) % 360.0, lat_deg)
@@ -121,12 +121,12 @@ def find_polygon(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tu
 
 
 def checked(before: Polygon | Polygons, after: Polygon | Polygons) -> Polygon | Polygons:
-    """Return the changed area.
+    """Return the area after a change.
 
     Raises
     ------
     InvalidInput
-        Outlines cross that did not cross before.
+        Outlines cross that did not cross before the change.
     """
     if is_sound(before) and not is_sound(after):
         raise InvalidInput(tr("the outline would cross itself"))
@@ -154,7 +154,7 @@ def _area(shapes: Sequence[Sequence[Sequence[Position]]]) -> Polygon | Polygons:
 def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[list[Position]] | None:
     """Rings of the union of two polygons; None if they do not overlap."""
     one, other = polygon_geometry(rings), polygon_geometry(others)
-    # Square degrees that polygons may share without overlapping: a square micrometre on the ground.
+    # Polygons overlap if they share more than a square micrometre on the ground (in square degrees).
     if one.intersection(other).area() <= 1e-22:
         return None
     joined = one.combine(other)
@@ -167,11 +167,11 @@ def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[l
 
 
 def _on_turn_of(rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]) -> list[list[Position]]:
-    """Rings with their longitudes on the same turn as those of another polygon."""
+    """The rings ``others`` with their longitudes shifted by whole turns, next to those of ``rings``."""
     turn = nearest_turn(others[0][0][0], rings[0][0][0]) - others[0][0][0]
     return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
 
 
 def nearest_turn(lon_deg: float, other_deg: float) -> float:
-    """Longitude on the turn nearest to another longitude."""
+    """Longitude shifted by whole turns, to be as near as possible to another longitude."""
     return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)

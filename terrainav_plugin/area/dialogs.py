@@ -1,4 +1,4 @@
-"""Dialogs on the layer or pose file from which an area is taken."""
+"""Dialogs about the layer or pose file from which an area is taken."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, show_
 from .layers import PointFields
 
 _MOST, _MOST_INTERVAL = 1e9, 1e6
-#: Default seconds between images.
+#: Default interval between images.
 _INTERVAL_S = 2.0
-#: Decimals of degrees: about a centimetre.
+#: Number of decimals of degrees, about a centimetre.
 DEGREES = 7
 
 
@@ -49,7 +49,7 @@ class LayerDialog(QDialog):
     Parameters
     ----------
     active : QgsMapLayer or None
-        Selected initially, if the dialog offers it.
+        Layer selected initially, if the dialog offers it.
     """
 
     def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object = None) -> None:
@@ -63,7 +63,7 @@ class LayerDialog(QDialog):
         if active is not None:
             self.layer.setLayer(active)
         if self.layer.currentLayer() is None and self.layer.count():
-            # The dialog does not offer the active layer.
+            # The dialog does not offer the active layer: select the first one.
             self.layer.setCurrentIndex(0)
         self.words = named(plain_label(), "words")
         self.words.setWordWrap(True)
@@ -77,11 +77,11 @@ class LayerDialog(QDialog):
         self.show_layer(self.layer.currentLayer())
 
     def chosen(self) -> QgsMapLayer | None:
-        """Return the layer chosen."""
+        """Return the chosen layer."""
         return self.layer.currentLayer()
 
     def show_layer(self, layer: QgsMapLayer | None) -> None:
-        """Describe the area that a layer gives."""
+        """Describe the area that would be taken from a layer."""
         ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         ok.setEnabled(layer is not None)
         self.words.setText(self._describe(layer) if layer is not None else tr("The project has no such layer."))
@@ -102,7 +102,7 @@ class PolygonDialog(LayerDialog):
     Attributes
     ----------
     select : QPushButton
-        Closes the dialog so that the user selects polygons on the map.
+        Closes the dialog, so that the user can select polygons on the map.
     """
 
     def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None) -> None:
@@ -117,7 +117,7 @@ class PolygonDialog(LayerDialog):
         return self.selected.isChecked()
 
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Show the numbers of polygons and of selected polygons in a layer."""
+        """Show the number of polygons, and of selected polygons, in a layer."""
         count = 0 if layer is None else layer.selectedFeatureCount()
         self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
         self.selected.setEnabled(count > 0)
@@ -152,7 +152,7 @@ class PolygonDialog(LayerDialog):
 
 
 def _says_which(layer: QgsVectorLayer | None) -> bool:
-    """Whether it is clear which polygons of a layer to use."""
+    """Whether it is clear which polygons of a layer to use: the selected ones, or the only one."""
     return layer is not None and (layer.selectedFeatureCount() > 0 or layer.featureCount() == 1)
 
 
@@ -276,7 +276,7 @@ class LineDialog(LayerDialog):
     Parameters
     ----------
     state : FormState
-        Gives the initial height, unit and airspeed.
+        State with the initial height, unit and airspeed.
     """
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
@@ -360,14 +360,14 @@ def number_entry(field: Field, name: str = "") -> NumberBox:
 
 
 class PosesDialog(QDialog):
-    """Ask for what a trajectory or flight log leaves open, depending on its format.
+    """Ask for the parameters that a trajectory or flight log does not state, depending on its format.
 
     Parameters
     ----------
     path : str
         Path of the file; its ending or first line determines the initial format.
     state : FormState
-        Gives the initial height, unit and start.
+        State with the initial height, unit and start.
     """
 
     def __init__(self, parent: QWidget, path: str, state: FormState) -> None:
@@ -394,7 +394,7 @@ class PosesDialog(QDialog):
         self.origin_lon.setValue(lon_deg)
 
     def pose_settings(self) -> PoseFile:
-        """Return how to read the file; raises InvalidInput."""
+        """Return the parameters for reading the file; raises InvalidInput."""
         file_format = self.format.currentData()
         is_local, by_value = file_format in LOCAL_FORMATS, self.by_value.isChecked()
         interval = self.interval_in.currentData()
@@ -431,7 +431,7 @@ class PosesDialog(QDialog):
         self.words.setText(self._describe(file_format))
 
     def _show_times(self, file_format: str) -> None:
-        """Offer units of time if the file does not state one."""
+        """Offer units of time if the file does not state its unit."""
         has_times = file_format != "kitti"
         self.times.clear()
         self.times.addItem(tr("as in the file"), "")
@@ -528,7 +528,7 @@ class PosesDialog(QDialog):
 
 def _fields(name: str, tip: str, more: QgsFieldProxyModel.Filter | None = None) -> QgsFieldComboBox:
     fields = named(QgsFieldComboBox(), name, tip)
-    # Text fields may contain numbers.
+    # Offer text fields too, as they may contain numbers.
     kinds = QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String
     fields.setFilters(kinds if more is None else kinds | more)
     return fields

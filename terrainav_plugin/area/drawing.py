@@ -33,16 +33,16 @@ _FINISH = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class PolygonTool(TemporaryTool):
-    """Draw a polygon: a click sets a corner; a double click, a right click or Enter finishes.
+    """Draw a polygon: a click adds a corner; a double click, a right click or Enter finishes.
 
-    Backspace removes the last corner. Corners that make the outline cross itself are refused; drawing continues.
+    Backspace removes the last corner. A corner that would make the outline cross itself is refused.
 
     Parameters
     ----------
     colours : BandColours
         Colours of the polygon.
     hint : str
-        Shown at the pointer until the first click.
+        Text shown at the pointer until the first click.
 
     Signals
     -------
@@ -68,7 +68,7 @@ class PolygonTool(TemporaryTool):
         self.length_unit = METRES
         self.accept: Callable[[Polygon], object] = lambda _polygon: None
         self._hint, self._colours = hint, colours
-        #: In the canvas's CRS, in which edges are straight.
+        #: Corners in the canvas's CRS, in which edges are straight.
         self._corners: list[QgsPointXY] = []
         self._crs = QgsCoordinateReferenceSystem()
         self._at: QPoint | None = None
@@ -80,7 +80,7 @@ class PolygonTool(TemporaryTool):
     # --- starting and stopping
 
     def activate(self) -> None:
-        """Begin."""
+        """Begin drawing."""
         super().activate()
         canvas = self.canvas()
         self._crs = canvas.mapSettings().destinationCrs()
@@ -103,7 +103,7 @@ class PolygonTool(TemporaryTool):
         self._leave()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Remove corners and finish by key, even by keys that are shortcuts of the window."""
+        """Remove corners and finish by keys, even if these are shortcuts of the window."""
         if isinstance(event, QKeyEvent) and event.key() in (
             Qt.Key.Key_Backspace,
             Qt.Key.Key_Delete,
@@ -133,10 +133,10 @@ class PolygonTool(TemporaryTool):
         self._draw()
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Set a corner, or finish."""
+        """Add a corner, or finish."""
         self._is_down = False
         if self._leaving:
-            # Another tool would receive this release.
+            # The tool could not be left before this release, which another tool would have received.
             self._leave()
         elif event.button() == Qt.MouseButton.LeftButton:
             self._add(event.pos())
@@ -144,7 +144,7 @@ class PolygonTool(TemporaryTool):
             self._finish()
 
     def canvasDoubleClickEvent(self, event: QgsMapMouseEvent) -> None:
-        """Finish; the first of the two clicks set the last corner."""
+        """Finish; the first of the two clicks has added the last corner."""
         self._is_down = True
         if event.button() == Qt.MouseButton.LeftButton and not self._last_refused:
             self._finish()
@@ -154,7 +154,7 @@ class PolygonTool(TemporaryTool):
     def _add(self, at: QPoint) -> None:
         self._at, self._last_refused = at, False
         point = self.toMapCoordinates(at)
-        # A corner nearer than this to the last one is the same: the second click of a double click.
+        # Ignore a corner within 2 px of the last one: it is the second click of a double click.
         if self._corners and self._pixels(self._corners[-1], point) < 2.0:
             return
         if point_lon_lat(point, self._crs, QgsProject.instance()) is None:
@@ -187,7 +187,7 @@ class PolygonTool(TemporaryTool):
             self.drawn.emit(polygon)
 
     def _polygon(self, corners: list[QgsPointXY]) -> Polygon:
-        """Polygon with the edges as drawn; raises InvalidInput if the corners form none."""
+        """Polygon with the drawn edges; raises InvalidInput if the corners form no polygon."""
         if len(corners) < LEAST_CORNERS:
             raise InvalidInput(tr("a polygon needs at least 3 corners"))
         ring = [*corners, corners[0]]
@@ -200,9 +200,9 @@ class PolygonTool(TemporaryTool):
         return polygon
 
     def _tolerance_m(self, point: QgsPointXY) -> float:
-        """Metres on the ground of half a pixel on the screen."""
+        """Size of half a screen pixel on the ground, in metres."""
         unit = self.canvas().mapUnitsPerPixel()
-        # Edges of the polygon deviate from those drawn by at most half a pixel.
+        # The polygon's edges deviate from the drawn edges by at most half a pixel.
         return 0.5 * self._length_m(point, QgsPointXY(point.x() + unit, point.y()))
 
     def _length_m(self, start: QgsPointXY, end: QgsPointXY) -> float:
@@ -244,7 +244,7 @@ class PolygonTool(TemporaryTool):
             self._readout.say(self._readout_text(pointer[0]), self._at)
 
     def _readout_text(self, pointer: QgsPointXY) -> str:
-        """Length of the current edge, and the size of the polygon."""
+        """Text with the length of the current edge, and the size of the polygon."""
         if not self._corners:
             return self._hint
         corners = [*self._corners, pointer]
@@ -258,7 +258,7 @@ class PolygonTool(TemporaryTool):
         return f"{length}, {size}"
 
     def _follow_crs(self) -> None:
-        """Keep the corners in place on the ground; discard them if they are outside the new CRS's domain."""
+        """Transform the corners to a new CRS of the canvas; discard the drawing if one is outside its domain."""
         before, self._crs = self._crs, self.canvas().mapSettings().destinationCrs()
         transform = QgsCoordinateTransform(before, self._crs, QgsProject.instance())
         try:

@@ -1,4 +1,4 @@
-"""Edits of the area, between its entries and the form."""
+"""Undoable edits of the area, from its entries to the form."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from .history import AreaHistory, UndoKeys, step_names
 
 
 class AreaEditing(QObject):
-    """Make every change of the area an undoable step, and describe the area.
+    """Enter every change of the area into the form as an undoable step, and describe the area.
 
     Parameters
     ----------
     entries : AreaEntries
     read, write : callable
-        State of the form, and its setter.
+        Return the state of the form; enter a state into it.
 
     Signals
     -------
     typed()
-        An edge has been edited; the form has changed.
+        The user has edited an edge.
     coordinates_entered()
-        The area has been typed or pasted, partly or completely.
+        The user has typed or pasted the area, or an edge of it.
     noted()
-        The form, and perhaps the area, has changed.
+        A change of the form has been handled.
 
     Attributes
     ----------
@@ -66,12 +66,12 @@ class AreaEditing(QObject):
         self.history = AreaHistory(read, write, self)
         self.undo_keys = UndoKeys(self.history)
         self._shape_lost = False
-        #: An area in a unit, and its description: measure large shapes only once.
+        #: The area described last, its unit and the description, as measuring large shapes is slow.
         self._worded: tuple[Area | None, str, str] = (None, "", "")
         entries.connect_history(self.history)
         entries.box_wanted.connect(self.make_box)
         entries.no_fly_cleared.connect(self.clear_no_fly)
-        # Text fields receive keys before the panel does.
+        # The text fields too, as they receive keys before the panel.
         for widget in (parent, *entries.edges.values()):
             widget.installEventFilter(self.undo_keys)
         for name, edit in entries.edges.items():
@@ -133,9 +133,9 @@ class AreaEditing(QObject):
         self._write(state)
 
     def _take_typed(self, name: str, text: str) -> None:
-        """Spread coordinates pasted into one edge over all edges; a typed edge makes the area a box."""
+        """Distribute coordinates pasted into one edge over all edges; a typed edge makes the area a box."""
         self.wrong = {}
-        # Leave the other edges alone while typing: three numbers may become an angle, or four numbers.
+        # Not while typing: three numbers may become an angle, or four numbers.
         if self._entries.edges[name].is_pasted() and self._is_spread(name, text):
             return
         self._shape_lost = self._shape_lost or bool(self._entries.shape)
@@ -145,13 +145,13 @@ class AreaEditing(QObject):
         self.coordinates_entered.emit()
 
     def _finish_edge(self, name: str) -> None:
-        """Spread coordinates typed into one edge when it loses the focus."""
+        """Distribute coordinates typed into one edge over all edges, when the edge loses the focus."""
         text = self._entries.edges[name].text()
         if not self.wrong and looks_like_coordinates(text) and not self._is_spread(name, text):
             self.typed.emit()
 
     def _is_spread(self, name: str, text: str) -> bool:
-        """Spread coordinates over all edges, or note their errors; False if the text has no coordinates."""
+        """Distribute coordinates over all edges, or note their errors; False if the text has no coordinates."""
         if not looks_like_coordinates(text):
             return False
         try:

@@ -1,4 +1,4 @@
-"""Entries of the area: four edges around a button, as on a map, and a description."""
+"""Entries of the area: four edges, arranged as on a map around a button, and a description."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .no_fly import NoFlyMenu
 
 
 class EdgeLine(ShortLine):
-    """Entry for an edge, which distinguishes pasting from typing."""
+    """Entry for an edge; distinguishes pasting from typing."""
 
     def __init__(self) -> None:
         super().__init__(short_degrees)
@@ -41,7 +41,7 @@ class EdgeLine(ShortLine):
         self._before = self.text()
 
     def is_pasted(self) -> bool:
-        """Whether several characters arrived at once since the last call."""
+        """Whether the text has gained several characters at once since the last call."""
         before, self._before = self._before, self.text()
         return inserted(before, self._before) > 1
 
@@ -52,9 +52,9 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     box_wanted()
-        The user asks for a box instead of polygons or points.
+        The user wants to replace polygons or points by their bounding box.
     no_fly_cleared()
-        The user removes all no-fly areas.
+        The user wants to remove all no-fly areas.
 
     Attributes
     ----------
@@ -131,14 +131,14 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
                 edit.enter(getattr(state, name))
 
     def show_description(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
-        """Describe the area; empty for none.
+        """Show a description of the area; empty if there is no area.
 
         Parameters
         ----------
         is_ground : bool
             Whether the area is a box or polygons.
         is_shape, was_shape : bool
-            Whether it is something other than a box, now and before the last change.
+            Whether the area consists of polygons or points, now and before the last change.
         """
         words = html.escape(text)
         if is_shape:
@@ -165,7 +165,8 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     def connect_history(self, history: AreaHistory) -> None:
         """Connect the buttons and the fields' keys to undo and redo."""
         stack = history.stack
-        # Bound methods are disconnected with this group; the stack outlives the buttons and emits names at its end.
+        # Connect bound methods, which are disconnected when this group is deleted: the stack lives longer, and emits
+        # names at its end.
         for button, act, can, text_changed, name in (
             (self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged, self._name_undo),
             (self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged, self._name_redo),
@@ -188,7 +189,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
         grid = QGridLayout(box_contents(self))
         grid.setHorizontalSpacing(6)
-        # As on a map: north above, south below, west left, east right.
+        # (row, column) of each edge, as on a map.
         places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}
         for name, (line, column) in places.items():
             cell = QHBoxLayout()
@@ -217,7 +218,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
 
 def _native(keys: str) -> str:
-    """Keys as the platform names them."""
+    """Name of a key sequence on this platform."""
     return QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
 
 
@@ -242,8 +243,8 @@ def _edge(name: str) -> EdgeLine:
     )
     edit = named(EdgeLine(), name, f"{tips[name]}\n{paste}")
     edit.setPlaceholderText(tr("degrees"))
-    # Room for five digits and a sign.
+    # Wide enough for five digits and a sign.
     edit.setMinimumWidth(70)
-    # Allow pasting tens of thousands of lines; Qt's default cuts after about a thousand.
+    # Allow pasting tens of thousands of lines; Qt's default cuts the text after about a thousand.
     edit.setMaxLength(1_000_000)
     return edit

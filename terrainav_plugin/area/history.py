@@ -21,8 +21,8 @@ def same_area(one: FormState, other: FormState) -> bool:
 
 
 def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
-    """Entries other than the area in which two states differ, with related ones."""
-    # Pasted coordinates set the height; no-fly areas and take-off are drawn on the map.
+    """Entries other than the area in which two states differ, together with entries that belong to these."""
+    # Steps may change the height (pasted coordinates do), no-fly areas and the take-off point.
     return tuple(
         name
         for names in (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
@@ -32,7 +32,7 @@ def _changed_entries(one: FormState, other: FormState) -> tuple[str, ...]:
 
 
 class _Step(QUndoCommand):
-    """One change, already made when pushed."""
+    """One change; it is already made when the step is pushed."""
 
     def __init__(self, name: str, kind: int, before: FormState, after: FormState, history: AreaHistory) -> None:
         super().__init__(name)
@@ -40,7 +40,7 @@ class _Step(QUndoCommand):
         self._done = True
 
     def id(self) -> int:
-        """Kind of step: consecutive steps of a kind are merged."""
+        """Kind of step; consecutive steps of the same kind are merged."""
         return self._kind
 
     def mergeWith(self, other: QUndoCommand) -> bool:
@@ -61,12 +61,12 @@ class _Step(QUndoCommand):
 
 
 class AreaHistory(QObject):
-    """Undo stack of the area in one form.
+    """Undo stack of changes to the area in a form.
 
     Parameters
     ----------
     read, write : callable
-        State of the form, and its setter.
+        Return the state of the form; enter a state into it.
 
     Signals
     -------
@@ -89,13 +89,13 @@ class AreaHistory(QObject):
         self._entering = False
 
     def name(self, step: str, joined: bool = False) -> None:
-        """Name the next change; ``joined`` merges it with a preceding one of the same name."""
+        """Name the next change; ``joined`` merges it with a preceding change of the same name."""
         # Qt never merges steps of kind -1.
         kind = self._kinds.setdefault(step, len(self._kinds)) if joined else -1
         self._step = step, kind
 
     def note(self) -> None:
-        """Record the current entries; an unnamed change of the area means another mission."""
+        """Record the current entries; an unnamed change of the area means another mission, and clears the stack."""
         before, self._last = self._last, self._read()
         step, self._step = self._step, None
         if self._entering:
@@ -108,7 +108,7 @@ class AreaHistory(QObject):
             self.stack.push(_Step(*step, before, self._last, self))
 
     def enter(self, wanted: FormState, present: FormState) -> None:
-        """Enter the area of a state, and the other entries that the step changed."""
+        """Enter the area of a state, and the other entries that differ from the present state."""
         names = _AREA + _changed_entries(wanted, present)
         self._entering = True
         try:
@@ -119,14 +119,14 @@ class AreaHistory(QObject):
 
 
 class UndoKeys(QObject):
-    """Pass undo and redo keys to a history, in the widgets it is installed on."""
+    """Event filter that passes undo and redo keys from the widgets it is installed on to a history."""
 
     def __init__(self, history: AreaHistory) -> None:
         super().__init__(history)
         self._stack = history.stack
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Undo or redo, before the window's actions and the text field react."""
+        """Undo or redo before the window's actions or the text field react."""
         if event.type() in (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress):
             act = self._act(event)
             if act is not None:

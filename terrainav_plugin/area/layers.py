@@ -1,4 +1,4 @@
-"""Areas from the features of layers in any CRS, and from files, read on a thread."""
+"""Areas from the features of layers in any CRS and from files, read on a thread."""
 
 from __future__ import annotations
 
@@ -50,24 +50,24 @@ from ..tasks import Task, required_crs
 from .corners import nearest_turn
 from .xml import xml_elements
 
-#: Deviation in metres allowed when an edge or curve of a layer becomes straight lines in degrees: about a pixel of the
+#: Largest deviation in metres when an edge or curve of a layer becomes straight lines in degrees: about a pixel of the
 #: sharpest imagery.
 EDGE_TOLERANCE_M = 0.1
-#: Between the places that are looked at an edge may be off by more than there; by less than twice that, as it bends
-#: one way where the places are this near.
-_LOOKED_AT_SHARE = 0.5
+#: Share of the tolerance that is allowed at sampled points of an edge. Between them the deviation may be larger, but
+#: less than twice as large, as such a short piece bends only one way.
+_SAMPLED_SHARE = 0.5
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
 
 
 class Found(NamedTuple):
-    """An area that was read, the height of its first point in metres if it has one, and a note for the user."""
+    """An area that was read, the height of its first point in metres (None without), and a note for the user."""
 
     area: Area
     agl_m: float | None = None
     note: str = ""
 
 
-#: Reads an area, given the task that takes progress and cancels.
+#: Reads an area; takes the task that it reports progress to and that may be cancelled.
 Reading = Callable[[Task], Found]
 
 
@@ -79,9 +79,9 @@ class PointFields(NamedTuple):
     agl_m : float
         Height of all points if ``agl_field`` is empty.
     agl_field, yaw_field, tilt_field, gimbal_pitch_field, roll_field, time_field : str
-        Names of attributes; empty for none. A gimbal pitch (-90 is straight down) replaces a tilt.
+        Names of attributes; empty if there is none. A gimbal pitch (-90 is straight down) replaces a tilt.
     m_per_unit : float
-        Unit of the heights in ``agl_field``.
+        Unit of the heights in ``agl_field``, in metres.
     """
 
     agl_m: float
@@ -102,13 +102,13 @@ def read_polygons(
 ) -> Polygon | Polygons:
     """Polygons of all features and their parts, on WGS84; polygons that touch are merged.
 
-    Edges that are straight in the layer's CRS get intermediate corners, so that edges straight in degrees stay within
-    `EDGE_TOLERANCE_M` of them; curves become edges within the same tolerance.
+    Edges are straight in the layer's CRS. They get intermediate corners, so that the edges between these, straight in
+    degrees, deviate by at most `EDGE_TOLERANCE_M`; curves become edges within the same tolerance.
 
     Raises
     ------
     InvalidInput
-        No feature; or a feature without a valid polygon, or with a hole around a pole (the message names it).
+        There is no feature, or a feature lacks a valid polygon or has a hole around a pole (the message names it).
     Cancelled
         ``cancelled`` has returned True.
     """
@@ -131,7 +131,7 @@ def read_polygons(
         raise InvalidInput(tr("no polygon is selected: select at least one in its layer"))
     if len(found) > 1:
         name = tr("area of {count} features").format(count=len(found))
-        # Neighbouring parcels are one piece of ground; where none touch, corners stay as they are.
+        # Merge neighbouring parcels; if none touch, leave all corners as they are.
         joined = _polygon_rings(QgsGeometry.unaryUnion(found))
         shapes = joined if len(joined) < len(shapes) else shapes
     area = Polygons(tuple(polygon_of_rings(rings, crs, context, name) for rings in shapes))
@@ -146,17 +146,18 @@ def polygon_of_rings(
     name: str,
     tolerance_m: float = EDGE_TOLERANCE_M,
 ) -> Polygon:
-    """Polygon of closed rings, the outer one first, with its edges in place; see `read_polygons`.
+    """Polygon of closed rings, the outer one first, with intermediate corners as in `read_polygons`.
 
     Parameters
     ----------
     tolerance_m : float
-        Deviation of edges allowed, in metres on the ground.
+        Largest deviation of edges, in metres on the ground.
 
     Raises
     ------
     InvalidInput
-        A place is outside the CRS, an edge passes through a pole, or a hole surrounds one; the message has ``name``.
+        A corner is outside the CRS, an edge passes through a pole, or a hole surrounds a pole; the message has
+        ``name``.
     """
     place = _Places(crs, context, name, tolerance_m)
     return Polygon(tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings)))
@@ -174,15 +175,15 @@ def read_points(
     Raises
     ------
     InvalidInput
-        No feature; or a feature without a point, or with a height, angle or time that is missing or outside its domain
-        (the message names it).
+        There is no feature, or a feature lacks a point, or its height, angle or time is missing or outside the domain
+        (the message names the feature).
     Cancelled
         ``cancelled`` has returned True.
     """
     poses: list[tuple[float, float, float]] = []
     own: dict[str, list[float]] = {}
     for number, feature in enumerate(features):
-        # Check every 256 features whether the user has cancelled.
+        # Check for cancellation every 256 features.
         if number % 256 == 0 and cancelled():
             raise Cancelled
         name = tr("feature {id}").format(id=feature.id())
@@ -212,12 +213,12 @@ def read_lines(
 ) -> list[Floats]:
     """Lines of all features and their parts, as `core.poses.line.fly` takes them.
 
-    Sides keep their place in the layer, within `EDGE_TOLERANCE_M`.
+    Edges get intermediate corners as in `read_polygons`.
 
     Raises
     ------
     InvalidInput
-        No feature; or a feature without a line, or with a side through a pole (the message names it).
+        There is no feature, or a feature lacks a line or has an edge through a pole (the message names it).
     Cancelled
         ``cancelled`` has returned True.
     """
@@ -262,7 +263,7 @@ class ReadTask(Task):
 def polygons(layer: QgsVectorLayer, project: QgsProject, only_selected: bool = True) -> Reading:
     """Reader of the polygons of a layer."""
     crs, context = _crs(layer), project.transformContext()
-    # A snapshot: the layer itself belongs to the main thread.
+    # A snapshot, as the layer itself belongs to the main thread.
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if only_selected else QgsFeatureRequest()
     return lambda task: Found(read_polygons(source.getFeatures(request), crs, context, task.isCanceled))
@@ -284,7 +285,7 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
 def flown_lines(
     layer: QgsVectorLayer, flight: LineFlight, agl_m: float, start_s: float, project: QgsProject
 ) -> Reading:
-    """Reader of the lines of a layer, see `line_reader`, flown one after another."""
+    """Reader of points along the lines of a layer (see `line_reader`), flown one after another."""
 
     def flown(lines: list[Floats]) -> Found:
         found = fly(lines, flight, start_s)
@@ -296,7 +297,7 @@ def flown_lines(
 def line_reader(
     layer: QgsVectorLayer, agl_m: float, made: Callable[[list[Floats]], Found], project: QgsProject
 ) -> Reading:
-    """Reader that applies ``made`` to a layer's selected lines, or all if none is selected."""
+    """Reader that applies ``made`` to the selected lines of a layer, or to all if none is selected."""
     crs, context = _crs(layer), project.transformContext()
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
@@ -307,7 +308,7 @@ def line_reader(
 
 
 def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject) -> Reading:
-    """Reader that applies ``made`` to a layer's selected polygons, or all if none is selected, one at a time."""
+    """Reader that applies ``made`` to the selected polygons of a layer, unmerged, or to all if none is selected."""
     crs, context = _crs(layer), project.transformContext()
     source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
@@ -320,7 +321,7 @@ def outline_reader(layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], 
 
 
 def describe_flight(flown: FlownLine) -> str:
-    """Deviation of a flight from its line, and its slow turns."""
+    """Text on the deviation of a flight from its line, and on its slow turns."""
     words = tr("The flight misses the corners of its line by up to {missed} m.").format(
         missed=number_text(flown.missed_m, ",.1f")
     )
@@ -364,7 +365,7 @@ def no_fly_file(path: str) -> Reading:
 def rectangle_area(
     rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject | QgsProcessingContext
 ) -> Box | Polygon:
-    """Ground under a rectangle of a map: its bounding box, or a polygon if the box is much larger.
+    """Area of a rectangle of a map: its bounding box, or a polygon if the box is much larger.
 
     The box is much larger on polar maps, and wherever the map's axes are far from parallels and meridians.
 
@@ -386,9 +387,9 @@ def rectangle_area(
     try:
         polygon = polygon_of_rings([[*ring, ring[0]]], crs, project.transformContext(), tr("rectangle"))
     except InvalidInput:
-        # It reaches an edge of the map; the box follows that.
+        # The rectangle reaches the edge of the map, which its box follows.
         return box
-    # A box may be half as large again as the rectangle that it encloses.
+    # Prefer the box if it is at most half as large again as the rectangle.
     return polygon if box.area_m2() > 1.5 * polygon.area_m2() else box
 
 
@@ -407,7 +408,7 @@ def layer_extent_area(layer: QgsMapLayer, project: QgsProject) -> Area:
 
 
 class _Places:
-    """Transform points of a layer to degrees, and hold the tolerance of its edges."""
+    """Transformation of a layer's points to degrees, with the tolerance of edges."""
 
     def __init__(
         self,
@@ -419,7 +420,7 @@ class _Places:
         self._transform = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), context)
         self._crs, self._feature = crs.authid() or crs.description(), feature
         check_crs(self._transform)
-        self.looked_at_m = _LOOKED_AT_SHARE * tolerance_m
+        self.sampled_tolerance_m = _SAMPLED_SHARE * tolerance_m
 
     def __call__(self, point: QgsPointXY) -> Position:
         """Longitude and latitude in degrees; raises InvalidInput outside the domain of the CRS."""
@@ -443,7 +444,7 @@ class _Places:
 
 
 def _straight(geometry: QgsGeometry, crs: QgsCoordinateReferenceSystem) -> QgsGeometry:
-    """Geometry without curves."""
+    """Geometry with curves replaced by straight edges."""
     shape = geometry.constGet()
     if shape is None or not shape.hasCurvedSegments():
         return geometry
@@ -453,11 +454,11 @@ def _straight(geometry: QgsGeometry, crs: QgsCoordinateReferenceSystem) -> QgsGe
         else QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
     )
     kind = QgsAbstractGeometry.SegmentationToleranceType.MaximumDifference
-    return QgsGeometry(shape.segmentize(_LOOKED_AT_SHARE * EDGE_TOLERANCE_M / m_per_unit, kind))
+    return QgsGeometry(shape.segmentize(_SAMPLED_SHARE * EDGE_TOLERANCE_M / m_per_unit, kind))
 
 
 def _polygon_rings(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
-    """Rings of each of a geometry's polygons."""
+    """Rings of each polygon of a geometry."""
     return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
 
 
@@ -476,7 +477,7 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
 
 
 def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = False) -> Sequence[Position]:
-    """Corners of an open ring with continuous longitudes; a ring around a pole is closed along the pole."""
+    """Open ring in degrees with continuous longitudes; a ring around a pole is closed along the pole."""
     first = place(ring[0])
     corners = [first]
     for start, end in zip(ring, ring[1:]):
@@ -494,7 +495,7 @@ def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = 
 
 
 def _close_along_pole(corners: list[Position]) -> list[Position]:
-    """Ring of corners around a pole, the last above the first: from 180° W to 180° E, and back along the pole."""
+    """Ring for corners around a pole (the last is the first, a turn on): from 180° W to 180° E, back along the pole."""
     if corners[-1][0] < corners[0][0]:
         corners.reverse()
     west = math.floor((corners[0][0] + 180.0) / 360.0) * 360.0 + 180.0
@@ -502,24 +503,24 @@ def _close_along_pole(corners: list[Position]) -> list[Position]:
     (lon0, lat0), (lon1, lat1) = corners[cut - 1 : cut + 1]
     lat = lat0 + (west - lon0) / (lon1 - lon0) * (lat1 - lat0)
     after = [(x - west - 180.0, y) for x, y in corners[cut:] if x != west]
-    # The first corner is repeated at the end.
+    # Skip the first corner, which is repeated at the end.
     before = [(x - west + 180.0, y) for x, y in corners[1:cut]]
     pole = math.copysign(90.0, corners[0][1])
-    # Corners along the pole, less than half a turn apart.
+    # Corners along the pole must be less than half a turn apart.
     along = [(share * 180.0, pole) for share in (1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0)]
     return [(-180.0, lat), *after, *before, (180.0, lat), *along]
 
 
 def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iterator[Position]:
-    """Corners after ``start`` up to ``end``, enough to keep the edge in place."""
-    # A stack instead of recursion: the remaining pieces, the nearest last.
+    """Corners after ``start`` up to ``end``, as many as the tolerance of the edge requires."""
+    # A stack instead of recursion; the piece nearest to ``start`` is last.
     pieces = [(start, place(start), end, place(end), 0)]
     while pieces:
         one, here, other, there, depth = pieces.pop()
         if _is_straight(one, here, other, there, place):
             yield there
             continue
-        # An edge not straight after 24 halvings crosses a pole or the map's edge.
+        # An edge that is still curved after 24 halvings crosses a pole or the edge of the map.
         if depth == 24:
             raise InvalidInput(
                 tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(feature=name)
@@ -536,7 +537,7 @@ def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Posi
         wanted = here[0] + share * dlon
         east = (nearest_turn(lon, wanted) - wanted) * math.cos(math.radians(lat))
         north = lat - (here[1] + share * dlat)
-        if math.hypot(east, north) * _M_PER_DEG > place.looked_at_m:
+        if math.hypot(east, north) * _M_PER_DEG > place.sampled_tolerance_m:
             return False
     return True
 
@@ -568,7 +569,7 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
 
 
 def _point_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str, float]:
-    """Angles and time of a feature's points, named as in `Points`."""
+    """Angles and time of a feature's points, by their names in `Points`."""
     found = {}
     for angle, field in (
         ("yaw", fields.yaw_field),
@@ -596,7 +597,7 @@ def _point_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[s
 
 
 def _time_s(feature: QgsFeature, field: str, what: str) -> float:
-    """Unix time in seconds of a date and time (UTC unless it has a zone), a number or a text."""
+    """Unix time in seconds from an attribute: a date and time (UTC if without a zone), a number or a text."""
     value = feature.attribute(field)
     if isinstance(value, QDateTime) and value.isValid():
         if value.timeSpec() == Qt.TimeSpec.LocalTime:
@@ -613,7 +614,7 @@ def _time_s(feature: QgsFeature, field: str, what: str) -> float:
 def _number(feature: QgsFeature, field: str, what: str) -> float:
     """Number in an attribute, which may be text."""
     value = feature.attribute(field)
-    # PyQt 5 gives NULL as a QVariant, PyQt 6 as None.
+    # PyQt 5 returns NULL as a QVariant, PyQt 6 as None.
     if value is None or (hasattr(value, "isNull") and value.isNull()):
         raise InvalidInput(tr("{what} is empty (NULL): must be a number").format(what=what))
     try:

@@ -25,7 +25,7 @@ class AreaAction:
     ADD_POLYGON, ADD_HOLE, TO_BOX = "add_polygon", "add_hole", "box"
 
 
-#: Name, icon, text and tooltip of each entry, in groups. An icon with a leading "=" is one of the plugin.
+#: Groups of entries, each entry with name, icon, text and tooltip. An icon with a leading "=" is one of the plugin's.
 Entries = tuple[tuple[tuple[str, str, str, str], ...], ...]
 
 
@@ -73,12 +73,12 @@ class AreaMenu(MenuButton):
         )
 
     def offer_changes(self, is_ground: bool, is_shape: bool) -> None:
-        """Offer changes of the area only if it allows them.
+        """Enable the changes that the area allows.
 
         Parameters
         ----------
         is_ground, is_shape : bool
-            Whether the area is a box or polygons, and whether it is something other than a box.
+            Whether the area is a box or polygons; whether it consists of polygons or points.
         """
         for name in (AreaAction.ADD_POLYGON, AreaAction.ADD_HOLE):
             self.actions_by_name[name].setEnabled(is_ground)

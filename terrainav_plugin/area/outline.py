@@ -27,28 +27,28 @@ from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Pos
 from ..map.canvas import canvas_lon_lat, continuous_box, to_lon_lat, wrap_longitude
 from ..map.outlines import remove_pole_seams
 
-#: Segments in which a side is drawn; it may be a curve on the canvas.
+#: Number of segments in which an edge is drawn, as it may be a curve on the canvas.
 _STEPS = 48
-#: Most points drawn, evenly picked: more would merge and take long to paint.
+#: Largest number of points drawn, picked at even steps: more would merge and take long to paint.
 MOST_POINTS = 2_000
 #: Distance of cut outlines from the map's edge: a tenth of a millimetre on the ground.
 _CUT_DEG = 1e-9
-#: Highest latitude drawn, a decimetre from the pole, which is outside the domain of many CRSs.
+#: Highest latitude drawn, a decimetre from the pole: the pole is outside the domain of many CRSs.
 _BESIDE_POLE_DEG = 90.0 - 1e-6
 _EDGES = ("north", "west", "south", "east")
-#: Parts of a box at which it is dragged: the two edges of a corner, or one edge.
+#: Grips of a box: the two edges at a corner, or one edge.
 GRIPS = (
     *(frozenset((vertical, side)) for vertical in ("north", "south") for side in ("west", "east")),
     *(frozenset((edge,)) for edge in _EDGES),
 )
 #: Least span of a box: a decimetre on the ground, visible in the entries' seven decimals.
 LEAST_SPAN_DEG = 1e-6
-#: Most corners with handles: more would merge and be slow to redraw at every move.
+#: Largest number of corners with handles: more would merge, and redraw slowly at every move.
 MOST_CORNERS = 2_000
 
 
 class Corner(NamedTuple):
-    """Index of a corner: of its polygon, of the ring and within that. An edge has the index of its start."""
+    """Indices of a corner: of its polygon, its ring and its place in the ring. An edge has the indices of its start."""
 
     part: int
     ring: int
@@ -61,22 +61,22 @@ class AreaOutline:
     Parameters
     ----------
     near_lon_deg : float
-        Longitude of the canvas's middle: on geographic maps, the area is drawn on that turn.
+        Longitude of the canvas's middle; on geographic maps, the area is drawn on the same turn around the Earth.
 
     Attributes
     ----------
     shape : QgsGeometry
         Polygons or points in the canvas's CRS; empty outside its domain.
     handles : dict of frozenset of edges to QgsPointXY
-        Corners and sides of a box.
+        Corners, and middles of the sides, of a box.
     sides : dict of edge to list of (QgsPointXY, QgsPointXY)
         Segments in which each side of a box is drawn.
     corners : dict of Corner to QgsPointXY
-        Corners of polygons that have at most `MOST_CORNERS` and surround no pole.
+        Corners of polygons; empty if there are more than `MOST_CORNERS` or the area surrounds a pole.
     edges : dict of Corner to list of (QgsPointXY, QgsPointXY)
-        Segments in which the edge after each of these corners is drawn.
+        Segments in which the edge after each of ``corners`` is drawn.
     middles : dict of Corner to QgsPointXY
-        Middles of these edges.
+        Middle of each of ``edges``.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class AreaOutline:
         if isinstance(area, Points):
             every = max(1, math.ceil(len(area.poses) / MOST_POINTS))
             west = area.bounds.west_deg
-            # Continuous from the area's west edge, as a box's longitudes are.
+            # Longitudes continue eastwards from the area's west edge, as in a box.
             placed = (self.project(west + (lon - west) % 360.0, lat) for lat, lon, _ in area.poses[::every])
             self.shape = QgsGeometry.fromMultiPointXY([point for point in placed if point is not None])
             return
@@ -109,23 +109,23 @@ class AreaOutline:
             self._place_corners(area)
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
-        """Place in the canvas's CRS; None outside its domain."""
+        """Point in the canvas's CRS; None outside its domain."""
         return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _clip_pole(lat_deg)))
 
     def project_all(self, places: Sequence[Position]) -> list[QgsPointXY | None]:
-        """Places in the canvas's CRS, as from `project`, transformed at once."""
+        """Points in the canvas's CRS, as from `project`, transformed in one call."""
         points = QgsGeometry.fromMultiPointXY(
             [QgsPointXY(lon + self._turn_deg, _clip_pole(lat)) for lon, lat in places]
         )
         try:
             points.transform(self._transform, Qgis.TransformDirection.Reverse)
         except QgsCsException:
-            # Some places are outside the domain.
+            # Some places are outside the domain: transform them one by one.
             return [self.project(*place) for place in places]
         return [_finite(point) for point in points.asMultiPoint()]
 
     def _find_cut(self, area: Area) -> float | None:
-        """Longitude inside an area at which the map is cut, or None."""
+        """Longitude inside an area at which the map is cut; None if there is none."""
         box = area.bounds
         west, span = box.west_deg, box.span_deg
         lat = (box.north_deg + box.south_deg) / 2.0
@@ -139,7 +139,7 @@ class AreaOutline:
         if not steps:
             return None
         longest, start, end = max(steps)
-        # A step this many times longer than the others leads across the map's edge.
+        # A step 20 times longer than the median leads across the edge of the map.
         if longest <= 20.0 * statistics.median(length for length, _, _ in steps):
             return None
         first = self.project(start, lat)
@@ -165,7 +165,7 @@ class AreaOutline:
         parts = []
         for piece in pieces:
             corners = max(sum(1 for _ in piece.vertices()), 1)
-            # Choose the segments per edge to keep the outline at 4,000 points.
+            # Use fewer segments per edge if the outline would exceed 4,000 points.
             fine = piece.densifyByCount(max(min(_STEPS, 4_000 // corners), 0))
             for part in _polygons(fine):
                 rings = [self._ring(ring) for ring in part]
@@ -219,9 +219,9 @@ class AreaOutline:
     def _edge(
         self, start: Position, end: Position, places: tuple[QgsPointXY, QgsPointXY, QgsPointXY]
     ) -> list[tuple[QgsPointXY, QgsPointXY]]:
-        """Segments of an edge, given its start, middle and end: several if it is a curve."""
+        """Segments of an edge, given its start, middle and end on the canvas: several if the edge is a curve."""
         first, middle, last = places
-        # An edge that deviates by at most 0.2 % of its length counts as straight on the canvas.
+        # An edge counts as straight if its middle deviates by at most 0.2 % of its length.
         if _distance(middle, first, last) <= 0.002 * first.distance(last):
             return [(first, last)]
         return list(self._segments([_between(start, end, step / 16) for step in range(17)]))
@@ -242,7 +242,8 @@ def find_grip(
 ) -> frozenset[str]:
     """Edges of a box at the pointer: two at a corner, one at a side, none elsewhere.
 
-    Corners precede sides. A box that is small on the screen has only its outer rim as grip, so that it can be moved.
+    Corners take precedence over sides. A box that is small on the screen is gripped only outside, so that it can still
+    be moved.
     """
     handles = {grip: to_pixel.transform(place) for grip, place in outline.handles.items()}
     xs, ys = [p.x() for p in handles.values()], [p.y() for p in handles.values()]
@@ -276,7 +277,7 @@ def find_corner(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner
 
 
 def find_edge(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
-    """Return the edge of polygons nearest to a point of the canvas, within ``reach``, by the corner before it."""
+    """Return the edge of polygons nearest to a point of the canvas, within ``reach`` in map units."""
     found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
     if not found:
         return None
@@ -311,8 +312,8 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     """Area moved by degrees: freely across the antimeridian, but limited in latitude.
 
-    The limit is Web Mercator's; areas beyond it may go up to the pole. A polygon around a pole stays: moved by degrees,
-    it would change its shape.
+    The limit is that of Web Mercator; an area beyond it may be moved up to the pole. A polygon around a pole is not
+    moved, as that would change its shape.
     """
     bounds = area.bounds
     if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= 360.0:
@@ -339,7 +340,7 @@ def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygo
 
 
 def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float) -> Box:
-    """Box with some edges (north, west, south, east) moved by degrees, none past the opposite one."""
+    """Box with some edges (north, west, south, east) moved by degrees, but not past the opposite edge."""
     north, south = box.north_deg, box.south_deg
     west, east = box.west_deg, box.continuous_east_deg
     if "north" in edges:
@@ -360,7 +361,7 @@ def area_middle(area: Area) -> tuple[float, float]:
 
 
 def count_turns(area: Area, lon_deg: float) -> int:
-    """Turns around the Earth from an area, whose longitudes continue beyond 180 from its west, to a longitude."""
+    """Number of turns around the Earth from an area, whose longitudes continue beyond 180°, to a longitude."""
     box = area.bounds
     return round((lon_deg - box.west_deg - box.span_deg / 2.0) / 360.0)
 
@@ -432,7 +433,7 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
 
 
 def _clamp_latitude(lat_deg: float) -> float:
-    """Latitude limited to the poles, which rounding may exceed."""
+    """Latitude limited to ±90°, which rounding may exceed."""
     return min(max(lat_deg, -90.0), 90.0)
 
 

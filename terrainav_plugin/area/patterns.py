@@ -1,4 +1,4 @@
-"""Corridors, orbits, scans and random poses: their dialogs, and the points made from them."""
+"""Dialogs for corridors, orbits, scans and random poses, and the points of these patterns."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ PATTERNS = (AreaAction.CORRIDOR, AreaAction.FACADE, AreaAction.STRUCTURE, AreaAc
 
 
 def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
-    """Dialog of one of `PATTERNS`; call its ``reading`` once it is accepted.
+    """Dialog of the pattern ``way``, one of `PATTERNS`; call its ``reading`` once it is accepted.
 
     Raises
     ------
     InvalidInput
-        No area is entered for random poses.
+        Random poses are wanted, but no area is entered.
     """
     window = iface.mainWindow()
     if way == AreaAction.RANDOM:
@@ -62,27 +62,27 @@ def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
 
 
 class _Entries:
-    """Entries for the fields of a declared part."""
+    """Number entries for the fields of a dataclass with declared fields."""
 
     def __init__(self, part: type, form: QFormLayout) -> None:
         self._part = part
         self.boxes: dict[str, NumberBox] = {}
         for field in declared_fields(part):
             box = number_entry(field)
-            # Only one height until a higher one is entered.
+            # The initial highest height is the lowest: a single height.
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
             box.setValue(start.initial_value or 0.0)
             self.boxes[field.name] = box
             form.addRow(field_label(field), box)
 
     def value(self) -> Any:
-        """Return the part; raises InvalidInput."""
+        """Return the object with the entered values; raises InvalidInput."""
         kinds = {field.name: field.kind for field in declared_fields(self._part)}
         return self._part(**{name: kinds[name](box.value()) for name, box in self.boxes.items()})
 
 
 class _PatternDialog(LayerDialog):
-    """Ask for a layer and a pattern; camera, height and overlaps are those of the panel."""
+    """Ask for a layer and the parameters of a pattern; the panel has camera, height and overlaps."""
 
     PART: type = Corridor
 
@@ -108,7 +108,7 @@ class _PatternDialog(LayerDialog):
         return f"{which} {self._panel_values()}"
 
     def _panel_values(self) -> str:
-        """Describe the values taken from the panel."""
+        """Text on the values taken from the panel."""
         return tr("Camera and overlaps ({along} %, {across} %) are those of the panel.").format(
             **_percents(self._state)
         )
@@ -200,7 +200,7 @@ class OrbitDialog(QDialog):
         self.lon = spin("centre_lon", -180.0, 180.0, DEGREES, " °", tip)
         for box, value in ((self.lat, lat_deg), (self.lon, lon_deg)):
             box.setValue(value)
-            # Qt makes room for the ends of the range, which are written without decimals.
+            # Qt leaves room for the ends of the range without decimals: add room for the decimals.
             digits = box.fontMetrics().horizontalAdvance("0" * (1 + DEGREES))
             box.setMinimumWidth(box.sizeHint().width() + digits)
         self.form.addRow(tr("Centre, l&atitude and longitude"), row(self.lat, self.lon))
@@ -216,7 +216,7 @@ class OrbitDialog(QDialog):
 
 
 class RandomDialog(QDialog):
-    """Ask for distributions of poses inside the area entered; raises InvalidInput without one."""
+    """Ask for distributions of poses inside the entered area; raises InvalidInput if no area is entered."""
 
     def __init__(self, parent: QWidget, state: FormState) -> None:
         area = entered_area(state)
@@ -274,7 +274,7 @@ class RandomDialog(QDialog):
 
 
 def _whole_images(state: FormState) -> Callable[[Poses], Any]:
-    """Test of which poses see only the panel's imagery; raises FormError if the panel's source is incomplete."""
+    """Function that tests which poses see no ground without imagery; raises FormError if an entry is invalid."""
     from ...core.geodesy.ellipsoid import WGS84
     from ...core.mission.inside import poses_inside
     from ..form.mission_form import mission

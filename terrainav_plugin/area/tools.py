@@ -1,4 +1,4 @@
-"""Map tools for areas: draw a box, pick a point, move an area, drag edges of a box and corners of polygons."""
+"""Map tools for areas: draw a box, pick a point, move an area, drag the edges of a box or corners of polygons."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from .outline import (
     stretched,
 )
 
-#: Distance in screen pixels at which the pointer grips an edge, a corner or a point.
+#: Distance in screen pixels within which the pointer grips an edge, a corner or a point.
 _REACH_PX = 8.0
 _ARROWS = {
     Qt.Key.Key_Left: (-1, 0),
@@ -52,7 +52,7 @@ _ARROWS = {
     Qt.Key.Key_Up: (0, -1),
     Qt.Key.Key_Down: (0, 1),
 }
-#: Cursors for the directions of dragging, by eighths of a turn from east.
+#: Cursors for the directions of dragging, at every eighth of a turn from east.
 _CURSORS = (
     Qt.CursorShape.SizeHorCursor,
     Qt.CursorShape.SizeBDiagCursor,
@@ -62,14 +62,14 @@ _CURSORS = (
 
 
 class BoxTool(TemporaryTool):
-    """Draw a rectangle on the canvas, and emit the ground under it, in any project CRS.
+    """Draw a rectangle on the canvas, and emit its area on the ground, in any project CRS.
 
     Signals
     -------
     drawn(object)
-        The `Box`, or a `Polygon` if a box would be much larger, once the mouse is released.
+        The `Box`, or a `Polygon` if the box would be much larger, after the mouse is released.
     refused(str)
-        Why a rectangle gives no area.
+        Why the rectangle has no area on the ground.
     """
 
     drawn = pyqtSignal(object)
@@ -90,7 +90,7 @@ class BoxTool(TemporaryTool):
         """Start a box."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._pressed_at = event.pos()
-            # In map units, so that zooming with the wheel keeps the corner in place on the map.
+            # Keep the corner in map units, as the wheel may zoom the map.
             self._start = self.toMapCoordinates(event.pos())
 
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
@@ -100,7 +100,7 @@ class BoxTool(TemporaryTool):
             self._say_size(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Finish the box; a click without dragging draws none."""
+        """Finish the box; a click without dragging draws no box."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         if self._pressed_at is None:
@@ -123,7 +123,7 @@ class BoxTool(TemporaryTool):
         self.drawn.emit(area)
 
     def give_up(self) -> None:
-        """Discard the box; the tool stays until the button is up, since another tool would receive the release."""
+        """Discard the box; leave the tool only after the button is up, as another tool would receive the release."""
         if self._pressed_at is None:
             self.stop()
         else:
@@ -154,7 +154,7 @@ class BoxTool(TemporaryTool):
         self._band.addPoint(QgsPointXY(west, north), True)
 
     def _say_size(self, at: QPoint) -> None:
-        """Show the size of the box beside the pointer; nothing without an area."""
+        """Show the size of the box next to the pointer; nothing if it has no area on the ground."""
         try:
             text = readout(self._area(at), self.length_unit)
         except (TerrAInavError, QgsCsException):
@@ -183,19 +183,19 @@ class PointTool(ClickTool):
 
 
 class AreaTool(TemporaryTool):
-    """Show the area on the map; dragging moves it, the edges of a box or a corner of polygons.
+    """Show the area on the map; dragging moves the area, the edges of a box or a corner of polygons.
 
-    Dragging an edge of polygons adds a corner; a right click on a corner or the Delete key removes it. A right click
-    elsewhere opens a menu of changes. Dragging beside the area moves the map, as in other tools.
+    Dragging an edge of polygons adds a corner; a right click on a corner, or the Delete key, removes it. A right click
+    elsewhere opens a menu of changes. Dragging outside the area moves the map, as in other tools.
 
     Signals
     -------
     dragging(object)
-        The area while the button is down, and the previous one after Esc.
+        The area while it is dragged; after Esc, the previous area.
     changed(object, str, bool)
-        The area, the name of the step, and whether it merges with a preceding step of that name.
+        The area, the name of the step, and whether to merge the step with a preceding one of the same name.
     hole_wanted(), polygon_wanted()
-        The user asks to draw a hole, or one more polygon.
+        The user wants to draw a hole, or another polygon.
     takeoff_set(float, float)
         Latitude and longitude of a take-off point.
     refused(str)
@@ -218,10 +218,10 @@ class AreaTool(TemporaryTool):
         self._dragged: Area | None = None
         self._outline: AreaOutline | None = None
         self._grip: frozenset[str] = frozenset()
-        #: Corner being dragged, and the area it is dragged in, which may have gained it.
+        #: Corner being dragged, and the polygons with it; dragging an edge has added it to these.
         self._held: Corner | None = None
         self._held_in: Polygon | Polygons | None = None
-        #: Latest corner at the pointer.
+        #: Last corner that was at the pointer.
         self._picked: Corner | None = None
         self._menu: QMenu | None = None
         self._from: tuple[float, float] | None = None
@@ -230,9 +230,9 @@ class AreaTool(TemporaryTool):
         self._bands, self._readout = AreaBands(canvas), PointerText(canvas)
 
     def set_area(self, area: Area | None) -> None:
-        """Set the area; None for none."""
+        """Set the area; None clears it."""
         if area != self._area:
-            # Its index may denote another corner now.
+            # In the new area, the same indices may denote another corner.
             self._picked = None
         self._area = area
         if not self.isActive():
@@ -250,13 +250,13 @@ class AreaTool(TemporaryTool):
         canvas = self.canvas()
         canvas.installEventFilter(self._undo_keys)
         canvas.destinationCrsChanged.connect(self._draw)
-        # On geographic maps, redraw on the turn that is in view.
+        # Redraw, as a geographic map may now show another turn around the Earth.
         canvas.extentsChanged.connect(self._draw)
         self.setCursor(Qt.CursorShape.ArrowCursor)
         self._draw()
 
     def deactivate(self) -> None:
-        """Hide the area, and undo a drag under way."""
+        """Hide the area, and undo an unfinished drag."""
         canvas = self.canvas()
         canvas.extentsChanged.disconnect(self._draw)
         canvas.destinationCrsChanged.disconnect(self._draw)
@@ -270,19 +270,19 @@ class AreaTool(TemporaryTool):
         super().deactivate()
 
     def give_up(self) -> None:
-        """Undo a drag under way, or else leave the tool."""
+        """Undo an unfinished drag; if there is none, leave the tool."""
         if not self._put_back():
             self.stop()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move the area by arrow keys, before the map moves; remove a corner by Delete or Backspace."""
+        """Move the area by arrow keys, which would otherwise move the map; remove a corner by Delete or Backspace."""
         if (
             isinstance(event, QKeyEvent)
             and event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
             and self._picked is not None
         ):
             if event.type() == QEvent.Type.ShortcutOverride:
-                # The window's shortcut would delete features.
+                # Accept the key, as the window's shortcut would delete features.
                 event.accept()
                 return True
             if event.type() == QEvent.Type.KeyPress:
@@ -299,7 +299,7 @@ class AreaTool(TemporaryTool):
     # --- the mouse
 
     def canvasPressEvent(self, event: QgsMapMouseEvent) -> None:
-        """Begin dragging the area, or the map beside it."""
+        """Begin dragging the area or, outside it, the map."""
         if event.button() != Qt.MouseButton.LeftButton or self._area is None:
             return
         self._grip, self._held = self._find_grip(event.pos()), self._find_corner(event.pos())
@@ -339,7 +339,7 @@ class AreaTool(TemporaryTool):
             return
         if self._dragged is None:
             return
-        # Qt does not report every move, and may skip the last.
+        # Qt does not report every move, and may skip the last one.
         if event.pos() != self._pressed_at:
             self._drag_box(event.pos())
         held, is_new = self._held, self._held_in is not self._area
@@ -350,7 +350,7 @@ class AreaTool(TemporaryTool):
             self._draw()
         elif held is not None:
             self._take_corner(moved_area, tr("add a corner") if is_new else tr("move a corner"))
-            # The pointer is still at the corner, though no move follows.
+            # Pick the new corner at the pointer, as no move may follow.
             self._picked = self._find_corner(event.pos())
             self._draw()
         else:
@@ -383,7 +383,7 @@ class AreaTool(TemporaryTool):
         return readout(self._dragged, self.length_unit)
 
     def _put_back(self) -> bool:
-        """Undo a drag under way; returns whether there was one."""
+        """Undo an unfinished drag, and return whether there was one."""
         if self._dragged is None:
             return False
         self._dragged = self._from = self._held = self._held_in = None
@@ -395,14 +395,14 @@ class AreaTool(TemporaryTool):
     # --- corners, holes and parts
 
     def _take_corner(self, area: Polygon | Polygons, step: str) -> None:
-        """Emit an area with another corner, unless outlines cross."""
+        """Emit an area with a changed corner, unless outlines cross."""
         self._change(lambda: checked(self._area, area), step)
 
     def _remove_corner(self, corner: Corner) -> None:
         self._change(lambda: without_corner(self._area, corner), tr("remove a corner"))
 
     def _change(self, change: Callable[[], Area], step: str) -> None:
-        """Make a change, or emit why it is invalid."""
+        """Emit the changed area, or the reason why the change is invalid."""
         try:
             area = change()
         except TerrAInavError as wrong:
@@ -527,7 +527,7 @@ class AreaTool(TemporaryTool):
     def _find_edge(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        # Edges have a shorter reach than corners, so that small areas can be moved.
+        # Edges are gripped within a shorter distance than corners, so that small areas can be moved.
         return find_edge(self._outline, self.toMapCoordinates(at), 5.0 * self.canvas().mapUnitsPerPixel())
 
     def _is_at_area(self, at: QPoint) -> bool:
@@ -559,7 +559,7 @@ class AreaTool(TemporaryTool):
             self.setCursor(Qt.CursorShape.ArrowCursor)
 
     def _grip_cursor(self, grip: frozenset[str]) -> Qt.CursorShape:
-        """Arrow cursor along the line from the box's middle to a handle, as seen on the screen."""
+        """Cursor with arrows in the direction from the box's middle to a handle on the screen."""
         if self._area is None or self._outline is None or grip not in self._outline.handles:
             return Qt.CursorShape.SizeAllCursor
         middle = self._outline.project(*area_middle(self._area))

@@ -1,4 +1,4 @@
-"""XML read by Qt: some QGIS lack lxml, with which the core reads it."""
+"""XML read by Qt, as some installations of QGIS lack lxml, which the core uses."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def xml_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
     Raises
     ------
     UnreadableXMLError
-        The text is not XML, or is refused by `checked_text`.
+        The document is not XML, or `checked_text` refuses it.
     """
     reader, kinds = QXmlStreamReader(checked_text(body)), QXmlStreamReader.TokenType
     skip = QXmlStreamReader.ReadElementTextBehaviour.SkipChildElements
@@ -32,7 +32,7 @@ def xml_elements(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
             if name not in TEXTS:
                 yield name, "", _attributes(reader) if name in ATTRIBUTES else {}
                 continue
-            # Up to the end of the element, which is read next.
+            # This also reads the end of the element.
             text = reader.readElementText(skip)
             depth -= 1
             if not reader.hasError():

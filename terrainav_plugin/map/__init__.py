@@ -1,4 +1,4 @@
-"""Map parts shared by the rooms.
+"""Parts of the map that several rooms use.
 
 canvas          longitude and latitude on the canvas, and tools that restore the previous tool
 mission_group   the layer tree group of a mission's layers

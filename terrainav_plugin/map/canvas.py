@@ -50,8 +50,7 @@ def wrap_longitude(lon_deg: float) -> float:
 def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
     """Smallest box around a rectangle of the canvas.
 
-    The outline is sampled, since corners alone miss the bulge of the sides; longitudes are continued across the
-    antimeridian, where the box's west then exceeds its east.
+    The outline is sampled, as the sides may be curved. Across the antimeridian, the west of the box exceeds its east.
 
     Raises
     ------
@@ -64,9 +63,9 @@ def rectangle_box(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, pr
 
 
 def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[[], float]) -> Box:
-    """Smallest box around a closed outline of (longitude, latitude), with steps under half a turn.
+    """Smallest box around a closed outline of (longitude, latitude), with steps of less than half a turn.
 
-    An outline around the Earth contains a pole: the one on the side of its centre.
+    An outline that goes around the Earth contains the pole on the side of its centre.
     """
     lons = [outline[0][0]]
     for lon, _ in outline[1:]:
@@ -84,7 +83,7 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
 
 
 def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
-    """Box whose longitudes may continue across the antimeridian."""
+    """Box from longitudes that may continue across the antimeridian."""
     if east_deg - west_deg >= 360.0:
         return Box(north_deg, -180.0, south_deg, 180.0)
     turn = 360.0 * math.floor((west_deg + 180.0) / 360.0)
@@ -108,12 +107,12 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
 def is_in_sight(canvas: QgsMapCanvas, rectangle: QgsRectangle) -> bool:
     """Whether a rectangle in the canvas's CRS is visible: at least partly, and as more than a dot."""
     wide_px = max(rectangle.width(), rectangle.height()) / canvas.mapUnitsPerPixel()
-    # A rectangle with no side of 6 px on the screen is a dot.
+    # A rectangle smaller than 6 px on the screen is a dot.
     return not 0.0 < wide_px < 6.0 and canvas.extent().intersects(rectangle)
 
 
 def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:
-    """Move the map to a rectangle in its CRS, enlarged by ``scale``."""
+    """Move the map to a rectangle in the map's CRS, enlarged by ``scale``."""
     rectangle.scale(scale)
     canvas.setExtent(rectangle)
     canvas.refresh()
@@ -125,7 +124,7 @@ class TemporaryTool(QgsMapTool):
     Attributes
     ----------
     is_resumed : bool
-        Whether a tool started from this one restores it; otherwise it restores the tool before this one.
+        Whether a tool that is started from this one restores this one when it stops, and not the tool before.
     """
 
     is_resumed = True
@@ -136,7 +135,7 @@ class TemporaryTool(QgsMapTool):
         self._previous: QgsMapTool | None = None
 
     def start(self) -> None:
-        """Take over the canvas."""
+        """Make this the tool of the canvas."""
         canvas = self.canvas()
         if canvas.mapTool() is not self:
             previous = canvas.mapTool()
@@ -144,7 +143,7 @@ class TemporaryTool(QgsMapTool):
                 previous = previous._previous  # noqa: SLF001  of the same class
             self._previous = previous
             canvas.setMapTool(self)
-        # The canvas needs the focus for Esc to arrive, wherever the tool was chosen.
+        # Give the canvas the focus, so that it receives Esc.
         canvas.setFocus()
 
     def stop(self) -> None:
@@ -163,7 +162,7 @@ class TemporaryTool(QgsMapTool):
     def activate(self) -> None:
         """Also receive the canvas's keys."""
         super().activate()
-        # The canvas forwards no keys while a mouse button is down.
+        # While a mouse button is down, the canvas passes no keys to its tool.
         self.canvas().installEventFilter(self)
 
     def deactivate(self) -> None:
@@ -211,7 +210,7 @@ class ClickTool(TemporaryTool):
 
 
 def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
-    # Between two of 64 points, a parallel bulges by less than 1/16000 of the side.
+    # With 64 points along a side, a parallel deviates by less than 1/16000 of the side between them.
     steps = [step / 64 for step in range(64)]
     west, south, east, north = (
         rectangle.xMinimum(),
@@ -220,7 +219,7 @@ def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
         rectangle.yMaximum(),
     )
     corners = [(west, south), (east, south), (east, north), (west, north)]
-    # Corners are taken exactly: interpolating would lose their last digit.
+    # Keep corners exact: interpolation would change their last digit.
     return [
         QgsPointXY(x0, y0) if step == 0.0 else QgsPointXY(x0 + step * (x1 - x0), y0 + step * (y1 - y0))
         for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
@@ -229,12 +228,14 @@ def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
 
 
 def check_crs(transform: QgsCoordinateTransform, name: str = "") -> None:
-    """Refuse a CRS without a transformation to degrees, as which QGIS would read its numbers; raises InvalidInput.
+    """Refuse a CRS without a transformation to degrees, as QGIS would take its coordinates for degrees.
+
+    Raises InvalidInput.
 
     Parameters
     ----------
     name : str
-        The CRS as entered, which may be unknown. Without it, a missing CRS is accepted, as in a new project.
+        The CRS as entered, which may be unknown. If empty, a missing CRS is accepted, as in a new project.
     """
     crs = transform.sourceCrs()
     if not transform.isValid() and (name or crs.isValid()):

@@ -23,17 +23,17 @@ from ...core.storage.files import file_exists
 from ..i18n import tr
 from ..tasks import single_shot
 
-#: Custom properties of the group, saved with the project.
+#: Custom properties of a mission group, saved with the project.
 _FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
-#: Custom property of the group of a remote dataset: its address, without credentials.
+#: Custom property of the group of a remote dataset: the dataset's address, without credentials.
 _ADDRESS = "terrainav/address"
-#: Custom property of a group with several datasets of one mission.
+#: Custom property of a group that contains the groups of several datasets of one mission.
 _SEVERAL = "terrainav/several"
-#: Custom property of a layer: its role in the mission, also in a reopened project.
+#: Custom property of a layer: its role in the mission, saved with the project.
 ROLE = "terrainav/role"
-#: Role of the footprints in a dataset.
+#: Role of the layer of a dataset's footprints.
 CAPTURED = "captured"
-#: Role of the footprints of images that failed.
+#: Role of the layer of failed images.
 FAILED = "failed"
 
 
@@ -43,13 +43,13 @@ class SavedMission(NamedTuple):
     Parameters
     ----------
     title : str
-        Name of its group, which the user may have changed.
+        Name of the mission group, which the user may have changed.
     folder : str
-        Empty if the saved value is not a path.
+        Folder of the dataset; empty if the saved value is not a path.
     text : str
         The mission as JSON; empty if the saved value is not a text.
     current : bool
-        Whether it was the latest mission in the panel.
+        Whether the mission was the latest one in the panel.
     """
 
     title: str
@@ -61,7 +61,7 @@ class SavedMission(NamedTuple):
 def saved_missions(project: QgsProject) -> list[SavedMission]:
     """Missions of a project, one for each mission group, from the top of the layer tree.
 
-    A project may have been moved with its datasets: its layers have their current paths.
+    Folders are taken from the groups' layers if possible, as a project may have been moved with its datasets.
     """
     missions = []
     for group in project.layerTreeRoot().findGroups(True):
@@ -82,25 +82,25 @@ def is_path(text: str) -> bool:
         name = os.fsencode(text)
     except ValueError:
         return False
-    # The longest path that systems take.
+    # No system allows longer paths.
     return bool(text.strip()) and len(text) <= 4096 and b"\0" not in name
 
 
 def _text(group: QgsLayerTreeGroup, name: str) -> str:
-    """Text saved with a group; empty if another program has written something else."""
+    """Text saved with a group; empty if the saved value is not a text."""
     value = group.customProperty(name)
     return value if isinstance(value, str) else ""
 
 
 def addresses(project: QgsProject) -> list[tuple[Path, str]]:
-    """Folders of the project's datasets copied from addresses, and these."""
+    """Folder and address of each remote dataset in the project."""
     groups = project.layerTreeRoot().findGroups(True)
     found = [(_text(group, _FOLDER), _text(group, _ADDRESS)) for group in groups]
     return [(Path(folder), address) for folder, address in found if is_path(folder) and address]
 
 
 def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
-    """Layers of a type in a project's mission groups, from the top, each with its group's title."""
+    """Layers of a type in a project's mission groups, from the top of the layer tree, each after its group's title."""
     found = []
     for node in project.layerTreeRoot().findLayers():
         layer, group = node.layer(), _parent_group(node)
@@ -110,7 +110,7 @@ def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapL
 
 
 def preview_layers(project: QgsProject) -> list[QgsMapLayer]:
-    """Layers of previews, which hold only the visible part of a plan."""
+    """Layers of previews, which contain only the visible part of a plan."""
     layers = project.mapLayers().values()
     return [one for one in layers if one.customProperty(ROLE) and one.providerType() == "memory"]
 
@@ -122,7 +122,7 @@ def layer_dataset(layer: QgsMapLayer) -> Path:
 
 def layer_file(layer: QgsMapLayer) -> Path:
     """File that a layer shows."""
-    # Read as in QGIS: what follows a bar may be a layer option, or part of the folder's name.
+    # Let QGIS parse the source: text after a bar may be a layer option, or part of a folder's name.
     parts = QgsProviderRegistry.instance().decodeUri(layer.providerType(), layer.source())
     return Path(str(parts.get("path") or layer.source()))
 
@@ -130,14 +130,14 @@ def layer_file(layer: QgsMapLayer) -> Path:
 def _child_layer(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
     for node in group.findLayers() if group is not None else ():
         layer = node.layer()
-        # Groups of other datasets may be nested.
+        # Skip nested groups of other datasets.
         if layer is not None and layer.customProperty(ROLE) == role and _parent_group(node) is group:
             return layer
     return None
 
 
 def _parent_group(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
-    """Nearest mission group that contains a node, or None."""
+    """Innermost mission group that contains a node; None if there is none."""
     group = node.parent()
     while group is not None and not group.customProperty(_FOLDER):
         group = group.parent()
@@ -157,18 +157,18 @@ def _is_foreign(node: QgsLayerTreeLayer | None) -> bool:
 class GroupsOnTop(QObject):
     """Keep mission groups above newly added layers, which would hide them.
 
-    QGIS adds layers above the current one, and thus into a mission group if the current layer is in it. Layers that
-    users put above or into a group themselves stay, and so do those added above them.
+    QGIS adds layers above the current layer, and thus into a mission group if the current layer is in it. Layers that
+    the user has moved above or into a group stay there, and so do layers added above these.
     """
 
     def __init__(self, project: QgsProject) -> None:
         super().__init__()
         self._project = project
         self._added: set[str] = set()
-        # QGIS reports layers before they are in the layer tree.
+        # Wait, as QGIS reports added layers before they are in the layer tree.
         self._soon = single_shot(self._move, self)
         project.legendLayersAdded.connect(self._note)
-        # Layers of an opened project stay where they were.
+        # Layers of an opened project stay in place.
         project.readProject.connect(self._forget)
 
     def close(self) -> None:
@@ -186,7 +186,7 @@ class GroupsOnTop(QObject):
 
     def _move(self) -> None:
         root = self._project.layerTreeRoot()
-        # A layer that has received a role meanwhile, such as a result of Processing, is in place.
+        # Layers that have received a role meanwhile, such as results of Processing, are already in place.
         added = {node.layerId() for node in map(root.findLayer, self._added) if _is_foreign(node)}
         self._added = set()
         for node in map(root.findLayer, added):
@@ -209,7 +209,7 @@ class GroupsOnTop(QObject):
 class MissionGroup:
     """The group of the mission captured into ``folder``; created with its first layer.
 
-    Look it up each time: users move, rename and remove groups.
+    The group is looked up each time, as users move, rename and remove groups.
     """
 
     def __init__(self, project: QgsProject, folder: Path) -> None:
@@ -246,7 +246,7 @@ class MissionGroup:
             self.remove_if_empty()
 
     def replace(self, old: QgsMapLayer, new: QgsMapLayer, role: str) -> None:
-        """Replace a layer by another, keeping place, visibility and name."""
+        """Replace a layer by another one with the same place, visibility and name."""
         node = self.project.layerTreeRoot().findLayer(old.id())
         parent, shown, expanded = node.parent(), node.itemVisibilityChecked(), node.isExpanded()
         new.setName(old.name())
@@ -270,9 +270,9 @@ class MissionGroup:
             group.setCustomProperty(_ADDRESS, address)
 
     def gather(self, is_same: Callable[[str], bool]) -> None:
-        """Put this group and those of the same mission, with other sources or dates, into one parent.
+        """Put this group, and groups of the same mission with other imagery, into one parent group.
 
-        Groups moved elsewhere by the user stay there.
+        Groups that the user has moved elsewhere stay there.
 
         Parameters
         ----------
@@ -325,7 +325,7 @@ class MissionGroup:
         return group
 
     def _around(self) -> QgsLayerTreeGroup:
-        """Parent of this group: that of several datasets of its mission, or the root."""
+        """Parent for this group: the group of several datasets of its mission, or the root."""
         outer = Path(self._folder).parent
         if not file_exists(outer / MISSION_FILE):
             return self.project.layerTreeRoot()

@@ -1,6 +1,6 @@
 """Outlines of a plan as QGIS geometries, in the CRS of the source's pixels. On any thread.
 
-In EPSG:3857 they are cut at the antimeridian and at the edges of the map; other CRSs have neither.
+In EPSG:3857, outlines are cut at the antimeridian and at the edges of the map; other CRSs have no such edges.
 """
 
 from __future__ import annotations
@@ -46,28 +46,27 @@ __all__ = [
 
 #: Lines at which footprints in degrees are cut: the antimeridian and the poles.
 CUTS_WKT = "LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)"
-#: Points within a micrometre are equal.
+#: Points within a micrometre count as equal.
 _SAME_M = 1e-6
 
 
 def placed(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> Ring:
-    """Coordinates of longitudes (not wrapped) and latitudes, any shape, in the CRS of a plane.
+    """Coordinates of longitudes (not wrapped) and latitudes, arrays of any shape, in the CRS of a plane.
 
-    Infinite or NaN outside the domain of an imagery's CRS.
+    Infinite or NaN outside the domain of the CRS.
     """
     return plane.to_crs(lat_deg, lon_deg) if isinstance(plane, ProjectedPlane) else metres(lon_deg, lat_deg)
 
 
 def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    """Footprint of each image: the frame written to its file, or the ground that the camera sees."""
+    """Footprint of each image: the extent of a map frame, or the ground that the camera sees."""
     return map(_polygons, pictures_m(plan))
 
 
 def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
-    """Polygons of a ring in the CRS of a plane, cut at the edges of that."""
+    """Polygons of a ring in the CRS of a plane, cut at the edges of the CRS."""
     if isinstance(plane, ProjectedPlane):
-        # In degrees a ring around a pole runs along it, which is a point here.
-        # Corners this near to a pole only lead the ring around it.
+        # In degrees, a ring around a pole runs along the pole, which is a point in this CRS: drop corners at the pole.
         kept = np.abs(lat_deg) < (90.0 - 1e-9)
         x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
         reached = np.isfinite(x)
@@ -79,11 +78,11 @@ def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
 
 
 def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
-    """Lines through longitudes and latitudes in order, each step the shorter way around, in the CRS of a plane."""
+    """Lines through places in order, in the CRS of a plane; each step goes the shorter way around the Earth."""
     lines = QgsMultiLineString()
     for run in runs:
         for lon, lat in [run] if isinstance(plane, ProjectedPlane) else cut_line(*run):
-            # A single capture gives no line.
+            # A single capture has no line.
             if len(lon) > 1:
                 x, y = placed(plane, lon, lat)
                 lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
@@ -91,9 +90,9 @@ def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeom
 
 
 def seen_edges(outline: QgsGeometry) -> QgsGeometry:
-    """Edges of a footprint in degrees, without those of cuts along the antimeridian and the poles.
+    """Edges of a footprint in degrees, except for cuts along the antimeridian and the poles.
 
-    Layers of footprints use the same edges, see `dataset.layers`.
+    `dataset.layers.hide_antimeridian` draws the same edges.
     """
     return QgsGeometry(outline.constGet().boundary()).difference(QgsGeometry.fromWkt(CUTS_WKT))
 
@@ -105,16 +104,16 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
         line.close()
         parts.addGeometry(QgsPolygon(line))
     geometry = QgsGeometry(parts)
-    # A ring of four corners in one piece, as a frame's, cannot touch itself.
+    # A single ring of four corners, as of a frame, cannot touch itself.
     if len(rings) == 1 and len(rings[0][0]) <= 4:
         return geometry
-    # A ring cut in two may have its halves joined along the cut, and one around a pole has a way there and back.
+    # The halves of a cut ring may be joined along the cut, and a ring around a pole has a seam to the pole and back.
     return geometry if geometry.isGeosValid() else _only_polygons(geometry.makeValid())
 
 
 def remove_pole_seams(shape: QgsGeometry) -> QgsGeometry:
-    """Polygons in a CRS with the pole as a point, without the way to it and back that rings have in degrees."""
-    # Once they coincide, the ways there and back bound nothing.
+    """Polygons in a CRS in which the pole is a point, without the seams to the pole that rings have in degrees."""
+    # Snapping makes both sides of a seam coincide, so that they enclose nothing.
     return _only_polygons(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
 
 

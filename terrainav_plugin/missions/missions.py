@@ -45,31 +45,33 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
 
-#: Topic of the message that asks for the user's agreement.
-_UNAGREED, _MISSION, _DATASETS = "unagreed", "mission", "datasets"
-#: Most characters of a name in a menu or message.
+#: Topic of the messages that ask for the user's agreement.
+_UNAGREED = "unagreed"
+#: Actions that may await the user's agreement.
+_MISSION, _DATASETS = "mission", "datasets"
+#: Largest number of characters of a name in a menu or message.
 _MOST_TITLE = 100
-#: Entries of a form without an area, and without the entries that depend on it.
+#: Empty values for the area and the entries that depend on it.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
 
 
 class DatasetTask(Task):
-    """Open a dataset's layers; build mosaics that the command has not built.
+    """Open the layers of a dataset, and build its mosaics if they are missing.
 
     Parameters
     ----------
     missions : mapping of Path to Mission
-        Of the dataset, or of each of several imageries by its subfolder.
+        Mission of the dataset by its folder, or of each of several imageries by its subfolder.
     find_grids : mapping of Path to callable
-        Return the pixel grids of the missions' sources, for missing mosaics.
+        By the same folders, functions that return the pixel grid of the mission's source, for missing mosaics.
 
     Attributes
     ----------
     opened : list of OpenedResults
     failed : list of QgsVectorLayer or None
-        Layer of failed images of each.
+        Layer of failed images of each dataset in ``opened``.
     left_out : str
-        Why mosaics are missing that could exist; empty if none is.
+        Why a mosaic is missing that could exist; empty if none is missing.
     """
 
     def __init__(
@@ -87,7 +89,7 @@ class DatasetTask(Task):
         self._missions, self._find_grids = missions, find_grids
 
     def work(self) -> None:
-        """Open."""
+        """Open the layers."""
         for folder, mission in self._missions.items():
             elsewhere = has_images_elsewhere(folder)
             mosaics = [] if elsewhere else existing_mosaics(folder, mission)
@@ -121,13 +123,13 @@ class DatasetTask(Task):
             steps = plan_mission(mission, self._find_grids[folder])
             return build_any_mosaics(steps, folder, mission_heights, self.report_progress)
         except TerrAInavError as wrong:
-            # The footprints need no source.
+            # The footprints can be shown without the source.
             self.left_out = translate(wrong)
             return []
 
 
 class AddressTask(DatasetTask):
-    """Open a remote dataset: copy what its footprints need, and open the copy.
+    """Open a remote dataset: copy the files that its footprints need, and open the copy.
 
     Parameters
     ----------
@@ -142,7 +144,7 @@ class AddressTask(DatasetTask):
         self._store = Store(address)
 
     def work(self) -> None:
-        """Copy and open."""
+        """Copy the files, and open the copy."""
         self.folder, self.mission = copy_dataset(self._store, self.report_progress)
         self._missions = _missions_inside(self.mission, self.folder)
         super().work()
@@ -154,7 +156,7 @@ class AddressTask(DatasetTask):
 
     def finished(self, result: bool) -> None:
         """Emit `ended`, on the main thread."""
-        # A task cancelled before its turn does not run.
+        # Also needed here: a task cancelled before its start does not run `work`.
         self._store.close()
         super().finished(result)
 
@@ -165,28 +167,28 @@ class Missions(QObject):
     Parameters
     ----------
     button : QToolButton
-        Opens the menu.
+        Button that opens the menu.
     messages : Messages
     open_project : OpenProject
     read, write : callable
-        State of the form, and its setter.
+        Return the state of the form; enter a state into it.
     captures : callable
         Returns the folders of this session's captures.
 
     Signals
     -------
     preview_wanted(bool)
-        Whether to show the preview and zoom to it, or to remove it.
+        True to show the preview and zoom to it, False to remove it.
     reopened()
-        A mission of the project is in the panel again: keep its preview.
+        A mission of the project has been entered into the panel; its preview stays.
     zoom_wanted(object)
         A box to show on the map.
     refused(object)
-        Errors of entries, by field.
+        Error messages by field.
     capture_failed_wanted()
-        The failed images of the mission entered are to be captured.
+        The user wants to capture the failed images of the entered mission.
     clean_wanted(object)
-        The folder of a dataset to clean.
+        The user wants to clean the dataset in a folder.
     compare_wanted()
         The user wants to compare two images on the map.
     """
@@ -213,10 +215,10 @@ class Missions(QObject):
         self._read, self._write, self._captures = read, write, captures
         self._settings = Settings()
         self._task: DatasetTask | None = None
-        #: Actions awaiting the user's agreement, with the places that they ask.
+        #: Actions that await the user's agreement, with the servers and files that they access.
         self._unagreed: dict[str, tuple[tuple[str, ...], Callable[[], None]]] = {}
         open_project.project.cleared.connect(self._forget_unagreed)
-        #: Addresses that were opened again, by the number of the project that contains them.
+        #: Remote datasets that were opened again: number of the project that contains them, and address.
         self._sought: set[tuple[int, str]] = set()
         self.plan_export = PlanExport(
             button, messages, self._folder, lambda: self._read().drone != DECLARED["drone"].default
@@ -290,14 +292,14 @@ class Missions(QObject):
     # --- opening
 
     def restore(self) -> None:
-        """Resume the mission that was in the panel when the opened project was saved."""
+        """Enter the mission that was in the panel when the opened project was saved."""
         saved = saved_missions(self._open_project.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
         self._open_lost()
 
     def open_saved(self, saved: SavedMission) -> None:
-        """Put a mission of the project into the panel."""
+        """Enter a mission of the project into the panel."""
         self._open_saved(saved, zoom=True)
 
     def ask_for_file(self) -> None:
@@ -332,7 +334,7 @@ class Missions(QObject):
         dialog.deleteLater()
 
     def open_address(self, address: DatasetAddress, again: bool = False) -> None:
-        """Put a remote dataset's mission into the panel, and its footprints on the map.
+        """Enter the mission of a remote dataset into the panel, and add its footprints to the map.
 
         Parameters
         ----------
@@ -349,7 +351,7 @@ class Missions(QObject):
         task.begin(lambda task: self._dataset_opened(task, None, begun_in))
 
     def _open_lost(self) -> None:
-        """Copy the project's remote datasets that are missing on this machine, one at a time, each once."""
+        """Copy the project's remote datasets that have no copy on this machine, one after another, each once only."""
         number = self._open_project.number
         lost = []
         for folder, text in addresses(self._open_project.project):
@@ -370,7 +372,7 @@ class Missions(QObject):
         self._once_agreed(_DATASETS, [address.url for _, address in lost], copy)
 
     def open_path(self, path: Path) -> None:
-        """Open a dataset's folder or any mission file; a local copy is opened from its address."""
+        """Open a dataset's folder or a mission file; for the copy of a remote dataset, open its address."""
         address = copied_address(path)
         if address is not None:
             self.open_address(address)
@@ -382,7 +384,7 @@ class Missions(QObject):
             self.open_file(path)
 
     def open_file(self, path: Path) -> None:
-        """Put the mission of a file into the panel, with another folder."""
+        """Enter the mission of a file into the panel, with another folder."""
         from ...core.mission.mission import Mission
 
         folder = self._settings.missions / path.stem
@@ -401,7 +403,7 @@ class Missions(QObject):
         self._once_agreed(_MISSION, source_names(mission), take_up)
 
     def open_dataset(self, folder: Path) -> None:
-        """Put a dataset's mission into the panel, and its results on the map."""
+        """Enter the mission of a dataset into the panel, and add its results to the map."""
         from ...core.mission.mission import Mission
 
         if self._task is not None:
@@ -428,13 +430,13 @@ class Missions(QObject):
     # --- groups of datasets
 
     def restore_dataset(self, folder: Path) -> None:
-        """Restore a dataset's mission in the project, whatever has been planned in its group since."""
+        """Save the mission of a dataset with its group again, in place of a mission planned there since."""
         mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).remember_mission(mission.to_json())
 
     def gather(self, folder: Path) -> None:
-        """Put a dataset and those of the same mission with other imagery into one group."""
+        """Put the groups of a dataset, and of datasets of the same mission with other imagery, into one group."""
         mission = _read_mission(folder)
         if mission is not None:
             self._open_project.mission_group(folder).gather(lambda text: _is_same_flight(text, mission))
@@ -500,7 +502,7 @@ class Missions(QObject):
     # --- implementation
 
     def _suggested(self, folder: Path) -> Path:
-        """Note a folder as proposed by the panel: if it is taken, it is numbered on."""
+        """Note that the panel has proposed a folder; if the folder is taken, a capture uses the next number."""
         self._settings.suggested_folder = str(folder)
         return folder
 
@@ -533,9 +535,9 @@ class Missions(QObject):
     # --- places that others name and the user has not used in this QGIS
 
     def _once_agreed(self, topic: str, texts: Iterable[str], act: Callable[[], None]) -> None:
-        """Do something that asks sources: now, or once the user has agreed to those new to this QGIS.
+        """Call ``act``, which accesses sources: now, or once the user has agreed to new servers and files.
 
-        Until then nothing is requested, and a project keeps its contents.
+        Until then, nothing is requested, and a project keeps its contents.
         """
         places = unagreed_places(texts)
         self._unagreed.pop(topic, None)
@@ -587,7 +589,7 @@ class Missions(QObject):
                 self._tell_broken(task.folder.name, wrong)
                 return
         remember(task.folder)
-        # Each is inserted above the others: the first is to be on top.
+        # In reverse, as each is inserted above the others, and the first one must be on top.
         for opened, failed in reversed([*zip(task.opened, task.failed)]):
             inside = self._open_project.mission_group(opened.folder)
             if at_address is not None:
@@ -626,7 +628,7 @@ def _read_mission(folder: Path) -> Mission | None:
 
 
 def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
-    """Missions of the datasets in a folder: one for each imagery captured, or its only one."""
+    """Missions of the datasets in a folder, by their folders: the only one, or one for each captured imagery."""
     from ...core.mission.mission import Mission
 
     if not mission.imagery.imageries:
@@ -642,16 +644,16 @@ def _is_same_flight(text: str, mission: Mission) -> bool:
     try:
         other = Mission.from_json(text)
     except TerrAInavError:
-        # Of another version, or damaged.
+        # The mission is damaged, or of another version.
         return False
     return _flown(other) == _flown(mission)
 
 
 def _flown(mission: Mission) -> dict[str, Any]:
-    """The flight of a mission, as plain data."""
+    """A mission without imagery and output, as plain data."""
     return {name: part for name, part in mission.to_dict().items() if name not in ("imagery", "output")}
 
 
 def _plain(text: str) -> str:
-    """Text of a menu entry without mnemonics."""
+    """Text for a menu entry, escaped so that it has no mnemonic."""
     return text.replace("&", "&&")

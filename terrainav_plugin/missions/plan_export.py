@@ -1,4 +1,4 @@
-"""Write the panel's plan as a file for other programs, in the background: a million rows take a while."""
+"""Export of the panel's plan to a file for other programs, in the background, as a million rows take a while."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ if TYPE_CHECKING:
     from ..messages import Messages
     from ..planner import PlannedMission
 
-#: File ending for drones.
+#: Ending of files for drones.
 _FOR_DRONES = ".kmz"
 
 
 class PlanExportTask(Task):
-    """Write a plan.
+    """Write a plan to a file, or to several if one cannot hold it.
 
     Attributes
     ----------
     exported : PlanFiles or None
     there : tuple of Path
-        Existing files that further parts of the plan would replace without being asked for; nothing is written then.
+        Existing files that further parts of the plan would replace, which the user was not asked about; nothing is
+        written then.
     refusal : TerrAInavError or None
-        Why the plan was not written: the format cannot hold it, or it comes too close to the relief.
+        Why the plan was not written: the format cannot hold it, or the flight comes too close to the relief.
     """
 
     def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
@@ -48,7 +49,7 @@ class PlanExportTask(Task):
         self._replace_parts = replace_parts
 
     def work(self) -> None:
-        """Write."""
+        """Write the files."""
         from ...core.mission.export import PartsAlreadyThere, write_plan
 
         try:
@@ -61,7 +62,7 @@ class PlanExportTask(Task):
 
 
 class PlanExport(QObject):
-    """Ask for the file, write it, and report what its format cannot hold.
+    """Ask for the file, write it, and report data that its format cannot hold.
 
     Parameters
     ----------
@@ -69,16 +70,16 @@ class PlanExport(QObject):
         Parent of the dialogs.
     messages : Messages
     folder : callable
-        Returns the folder of the mission entered, which gives the default file name.
+        Returns the folder of the entered mission, which gives the default file name.
     drone_chosen : callable
-        Returns whether a drone other than the default is entered: its file format then comes first.
+        Returns whether a drone other than the default is entered; the format for drones then comes first.
 
     Signals
     -------
     plan_wanted(object, str)
-        What to do with the plan once there is one; and what to report if it fails.
+        A function to call with the plan once there is one, and a text to report if planning fails.
     refused(object)
-        Messages by the entries to correct.
+        Messages by the entries that the user must correct.
     """
 
     plan_wanted = pyqtSignal(object, str)
@@ -102,14 +103,14 @@ class PlanExport(QObject):
         return self._task is not None
 
     def close(self) -> None:
-        """Stop for good, after a file being written."""
+        """Stop for good, after waiting for a file that is being written."""
         if self._task is not None:
             self._task.ended.disconnect()
             self._task.waitForFinished()
             self._task = None
 
     def ask(self) -> None:
-        """Let the user choose a file, and write the plan of the mission entered to it."""
+        """Let the user choose a file, and write the plan of the entered mission to it."""
         if self._task is not None:
             self._messages.info(
                 tr("{name} is still being written; try again when it is there.").format(name=self._task.path.name)
@@ -123,7 +124,7 @@ class PlanExport(QObject):
         chosen, kind = QFileDialog.getSaveFileName(
             self._parent.window(),
             tr("TerrAInav: export plan"),
-            # Of an ending in two parts only the last: the dialog replaces endings from the last dot.
+            # Only the last part of an ending with two dots, as the dialog replaces endings from the last dot.
             str((folder if is_folder(folder) else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
             file_filters(),
             f"{known[usual]} (*{usual})",
@@ -131,7 +132,7 @@ class PlanExport(QObject):
         if not chosen:
             return
         path = add_ending(Path(chosen), kind, usual)
-        # The dialog has asked about the name that it shows, which may have received another ending.
+        # The dialog has asked about the name that it showed; ask again if the name has received another ending.
         if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
             return
         settings.plan_ending = _ending(path.name) or usual
@@ -194,7 +195,7 @@ class PlanExport(QObject):
 
 
 def formats() -> dict[str, str]:
-    """Endings of plan files, and the programs they are for."""
+    """Titles of the programs for which plan files are, by ending."""
     return {
         ".kml": tr("Google Earth"),
         _FOR_DRONES: tr("DJI Pilot 2, FlightHub 2, DJI Fly"),
@@ -214,17 +215,17 @@ def file_filters() -> str:
 
 
 def add_ending(path: Path, kind: str, usual: str = ".kml") -> Path:
-    """File with the ending chosen in the dialog, unless it has one of a plan."""
+    """Path with the ending chosen in the dialog, unless it already has an ending of a plan file."""
     chosen = next((ending for ending in formats() if f"(*{ending})" in kind), usual)
     own = _ending(path.name)
     if not own:
         return path.with_name(path.name + chosen)
-    # With Litchi chosen, a .csv is Litchi's; the dialog completes names from the last dot only.
+    # The format for Litchi also ends in .csv, and the dialog completes names only from the last dot.
     if chosen.endswith(own) and chosen != own:
         return path.with_name(path.name[: -len(own)] + chosen)
     return path
 
 
 def _ending(name: str) -> str:
-    """Longest plan file ending of a name; empty for none."""
-    return max((one for one in formats() if name.lower().endswith(one)), key=len, default="")
+    """Longest ending of a plan file that a name has; empty if it has none."""
+    return max((ending for ending in formats() if name.lower().endswith(ending)), key=len, default="")

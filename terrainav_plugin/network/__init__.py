@@ -1,6 +1,6 @@
 """Requests over QGIS's own network stack.
 
-transport       the core's transport: a response for a URL
-worker          the requests, made on the main thread for waiting threads
-answers         responses and errors from Qt's replies
+transport       transport for the core: returns a response for a URL
+worker          makes the requests on the main thread, for waiting threads
+answers         converts Qt's replies to responses and errors
 """

@@ -1,4 +1,4 @@
-"""Convert Qt's replies to a transport's responses or errors, in words without Qt."""
+"""Conversion of Qt's replies to a transport's responses or errors, without Qt's terms."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...core.imagery.http.transport import Response, TransportError, check_lengt
 from ...core.limits import MAX_HEADERS
 
 _Error = QNetworkReply.NetworkError
-#: Errors of complete answers with an error status, which the caller judges.
+#: Errors that stand for a complete answer with an error status, which the caller handles.
 _OF_STATUS = frozenset(
     [
         _Error.NoError,
@@ -28,7 +28,7 @@ _OF_STATUS = frozenset(
         _Error.ServiceUnavailableError,
         _Error.UnknownServerError,
         _Error.ProxyAuthenticationRequiredError,
-        # Qt's error for 400 and 418.
+        # Qt's error for status 400 and 418.
         _Error.ProtocolInvalidOperationError,
     ]
 )
@@ -88,7 +88,7 @@ def read_answer(reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: 
 
 
 def has_too_many_headers(reply: QNetworkReply) -> bool:
-    """Whether an answer has more header lines than any honest server sends."""
+    """Whether an answer has more header lines than regular servers send."""
     return len(reply.rawHeaderList()) > MAX_HEADERS
 
 
@@ -105,7 +105,7 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
     error : QNetworkReply.NetworkError
     host : str
     answered : bool
-        Whether an answer had begun.
+        Whether the answer had begun.
     proxy : bool
         Whether the host is reached through a proxy.
     """

@@ -1,4 +1,4 @@
-"""HTTP over QGIS's network stack, with the user's proxies, certificates and authentication configurations."""
+"""HTTP over QGIS's network stack, with the user's proxies, certificates and authentication."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from .worker import NetworkWorker, PendingRequest, Terms, in_main_thread
 class QgisTransport:
     """Transport over QGIS's network stack; call `get` on any thread while the main thread's event loop runs.
 
-    Requests are made on the main thread, and answers arrive while its event loop runs. Time in which it does not run
-    counts for no limit.
+    Requests are made on the main thread, and answers arrive while its event loop runs. While the event loop does not
+    run, time does not count towards the time limits.
 
     Parameters
     ----------
     connections : int
-        Most connections kept open per host.
+        Largest number of open connections per host.
     timeouts : Timeouts
         Qt does not report when a connection is established: ``read_s`` also limits connecting.
     max_body_bytes : int
-        Longer bodies are abandoned.
+        Largest body accepted.
     authcfg : str
-        Id of a configuration in QGIS's authentication database, applied to every request; empty for none. The database
-        must be unlocked: no dialog opens from here.
+        Id of a configuration in QGIS's authentication database, applied to requests; empty for none. The database must
+        be unlocked, as no dialog is opened.
     headers : mapping of str or None
-        Sent with every request.
+        Headers sent with requests.
     home : tuple of scheme and host
-        Server for both of these, as `credential_home` returns it; an empty host for all servers. Servers that it
-        redirects to or names in its capabilities get neither.
+        Server to which ``authcfg`` and ``headers`` are restricted, as from `credential_home`; an empty host for all
+        servers. Other servers, to which it redirects or its capabilities refer, get neither.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class QgisTransport:
         headers: Mapping[str, str] | None = None,
         home: tuple[str, str] = ("", ""),
     ) -> None:
-        # Images do not compress further, so Content-Length may be that of the uncompressed image.
+        # Do not ask for compression: images hardly shrink, and Content-Length then states the size of the image.
         usual = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
@@ -59,9 +59,9 @@ class QgisTransport:
         self._lock = threading.Lock()
         self._closed = False
         self._waiting: set[PendingRequest] = set()
-        # Also without a call of `close`.
+        # Free the connections even if `close` is not called.
         self._free = weakref.finalize(self, self._worker.closing.emit)
-        # The application, and with it the worker, is gone by then.
+        # Not at exit, when the application and the worker no longer exist.
         self._free.atexit = False
 
     def get(
@@ -105,11 +105,11 @@ class QgisTransport:
 
 
 def _await(exchange: PendingRequest) -> None:
-    """Wait for the outcome, which the worker provides within the time limits, or `close` does."""
+    """Wait for the outcome, which is set by the worker within the time limits, or by `close`."""
     main = in_main_thread()
     while not exchange.done.is_set():
         if main:
-            # The worker checks its requests regularly, so events are never far.
+            # Returns soon, as the timer of the worker makes events.
             QEventLoop().processEvents(
                 QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents | QEventLoop.ProcessEventsFlag.WaitForMoreEvents
             )

@@ -1,13 +1,12 @@
-"""Make requests over QGIS's network stack, several at a time, in an object of the main thread.
+"""Makes requests over QGIS's network stack, several at a time, in an object of the main thread.
 
-QGIS's own network manager is made for layers: it opens dialogs about certificates and passwords, writes addresses
-(which contain keys) to the message log, answers from its disk cache, and replaces the user agent. The plain managers
-here take the user's settings from it (proxies, certificates, authentication and hooks of other plugins) and nothing
-else.
+QGIS's network manager is made for layers: it opens dialogs about certificates and passwords, writes addresses (which
+contain keys) to the message log, answers from its disk cache, and replaces the user agent. The plain managers used
+here have the same proxies, certificates, authentication and hooks of other plugins, but none of this behaviour.
 
 Replies are created, read and deleted on the main thread, with the GIL held. PyQt keeps a list of objects created by
-Qt, and removes them from it on the main thread, without the GIL, when they are destroyed: a reply created or deleted
-elsewhere, or by Qt itself, may interrupt that, which sooner or later crashes QGIS.
+Qt; when such an object is destroyed, PyQt removes it from the list on the main thread, without the GIL. A reply that is
+created or deleted on another thread, or by Qt itself, may interrupt this, which sooner or later crashes QGIS.
 """
 
 from __future__ import annotations
@@ -36,9 +35,9 @@ from ...core.errors import Cancelled
 from ...core.imagery.http.transport import Response, Timeouts, TransportError, too_long, too_many_headers
 from .answers import has_too_many_headers, read_answer
 
-#: Requests that a Qt manager sends to one server at a time, over as many connections; for more, add managers.
+#: Number of requests that one Qt manager sends to a server at a time; for more, managers are added.
 PER_MANAGER = 6
-#: Workers not destroyed yet: the last references to them, so that no other thread releases one.
+#: All existing workers, so that the last reference to a worker is not released on another thread.
 _ALIVE: set[NetworkWorker] = set()
 
 
@@ -48,7 +47,7 @@ class Terms(NamedTuple):
     Parameters
     ----------
     connections : int
-        Connections kept open to a host.
+        Largest number of open connections to a host.
     timeouts : Timeouts
         ``read_s`` also limits connecting.
     headers : mapping of str
@@ -56,9 +55,9 @@ class Terms(NamedTuple):
     authcfg : str
         Id of a configuration in QGIS's authentication database; empty for none.
     private : mapping of str
-        Headers for the server they were entered for, like the configuration.
+        Headers that, like the configuration, are only sent to the server ``home``.
     home : tuple of scheme and host
-        That server, with its subdomains; an empty host for all servers.
+        Server for the configuration and private headers, with its subdomains; an empty host for all servers.
     """
 
     connections: int
@@ -70,41 +69,41 @@ class Terms(NamedTuple):
     home: tuple[str, str] = ("", "")
 
     def match_server(self, exchange: PendingRequest) -> bool:
-        """Whether configuration and private headers are for the server of a request."""
+        """Whether a request gets the configuration and the private headers."""
         parts = urlsplit(exchange.url)
         scheme, host = self.home
         asked = (parts.hostname or "").rstrip(".")
         at_home = not host or (
             (asked == host or asked.endswith("." + host)) and not (scheme == "https" != parts.scheme)
         )
-        # Nor for servers that it redirects to.
+        # Servers to which the first one redirects do not get them.
         return at_home and exchange.at_origin
 
 
 class PendingRequest:
-    """A request until its answer; passed from the calling thread to the main thread and back.
+    """A request until its answer, passed from the calling thread to the main thread and back.
 
     Parameters
     ----------
     url : str
     headers : mapping
     origin : str
-        As for `Transport.get`.
+        As in `Transport.get`.
 
     Attributes
     ----------
     done : threading.Event
         Set once there is an outcome.
     outcome : Response, Exception or None
-        None until then; set once.
+        Answer or error; None until ``done``, then final.
     until_s, heard_s : float
-        Deadline, and time of the last sign of the server, on the worker's clock.
+        Deadline, and time at which the server was last heard, by the worker's clock.
     """
 
     def __init__(self, url: str, headers: Mapping[str, str], origin: str = "") -> None:
         self.url = url
         self.headers = headers
-        #: Whether the server is the one asked first: only that gets credentials.
+        #: Whether this is the server that was asked first: redirects to other servers get no credentials.
         self.at_origin = urlsplit(url)[:2] == urlsplit(origin or url)[:2]
         self.received_bytes = 0
         self.until_s = self.heard_s = 0.0
@@ -121,9 +120,9 @@ class PendingRequest:
 
 
 class NetworkWorker(QObject):
-    """Make requests on the main thread: its slots run there, and any thread emits its signals.
+    """Makes requests on the main thread, on which its slots run; other threads emit its signals.
 
-    A slot takes a fraction of a millisecond, the first for a TLS server a few: imperceptible in the user interface.
+    A slot takes a fraction of a millisecond (the first one for a TLS server, a few), which users do not notice.
 
     Parameters
     ----------
@@ -134,9 +133,9 @@ class NetworkWorker(QObject):
     asked(PendingRequest)
         A request to start.
     dropped(PendingRequest)
-        A request that nobody waits for any longer.
+        A request to abandon, as nobody waits for it any longer.
     closing()
-        Cancel all requests, then delete the worker. Emit nothing after this.
+        Cancels all requests and deletes the worker; emit nothing afterwards.
     """
 
     asked = pyqtSignal(object)
@@ -152,11 +151,11 @@ class NetworkWorker(QObject):
         self._managers: list[QNetworkAccessManager] = []
         self._busy: list[int] = []
         self._timer: QTimer | None = None
-        # With the index of the manager.
+        #: Running requests by reply, with the index of their manager.
         self._under_way: dict[QNetworkReply, tuple[PendingRequest, int]] = {}
         self._over: list[QNetworkReply] = []
         self._tls: dict[str, QSslConfiguration] = {}
-        #: Servers that have sent too many header lines: Qt needs quadratic time for them, mostly on the main thread.
+        #: Servers that have sent too many header lines, which take Qt quadratic time, mostly on the main thread.
         self._talkative: set[str] = set()
         self._clock_s = self._looked_s = 0.0
         self.asked.connect(self._start, Qt.ConnectionType.QueuedConnection)
@@ -194,7 +193,7 @@ class NetworkWorker(QObject):
         if self._timer is not None:
             self._timer.stop()
         self.destroyed.connect(partial(_ALIVE.discard, self))
-        # With its managers, its children.
+        # This also deletes its children, the managers.
         self.deleteLater()
 
     @pyqtSlot()
@@ -231,7 +230,7 @@ class NetworkWorker(QObject):
         except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
             exchange.end(failure)
         finally:
-            # Last: the calls above may have run an event loop, which also deletes finished replies.
+            # Append it last: the calls above may run an event loop, which deletes the replies in this list.
             self._over.append(reply)
 
     @pyqtSlot("QList<QSslError>")
@@ -250,24 +249,24 @@ class NetworkWorker(QObject):
     # --- steps
 
     def _turn(self) -> None:
-        """Advance the clock, by no more than a turn of an idle event loop takes.
+        """Advance the clock by the time since the last call, but at most by that of an idle event loop.
 
-        Answers arrive in the event loop: requests waiting for it are not late.
+        Answers arrive only in the event loop: while that is blocked, requests do not get late.
         """
         now_s = time.monotonic()
         if self._timer is None:
             self._timer = QTimer(self)
             self._timer.timeout.connect(self._look)
         if self._timer.isActive():
-            # Count a longer interval as this: the main thread was busy and received no answers.
+            # A longer interval counts as 0.25 s: the main thread was busy and received no answers.
             self._clock_s += min(now_s - self._looked_s, 0.25)
         else:
-            # A body may exceed its limit for up to 50 ms.
+            # Every 50 ms: a body may exceed its limit for that long.
             self._timer.start(50)
         self._looked_s = now_s
 
     def _lateness(self, exchange: PendingRequest) -> TransportError | None:
-        """Error of a request that must end; None for others."""
+        """Error with which a request must end now; None if it may continue."""
         timeouts = self._terms.timeouts
         if exchange.received_bytes > self._terms.max_body_bytes:
             return too_long(self._terms.max_body_bytes)
@@ -280,7 +279,7 @@ class NetworkWorker(QObject):
         return None
 
     def _place(self) -> int:
-        """Index of the first manager with a free connection, so that no more are opened than needed."""
+        """Index of the first manager with a free connection, so that no more connections are opened than needed."""
         free = (place for place, busy in enumerate(self._busy) if busy < self._rooms[place])
         place = next(free, None)
         if place is not None:
@@ -310,8 +309,8 @@ class NetworkWorker(QObject):
         reply = self._managers[place].get(request)
         self._busy[place] += 1
         self._under_way[reply] = exchange, place
-        # No setReadBufferSize: Qt 5.15 may notify its thread of it after the request there has failed, and crash.
-        # `_look` checks the limit.
+        # `_look` checks the limit of the body. Do not use setReadBufferSize: Qt 5.15 may crash if the request fails at
+        # the same time on Qt's thread.
         if parts.scheme == "https":
             reply.sslErrors.connect(self._judge_tls)
         reply.metaDataChanged.connect(self._headed)
@@ -326,7 +325,7 @@ class NetworkWorker(QObject):
         _set_headers(request, headers)
         if authcfg:
             manager = QgsApplication.authManager()
-            # Otherwise QGIS would ask for it in a dialog.
+            # QGIS would open a dialog for the master password.
             if not manager.masterPasswordIsSet():
                 raise TransportError(
                     "QGIS's authentication database is locked: enter its master password, then try again",
@@ -337,7 +336,7 @@ class NetworkWorker(QObject):
                 raise TransportError("QGIS could not apply the authentication configuration {0}", authcfg, again=False)
         if url.scheme() == "https":
             request.setSslConfiguration(self._tls_configuration(request, bool(authcfg)))
-        # Hooks of other plugins and of the user's organisation.
+        # Apply the hooks of other plugins and of the user's organisation.
         QgsNetworkAccessManager.instance().preprocessRequest(request)
         return request
 
@@ -360,13 +359,13 @@ class NetworkWorker(QObject):
         return self._tls[server]
 
     def _shun(self, host: str, talking: QNetworkReply) -> None:
-        """Avoid a server from now on, and end all requests to it; ``talking`` is emitting a signal."""
+        """Refuse a server from now on, and end all requests to it; ``talking`` is the reply now emitting a signal."""
         self._talkative.add(host)
         for reply, (exchange, _) in list(self._under_way.items()):
             if reply.url().host() == host:
                 self._abandon(reply)
                 exchange.end(too_many_headers())
-        # At once: their answers are already waiting for the main thread.
+        # Delete the replies at once, as more of their answers are already waiting for the main thread.
         self._over, over = [reply for reply in self._over if reply is talking], self._over
         for reply in over:
             if reply is not talking:
@@ -386,14 +385,14 @@ class NetworkWorker(QObject):
         return exchange
 
     def _discard(self) -> None:
-        """Delete replies after their last signals; not with `deleteLater`, as Qt does not hold the GIL."""
+        """Delete replies after their last signals; not by `deleteLater`, in which Qt does not hold the GIL."""
         for reply in self._over:
             sip.delete(reply)
         self._over.clear()
 
 
 def in_main_thread() -> bool:
-    """Whether this is the main thread; asked of Python, as Qt's answer would add to PyQt's list of objects."""
+    """Whether this is the main thread, according to Python: asking Qt would add an object to PyQt's list."""
     return threading.get_ident() == threading.main_thread().ident
 
 
@@ -415,5 +414,5 @@ def _set_headers(request: QNetworkRequest, headers: Mapping[str, str]) -> None:
 
 
 def _host_and_port(url: QUrl) -> str:
-    """Host and port, as QGIS's authentication database names a server."""
+    """Host and port of a server, as in QGIS's authentication database."""
     return f"{url.host().strip()}:{url.port(443)}"
