@@ -422,6 +422,7 @@ def _gather(
 
 
 def _left_out(mission: Mission, scene: ImageGeometry, picture: Method, pixels: Choice | None) -> list[tuple[str, str]]:
+    """Work that the scene does not need, and why."""
     found: list[tuple[str, str]] = []
     if picture.name == "map":
         found.append((Message("resampling"), Message("a map frame shows the source's own pixels")))

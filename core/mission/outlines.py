@@ -131,6 +131,7 @@ def cut_line(lon_deg: Floats, *values: Floats) -> list[tuple[Floats, ...]]:
 
 
 def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
+    """Ring of a footprint, from its four corners if its edges are ``straight``."""
     if straight:
         # Corners come as north-west, north-east, south-east, south-west: clockwise.
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]

@@ -282,6 +282,7 @@ class LinearSystem:
         raise InvalidInput("system without a stationary covariance: it must be stable")
 
     def _doublings(self, step_s: float) -> int:
+        """Number of halvings that bring the norm of a step to `_SERIES_NORM` or below."""
         norm_per_s = float(np.abs(self.drift_per_s).sum(axis=1).max())
         if step_s == 0.0 or norm_per_s == 0.0:
             return 0

@@ -173,6 +173,7 @@ def flight_path(plan: Planned) -> FlightPath:
 
 
 def _captures_only(plan: Planned) -> FlightPath:
+    """Path of the captures alone, in one sortie."""
     meant, count = plan.meant, len(plan.row)
     ground = np.asarray(plan.ground_m)
     return FlightPath(

@@ -329,6 +329,7 @@ def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floa
 
 
 def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back: bool) -> Poses:
+    """Poses of captures at positions in a plane, with the mission's attitude."""
     lat, lon = plane.inverse(x_m, y_m)
     tilt, roll = (np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg))
     agl = np.full(lat.shape, mission.flight.agl_m)
@@ -519,6 +520,7 @@ def plane_share(area: Area, plane: ProjectedPlane, extent: tuple[tuple[float, fl
 
 
 def _part_share(area: Box | Polygon, source: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+    """Share of one part of an area in a rectangle of a plane, see `plane_share`."""
     plane = source.turned(*_plane_middle(source, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T

@@ -604,6 +604,7 @@ class ModelledRelief:
         return near + terrain.clearance_m, near
 
     def _check_kept(self, lat: Floats, lon: Floats, height: Floats, least: Floats, near: Floats) -> None:
+        """Refuse captures that are closer to the surface than the clearance allows."""
         low = np.flatnonzero((height < least) | (height <= near))
         if not len(low):
             return

@@ -139,12 +139,14 @@ class TiledPathGround(ReliefPathGround):
         self._relief = read
 
     def _read(self, row: int, column: int) -> ReliefPathGround:
+        """Read a tile."""
         lat = self._side_deg * np.array([row, row + 1.0])
         lon = float(self._width_deg(np.array(row))) * np.array([column, column + 1.0])
         # With this room, the relief contains every piece of a leg whose midpoint is in the tile.
         return self._relief(np.clip(lat, -90.0, 90.0), lon, _PIECE_M)
 
     def _width_deg(self, row: Numbers) -> Floats:
+        """Widths of the tiles of rows, in degrees of longitude."""
         middle = np.radians(self._side_deg * (row + 0.5))
         # The bound keeps tiles at the poles below a full turn.
         width: Floats = self._side_deg / np.maximum(np.cos(middle), 1e-3)
@@ -170,6 +172,7 @@ class TiledPathGround(ReliefPathGround):
     def _gather(
         self, find: Callable[[ReliefPathGround, Floats, Floats], Floats], lat_deg: Floats, lon_deg: Floats
     ) -> Floats:
+        """Values at positions (n,), each found in the tile that contains the position."""
         found = np.empty(len(lat_deg))
         tiles, which = np.unique(self._tile_numbers(lat_deg, lon_deg), axis=0, return_inverse=True)
         for number, tile in enumerate(tiles.tolist()):
