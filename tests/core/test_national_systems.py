@@ -13,6 +13,7 @@ from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.mosaic import raster
 
 from tests.support.systems import NATIONAL
+from tests.support.thinning import sampled
 
 #: Noise of positions in degrees, and of coordinates, metres.
 CLOSE_M = 1e-7
@@ -96,7 +97,7 @@ def by_benchmark(crs, lat, lon):
 WAYS = (by_fractions, by_turned_plane, by_surface, by_labels, by_mosaic, by_benchmark)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", sampled(WAYS, 4))
 @SYSTEMS
 def test_each_pair_of_ways_leads_back(way, crs, lat, lon):
     there, back, unit = way(crs, lat, lon)

@@ -23,6 +23,7 @@ from tests.plugin.test_project import choose_in_menu
 from tests.support.growth import PROPORTIONAL, growth
 from tests.support.ranges import RangeServer
 from tests.support.shards import write_folders
+from tests.support.thinning import sampled
 
 BOX = Box(35.16, -89.90, 35.158, -89.897)
 # A server of the shipped catalogue.
@@ -94,7 +95,7 @@ def questions(desk):
     return [text for text in desk.messages() if "Nothing is requested" in text]
 
 
-@pytest.mark.parametrize("kind", LEADING)
+@pytest.mark.parametrize("kind", sampled(LEADING, 3))
 def test_a_project_asks_no_server_until_the_user_allows_it(desk, server, tmp_path, kind, screenshot):
     text = mission_of(kind, server.url).to_json()
     path = tmp_path / "theirs.qgz"
@@ -290,7 +291,7 @@ def test_the_work_of_a_long_text_grows_with_its_length(piece):
 WRONG = [7, 1.5, True, ["a"], {"a": 1}, "\0", "a\0b", "/a\ud800b", "a" * 100_000, " ", "//host/x", b"x"]
 
 
-@pytest.mark.parametrize("value", WRONG, ids=lambda value: repr(value)[:12])
+@pytest.mark.parametrize("value", sampled(WRONG, 4), ids=lambda value: repr(value)[:12])
 @pytest.mark.parametrize("name", ["folder", "mission", "address"])
 def test_wrong_values_in_a_project_are_told_in_a_line_and_stay_nowhere(desk, tmp_path, name, value):
     text = Mission(BOX, 120.0).to_json()
