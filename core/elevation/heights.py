@@ -166,7 +166,7 @@ class TiledHeights:
             if kept is not None:
                 self._kept.move_to_end(tile)
                 return kept
-        made = self._made(tile)
+        made = self._decode_tile(tile)
         with self._lock:
             if tile not in self._kept:
                 self._kept[tile] = made
@@ -175,7 +175,7 @@ class TiledHeights:
                 self._kept_bytes -= self._kept.popitem(last=False)[1].nbytes
         return made
 
-    def _made(self, tile: Window) -> Heights32:
+    def _decode_tile(self, tile: Window) -> Heights32:
         pixels = self._source.fetch("", tile)
         channels = 1 if self._decoded is None else 3
         values = pixels[..., :channels].astype(np.float64)
@@ -199,7 +199,7 @@ class TiledHeights:
             wrong = np.argwhere((heights < LOWEST_M) | (heights > HIGHEST_M) | void)
         if len(wrong):
             row, column = wrong[0].tolist()
-            lat, lon = self._places(tile, np.array([column]), np.array([row]))
+            lat, lon = self._positions(tile, np.array([column]), np.array([row]))
             raise InvalidInput(
                 "{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not "
                 "{6:g}, which stands for no data elsewhere",
@@ -221,19 +221,19 @@ class TiledHeights:
         to a centimetre between these.
         """
         size = self.grid.tile_px
-        middle = self._places(tile, np.array([size / 2.0]), np.array([size / 2.0]))
+        middle = self._positions(tile, np.array([size / 2.0]), np.array([size / 2.0]))
         width_m = float(self.grid.ground_m_per_px(middle[0], middle[1], tile.zoom)[0]) * size
         every = np.arange(size, dtype=np.float64)
         at = every if width_m > 30_000.0 else np.linspace(0.0, size - 1.0, 17)
         columns, rows = np.meshgrid(at, at)
-        known = self._datum.heights_m(*self._places(tile, columns, rows))
+        known = self._datum.heights_m(*self._positions(tile, columns, rows))
         if len(at) == size:
             return known
         along = np.stack([np.interp(every, at, line) for line in known])
         whole: Floats = np.stack([np.interp(every, at, line) for line in along.T], axis=1)
         return whole
 
-    def _places(self, tile: Window, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+    def _positions(self, tile: Window, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         world = self.grid.world_px(tile.zoom)
         return self.grid.plane.inverse((tile.left_px + column + 0.5) / world, (tile.top_px + row + 0.5) / world)
 

@@ -54,7 +54,7 @@ def new_figure(width: float, height: float) -> Any:
 
 def png(figure: Any) -> bytes:
     """Write a figure as PNG; texts, which may hold foreign names, are drawn literally."""
-    _take_literally(figure)
+    _disable_markup(figure)
     buffer = io.BytesIO()
     with warnings.catch_warnings():
         # Ignore warnings of missing glyphs, which are drawn as boxes, and of labels that are too long.
@@ -69,7 +69,7 @@ def short_label(name: str) -> str:
     return shortened(" ".join(printable(name[:MAX_TEXT_CHARACTERS]).split()), 60)
 
 
-def _take_literally(figure: Any) -> None:
+def _disable_markup(figure: Any) -> None:
     """Turn off LaTeX for all texts of a figure, and mathematical text (``$…$``) for all except tick labels."""
     text, axis = (importlib.import_module(f"matplotlib.{name}") for name in ("text", "axis"))
     ticks = {id(one) for tick in figure.findobj(axis.Tick) for one in (tick.label1, tick.label2)}

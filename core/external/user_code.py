@@ -83,7 +83,7 @@ class _OutputApart:
         with self._lock:
             if not self._inside:
                 with contextlib.ExitStack() as entered:
-                    entered.enter_context(_file_apart())
+                    entered.enter_context(_redirected_descriptor())
                     entered.enter_context(contextlib.redirect_stdout(sys.stderr))
                     self._left = entered.pop_all()
             self._inside += 1
@@ -99,7 +99,7 @@ output_apart = _OutputApart()
 
 
 @contextlib.contextmanager
-def _file_apart() -> Iterator[None]:
+def _redirected_descriptor() -> Iterator[None]:
     """Redirect the output's descriptor to the error output's, if both exist."""
     _flush()
     try:

@@ -94,7 +94,7 @@ def fetch(store: Any, key: str, file: IO[bytes], most_bytes: int) -> None:
         The object is larger; the message has a few words.
     """
     if store.async_impl:
-        _ended(store, lambda moved: _copied(store, key, file, most_bytes, moved))
+        _ended(store, lambda moved: _copy_object(store, key, file, most_bytes, moved))
         return
     if (store.info(key)["size"] or 0) > most_bytes:
         raise larger_than(most_bytes)
@@ -104,7 +104,7 @@ def fetch(store: Any, key: str, file: IO[bytes], most_bytes: int) -> None:
 def fetch_range(store: Any, key: str, start: int, length: int, file: IO[bytes]) -> None:
     """Copy a range of an object into a file."""
     if store.async_impl:
-        _ended(store, lambda moved: _copied_range(store, key, start, length, file, moved))
+        _ended(store, lambda moved: _copy_range(store, key, start, length, file, moved))
     else:
         file.write(store.cat_file(key, start=start, end=start + length))
 
@@ -115,7 +115,7 @@ def fetch_each(store: Any, keys: Sequence[str], files: Sequence[IO[bytes]], most
     async def copy_existing(key: str, file: IO[bytes], moved: Moved, turn: asyncio.Semaphore) -> bool:
         async with turn:
             try:
-                await _copied(store, key, file, most_bytes, moved)
+                await _copy_object(store, key, file, most_bytes, moved)
             except FileNotFoundError:
                 return False
             # A small object takes time, too: count the bytes of one second.
@@ -209,7 +209,7 @@ class _Watch:
 # --- Bodies of objects
 
 
-async def _copied(store: Any, key: str, file: IO[bytes], most_bytes: int, moved: Moved) -> None:
+async def _copy_object(store: Any, key: str, file: IO[bytes], most_bytes: int, moved: Moved) -> None:
     async def copy() -> None:
         left = most_bytes
         async for piece in _pieces(store, key, None, most_bytes, moved):
@@ -219,10 +219,10 @@ async def _copied(store: Any, key: str, file: IO[bytes], most_bytes: int, moved:
             file.write(piece)
             moved.come += len(piece)
 
-    await _tried(copy, file)
+    await _copy_with_retries(copy, file)
 
 
-async def _copied_range(store: Any, key: str, start: int, length: int, file: IO[bytes], moved: Moved) -> None:
+async def _copy_range(store: Any, key: str, start: int, length: int, file: IO[bytes], moved: Moved) -> None:
     async def copy() -> None:
         left = length
         async for piece in _pieces(store, key, (start, start + length), length, moved):
@@ -233,10 +233,10 @@ async def _copied_range(store: Any, key: str, start: int, length: int, file: IO[
                 # Stop here, as a store that ignores the range sends more.
                 return
 
-    await _tried(copy, file)
+    await _copy_with_retries(copy, file)
 
 
-async def _tried(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
+async def _copy_with_retries(copy: Callable[[], Awaitable[None]], file: IO[bytes]) -> None:
     """Copy a body; if it breaks off, start again, up to three attempts in all."""
     for tries_left in reversed(range(3)):
         try:
@@ -324,13 +324,13 @@ async def _limit_answers(store: Any) -> None:
         client = await store.set_session()
 
         async def send(request: Any, **_: Any) -> Any:
-            return await _sent(client, request)
+            return await _send_limited(client, request)
 
         # The unique_id prevents a second registration.
         client.meta.events.register("before-send.s3", send, unique_id="terrainav-limit")
 
 
-async def _sent(client: Any, request: Any) -> Any:
+async def _send_limited(client: Any, request: Any) -> Any:
     """Send a botocore request; read the answer up to the limit, unless it is the body of an object."""
     errors = importlib.import_module("botocore.exceptions")
     is_object, request.stream_output = request.stream_output, True

@@ -156,12 +156,12 @@ def put_new(path: Path, data: bytes) -> bool:
         try:
             ask(_filesystem(path), "pipe_file", _key(path), data, mode="create", sent_bytes=len(data))
         except FileExistsError as wrong:
-            _let_go(wrong)
+            _drop_frames(wrong)
             return False
         except Exception as wrong:
             # S3 reports a failed precondition, an error that s3fs does not translate.
             if "PreconditionFailed" in repr(wrong) or "ConditionalRequestConflict" in repr(wrong):
-                _let_go(wrong)
+                _drop_frames(wrong)
                 return False
             raise
         return True
@@ -181,7 +181,7 @@ def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
         try:
             fetch(_filesystem(path), _key(path), data, most_bytes)
         except FileNotFoundError as wrong:
-            _let_go(wrong)
+            _drop_frames(wrong)
             return None
     return data.getvalue()
 
@@ -327,7 +327,7 @@ def store_errors(path: Path) -> Iterator[None]:
         raise
     except Exception as wrong:  # noqa: BLE001  (each store's library has different errors)
         problem = _problem(path, wrong)
-        _let_go(wrong)
+        _drop_frames(wrong)
     else:
         return
     # Do not chain the original error, which may quote a key.
@@ -343,10 +343,10 @@ def _ignore_missing(path: Path) -> Iterator[None]:
         except FileNotFoundError as wrong:
             if is_redirect(wrong):
                 raise
-            _let_go(wrong)
+            _drop_frames(wrong)
 
 
-def _let_go(wrong: Exception) -> None:
+def _drop_frames(wrong: Exception) -> None:
     """Drop the frames that an error holds.
 
     A frame of fsspec refers to the error. This cycle would keep all callers, such as loaders with worker processes,

@@ -177,7 +177,7 @@ class TileCache:
         before = self._folder_bytes()
         everything = (*self._paths(), *self._paths(corrupt=True))
         # Try all files before raising the first failure.
-        failures = [_failure(path) for path in (everything if names is None else self._named(names))]
+        failures = [_remove_or_empty(path) for path in (everything if names is None else self._named(names))]
         for failure in filter(None, failures):
             raise failure
         return max(before - self._folder_bytes(), 0)
@@ -303,7 +303,7 @@ def _described(path: Path, rows: Mapping[str, str], tiles: int) -> CacheFile:
     )
 
 
-def _failure(path: Path) -> OutputError | None:
+def _remove_or_empty(path: Path) -> OutputError | None:
     """Remove a file, or empty it where another program has it open; return the error, if any."""
     try:
         if path.suffix == ".mbtiles" and _has_tiles(path):

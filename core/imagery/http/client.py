@@ -175,7 +175,7 @@ class Client:
             The provider refuses all requests.
         Cancelled
         """
-        if self._is_rested():
+        if self._is_suspended():
             raise OutOfReach(
                 "{0}: not requested, as the last {1} requests had no answer in time",
                 what,
@@ -186,7 +186,7 @@ class Client:
         request = _Request(headers, allow)
         for attempt in range(tries):
             try:
-                response = self._followed(url, what, request)
+                response = self._follow_redirects(url, what, request)
             except TransportError as failure:
                 request.reason, request.status, request.failure = failure.message, 0, failure
                 if failure.away and attempt == tries - 1:
@@ -205,12 +205,12 @@ class Client:
                     return self._without_secrets(response)
                 request.reason, request.status = self._judge(response, what), response.status
                 request.failure = None
-                wait_s = self._asked_wait_s(response, request.reason)
-            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._is_rested():
+                wait_s = self._requested_wait_s(response, request.reason)
+            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._is_suspended():
                 request.reason = Message("{0}{1}", request.reason, _tried(attempt + 1))
                 break
             self._pause(max(wait_s, self._backoff_s(url, attempt)))
-        raise self._given_up(what, request)
+        raise self._final_error(what, request)
 
     def picture(
         self,
@@ -260,7 +260,7 @@ class Client:
         self._closed.set()
         self._transport.close()
 
-    def _given_up(self, what: object, request: _Request) -> TerrAInavError:
+    def _final_error(self, what: object, request: _Request) -> TerrAInavError:
         """Error of a part after its last attempt."""
         if request.status == HTTPStatus.TOO_MANY_REQUESTS:
             return SourceError(
@@ -275,11 +275,11 @@ class Client:
         kind = OutOfReach if silent or request.status >= HTTPStatus.INTERNAL_SERVER_ERROR else PartError
         return kind("{0}: {1}", what, request.reason)
 
-    def _is_rested(self) -> bool:
+    def _is_suspended(self) -> bool:
         """Whether requests are suspended because several successive parts timed out, the last within half a minute."""
         return self._late_parts >= MAX_LATE_PARTS and self.out_of_reach()
 
-    def _followed(self, url: str, what: object, request: _Request) -> Response:
+    def _follow_redirects(self, url: str, what: object, request: _Request) -> Response:
         """Follow redirects, each in its turn, and return the final answer."""
         first = url
         for _ in range(MAX_REDIRECTS + 1):
@@ -349,7 +349,7 @@ class Client:
             raise PartError("{0}: {1}", what, line)
         return line
 
-    def _asked_wait_s(self, response: Response, reason: str) -> float:
+    def _requested_wait_s(self, response: Response, reason: str) -> float:
         """Seconds that the server asks to wait, for all requests; 0 if it does not ask."""
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:

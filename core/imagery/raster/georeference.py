@@ -67,7 +67,7 @@ class RasterGeoreference:
             self._to_map: Transformer | None = Transformer.from_crs(self._crs, MAP, always_xy=True)
         except ProjError as wrong:
             raise InvalidInput("{0}: {1}", self._crs.name, " ".join(str(wrong).split())) from wrong
-        self._period = self._turn()
+        self._period = self._full_turn()
         if self._is_on_the_map_grid():
             self._to_map, self._period = None, 2.0 * HALF_WORLD_M
         self._centre_x = float(self._coordinates(self._width / 2.0, self._height / 2.0)[0])
@@ -84,7 +84,7 @@ class RasterGeoreference:
         coincide with the map's.
         """
         across, down = (abs(float(step)) for step in self._steps.diagonal())
-        in_degrees = of_degrees and self._crs.is_geographic and self._turn() == 360.0
+        in_degrees = of_degrees and self._crs.is_geographic and self._full_turn() == 360.0
         if not (self._crs.is_projected or in_degrees):
             return None
         if self._steps[0, 1] or self._steps[1, 0] or self._is_on_tiles():
@@ -199,7 +199,7 @@ class RasterGeoreference:
         x, y = through_proj(self._to_map.transform, x, y)
         return x, y
 
-    def _turn(self) -> float | None:
+    def _full_turn(self) -> float | None:
         """Full turn of longitude in the unit of a geographic CRS; None for other systems."""
         if not self._crs.is_geographic:
             return None

@@ -512,7 +512,7 @@ def _window(box: PixelBox) -> Any:
     return Window(*box)
 
 
-class _FileApart:
+class _ThreadedRaster:
     """A raster whose methods run in separate threads (`NativeCall`), which are abandoned when no longer wanted."""
 
     def __init__(self, file: OpenRaster, is_wanted: Callable[[], bool]) -> None:
@@ -521,17 +521,17 @@ class _FileApart:
 
     def facts(self) -> Facts:
         """Read the description of the file."""
-        facts: Facts = self._asked(self._file.facts)
+        facts: Facts = self._called(self._file.facts)
         return facts
 
     def read(self, bands: Sequence[int], box: PixelBox, data_type: str = "uint8") -> Values:
         """Read stored values."""
-        values: Values = self._asked(partial(self._file.read, bands, box, data_type))
+        values: Values = self._called(partial(self._file.read, bands, box, data_type))
         return values
 
     def read_mask(self, band: int, box: PixelBox) -> Bytes:
         """Read the mask of a band."""
-        mask: Bytes = self._asked(partial(self._file.read_mask, band, box))
+        mask: Bytes = self._called(partial(self._file.read_mask, band, box))
         return mask
 
     def close(self) -> None:
@@ -541,7 +541,7 @@ class _FileApart:
         else:
             self._last.when_ended(lambda _: self._file.close())
 
-    def _asked(self, work: Callable[[], Any]) -> Any:
+    def _called(self, work: Callable[[], Any]) -> Any:
         self._last = NativeCall(work)
         return self._last.result(self._is_wanted)
 
@@ -591,7 +591,7 @@ class Pool:
             except BaseException:
                 file.close()
                 raise
-        if not self._taken_back(level, file):
+        if not self._keep_handle(level, file):
             file.close()
 
     @contextmanager
@@ -606,18 +606,18 @@ class Pool:
 
     def _opened(self, level: int) -> OpenRaster:
         if self.remote is None:
-            return self._apart(partial(self._open, self._path, level))
+            return self._in_thread(partial(self._open, self._path, level))
         try:
-            return self._apart(partial(self._open, self.remote.path, level, options=self.remote.options))
+            return self._in_thread(partial(self._open, self.remote.path, level, options=self.remote.options))
         except ReadError:
             if not self.remote.leave_out_heads():
                 raise
-        return self._apart(partial(self._open, self.remote.path, level, options=self.remote.options))
+        return self._in_thread(partial(self._open, self.remote.path, level, options=self.remote.options))
 
-    def _apart(self, work: Callable[[], OpenRaster]) -> OpenRaster:
+    def _in_thread(self, work: Callable[[], OpenRaster]) -> OpenRaster:
         call = NativeCall(work)
         try:
-            return _FileApart(call.result(self._is_open), self._is_open)
+            return _ThreadedRaster(call.result(self._is_open), self._is_open)
         except BaseException:
             call.when_ended(_close)
             raise
@@ -625,7 +625,7 @@ class Pool:
     def _is_open(self) -> bool:
         return not self._closed
 
-    def _taken_back(self, level: int, file: OpenRaster) -> bool:
+    def _keep_handle(self, level: int, file: OpenRaster) -> bool:
         with self._lock:
             if not self._closed:
                 self._free[level].append(file)

@@ -123,7 +123,7 @@ def means(ground: Sums, footprints: PixelFootprints, block: int, data_type: str 
     if pixels is not None:
         total = _copied_pixels(ground, shape, pixels).astype(np.float64)
     elif not footprints.are_upright:
-        total = _turned_means(ground, footprints)
+        total = _rotated_means(ground, footprints)
     elif kind.kind == "f":
         # Running totals of floats would lose digits to distant values.
         down = _weighted(ground, footprints.row_px[:, 0], footprints.height_px[:, 0])
@@ -215,7 +215,7 @@ def _running_means(values: Sums | Floats, centre: Floats, width: Floats) -> Floa
     return result
 
 
-def _turned_means(ground: Sums, footprints: PixelFootprints) -> Floats:
+def _rotated_means(ground: Sums, footprints: PixelFootprints) -> Floats:
     height, width, channels = ground.shape
     # float32 is precise enough for sums of bytes; `take` is three times as fast as indexing.
     kind: Any = np.float32 if ground.dtype in (np.uint8, np.uint32) else np.float64

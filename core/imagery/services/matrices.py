@@ -126,11 +126,11 @@ def _matrix_tiles(matrix_set: Any, name: str, layer: Any, first: str | None) -> 
     matrices = [one for one in offered if one.scaledenominator >= scale]
     crs = epsg_code(matrix_set.crs)
     if crs == MAP:
-        return _quad(name, matrices, limits)
+        return _quad_tiles(name, matrices, limits)
     if not is_usable(crs):
         return None
     by_axes = not matrix_set.crs.strip().upper().startswith("EPSG:")
-    return _own(name, crs, matrices, limits, by_axes, read_bounds([layer]))
+    return _plane_tiles(name, crs, matrices, limits, by_axes, read_bounds([layer]))
 
 
 def _tile_px(matrices: Sequence[Any]) -> int | None:
@@ -140,7 +140,7 @@ def _tile_px(matrices: Sequence[Any]) -> int | None:
     return size if size >= 256 and size % 256 == 0 else None
 
 
-def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTiles | None:
+def _quad_tiles(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTiles | None:
     """Tiles of the Web-Mercator quad; None if the matrices belong to another grid."""
     # Documents round scales to eight digits or more, and corners at worst to whole metres; scales of other grids differ
     # by percents, and corners by kilometres.
@@ -175,7 +175,7 @@ def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTil
     )
 
 
-def _own(
+def _plane_tiles(
     name: str,
     crs: str,
     matrices: list[Any],

@@ -50,7 +50,7 @@ class OGCAPITiles(JSONService):
     def _layers(self, document: Document) -> list[Offered] | None:
         if "collection" in self.service.choices:
             return None
-        found = self._followed(document, to_list=True)
+        found = self._follow_links(document, to_list=True)
         if "collections" not in found.root:
             return None
         return [
@@ -60,7 +60,7 @@ class OGCAPITiles(JSONService):
         ]
 
     def _entry(self, document: Document) -> CatalogueEntry:
-        found = self._followed(document, to_list=False)
+        found = self._follow_links(document, to_list=False)
         tileset = found if _items(found.root) else self._chosen_tileset(found)
         self._note(tileset.root)
         tiles, item = self._tileset_tiles(tileset)
@@ -82,7 +82,7 @@ class OGCAPITiles(JSONService):
             bounds_deg=stated.get("bounds", WORLD_DEG),
         )
 
-    def _followed(self, document: Document, *, to_list: bool) -> Document:
+    def _follow_links(self, document: Document, *, to_list: bool) -> Document:
         """Follow links to a list of tilesets or a tileset; with ``to_list``, stop at a list of collections."""
         # More links than lie between a landing page and a tileset.
         most_steps = 6
