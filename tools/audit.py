@@ -1,8 +1,8 @@
-"""Known vulnerabilities of the dependencies: of the lowest versions that pyproject.toml allows, and of those installed.
+"""Known vulnerabilities of the dependencies, in the lowest versions that pyproject.toml allows and in those installed.
 
-The data is that of `pip-audit -s pypi`: what the registry's JSON says of each version. Where the registry cannot be
-reached, or does not say, that is what is printed: nothing found is not the same as nothing known. A finding fails the
-run only with ``--strict``, because the registry learns of new ones every day.
+The data is that of `pip-audit -s pypi`: the vulnerabilities that the registry's JSON lists for each version. If the
+registry cannot be reached, or has no answer, this is printed, as an unchecked version is not a safe one. A finding
+fails the run only with ``--strict``, because new ones are published every day.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import requests
 _PYPROJECT = Path(__file__).resolve().parent.parent / "pyproject.toml"
 _REGISTRY = "https://pypi.org/pypi/{name}/{version}/json"
 _TIMEOUT_S = 10.0
-#: What runs at a user's: the dependencies and the extras, not what tests and linters need.
+#: Dependencies and extras that users install; those of tests and linters are not among them.
 _LISTS = re.compile(r"^(?:dependencies|report|raster|ogc|torch|keras) = \[(.*?)\]$", re.MULTILINE | re.DOTALL)
 _FLOOR = re.compile(r'"([A-Za-z0-9_.-]+)>=([0-9.]+)')
 
@@ -30,7 +30,7 @@ def floors(text: str) -> dict[str, str]:
 
 
 def versions(text: str) -> Iterator[tuple[str, str]]:
-    """Names and versions to look at: the lowest allowed, and the installed one where that is another."""
+    """Yield names and versions to check: the lowest allowed, and the installed one if it differs."""
     for name, lowest in floors(text).items():
         yield name, lowest
         try:
@@ -42,7 +42,7 @@ def versions(text: str) -> Iterator[tuple[str, str]]:
 
 
 def known(session: requests.Session, name: str, version: str) -> list[str] | None:
-    """Lines on what is known of a version; None where the registry does not say."""
+    """One line for each known vulnerability of a version; None if the registry has no answer."""
     answer = session.get(_REGISTRY.format(name=name, version=version), timeout=_TIMEOUT_S)
     if answer.status_code != requests.codes.ok:
         return None
@@ -55,7 +55,7 @@ def known(session: requests.Session, name: str, version: str) -> list[str] | Non
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print what is known; returns 1 where that is something, with ``--strict``."""
+    """Print the known vulnerabilities; returns 1 if there are any and ``--strict`` is given."""
     reader = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     reader.add_argument("--strict", action="store_true", help="fail where a vulnerability is known")
     strict = reader.parse_args(arguments).strict

@@ -1,7 +1,7 @@
-"""The main job, in the real QGIS: a box, its preview, its capture from the embedded world, the result on the map.
+"""The plugin's main task in the real QGIS: a box, its preview, its capture from the embedded world, the result.
 
-``make demo`` runs it. It leaves ``demo/`` with the dataset, a project that a person can open anywhere, and pictures of
-what was on the screen, and it prints figures.
+``make demo`` runs it. It writes the dataset, a project that can be opened anywhere, and screenshots to ``demo/``, and
+prints figures.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from terrainav.terrainav_plugin.session import Session
 DEMO = Path(__file__).resolve().parent.parent / "demo"
 DATASET, BACKGROUNDS, PROJECT = DEMO / "dataset", DEMO / "background", DEMO / "terrainav-demo.qgz"
 PICTURES = ("preview.png", "screenshot.png", "detail.png")
-# Written first of all, so that only what a demo made is ever cleared away.
+# Written first, so that only a folder made by a demo is ever cleared.
 MARK = DEMO / ".made-by-terrainav-demo"
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
 
 
 def clear_earlier_demo() -> None:
-    """Start afresh: what an earlier demo made goes, anything else stays and stops this one."""
+    """Delete the files of an earlier demo; raise if the folder was not made by one."""
     if DEMO.exists() and any(DEMO.iterdir()) and not MARK.is_file():
         raise StageError(f"folder {DEMO}: holds something that no demo made; move it away")
     DEMO.mkdir(exist_ok=True)
@@ -40,7 +40,7 @@ def clear_earlier_demo() -> None:
 
 
 def take_picture(name: str) -> None:
-    """Save the whole window as it is on the screen."""
+    """Save a picture of the whole window."""
     tidy_messages()
     wait_until_drawn()
     if not window_picture().save(str(DEMO / name)):
@@ -64,10 +64,10 @@ def enter_mission(session: Session) -> None:
 
 
 def show_background(session: Session) -> None:
-    """Put the source below the mission, and its place on the screen."""
+    """Show the imagery of the source below the mission, and zoom the map to the mission."""
     click(session.dock.form.show_on_map)
     wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
-    # The preview draws what the map shows by then.
+    # The preview draws the part that the map shows at that time.
     wait_until_drawn()
 
 
@@ -76,7 +76,7 @@ def preview(session: Session) -> None:
     click(session.dock.preview)
     wait("preview", lambda: session.preview.shown and not session.preview.busy)
     planned = session.planned
-    # Image by image, or from afar as the number of images per place.
+    # Single images or, from afar, the number of images per place.
     drawn = {role: session.preview.layer(role).featureCount() for role in ("footprints", "density")}
     if not any(drawn.values()) or not planned.summary.complete:
         raise StageError(f"preview of {drawn}, coverage {planned.summary.covered_share}")
@@ -110,7 +110,7 @@ def save_project() -> None:
 
 
 def check_project_elsewhere() -> None:
-    """Open a copy of the folder in another place: every layer must be found there."""
+    """Move the folder and open its project: every layer must be found there."""
     copy = DEMO.with_name(f"{DEMO.name}-moved")
     DEMO.rename(copy)
     try:
@@ -130,17 +130,17 @@ def check_project_elsewhere() -> None:
 
 
 def look_closely() -> None:
-    """Zoom to where single images can be told apart."""
+    """Zoom in until single images can be distinguished."""
     canvas = iface.mapCanvas()
     canvas.zoomScale(3500)
 
 
 def main() -> int:
-    """Do the job; returns the exit code."""
+    """Run the demo; returns the exit code."""
     started = time.monotonic()
     clear_earlier_demo()
-    # What lies around the map is drawn ahead in the background, and broken off, with words on the terminal, by whatever
-    # comes next. Nobody drags the map here.
+    # QGIS draws the surroundings of the map in advance for dragging, which nobody does here, and prints a message
+    # whenever the next step interrupts that.
     iface.mapCanvas().setPreviewJobsEnabled(False)
     session = plugins["terrainav"].session
     session.settings.backgrounds_folder = str(BACKGROUNDS)
@@ -155,8 +155,8 @@ def main() -> int:
     look_closely()
     take_picture("detail.png")
     wait("end of all tasks", lambda: QgsApplication.taskManager().countActiveTasks() == 0)
-    # Before its folder is moved, out of which the map is drawn; and before QGIS ends, as 3.22 may crash where it has to
-    # close a project then.
+    # Close the project before its folder, from which the map is drawn, is moved; and before QGIS ends, as QGIS 3.22 may
+    # crash if it has to close a project then.
     iface.newProject(False)
     check_project_elsewhere()
     figures["whole_demo_s"] = round(time.monotonic() - started, 1)

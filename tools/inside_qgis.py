@@ -22,17 +22,17 @@ from qgis.PyQt.QtCore import PYQT_VERSION_STR, QThreadPool, QTimer
 POLL_MS = 50
 TASKS_END_MS = 10_000
 
-# Errors that QGIS would have shown in a dialog, which here would wait for ever for somebody to close it.
+# Errors that QGIS would have shown in a dialog, which nobody would close here.
 shown_errors: list[str] = []
 
 
 def prepare() -> None:
     """Make errors and hangs visible on the terminal; called before QGIS loads any plugin."""
-    # A descriptor beside 2, which pytest redirects while a test runs.
+    # A copy of descriptor 2, which pytest redirects while a test runs.
     terminal = os.dup(2)
     faulthandler.enable(file=terminal)
     faulthandler.register(signal.SIGUSR1, file=terminal, all_threads=True)
-    # QGIS 3.22 itself does this at every start.
+    # QGIS 3.22 itself causes this warning at every start.
     warnings.filterwarnings("ignore", message="setapi", category=DeprecationWarning)
     qgis.utils.showException = _print_exception
 
@@ -45,7 +45,7 @@ def _print_exception(
     *_args: object,
     **_kwargs: object,
 ) -> None:
-    """Take the place of QGIS's own ``showException``."""
+    """Print an exception; replaces QGIS's ``showException``."""
     lines = traceback.format_exception(kind, error, trace)
     text = "".join([f"{message or 'Python error inside QGIS'}\n", *lines])
     shown_errors.append(text)
@@ -53,14 +53,14 @@ def _print_exception(
 
 
 def start(job: dict[str, Any]) -> None:
-    """Begin `job` when the application's event loop runs: this itself is called just before."""
+    """Begin `job` once the application's event loop runs; called just before it starts."""
     if job["site_packages"]:
         site.addsitedir(job["site_packages"])
     QTimer.singleShot(0, lambda: _begin(job))
 
 
 def _begin(job: dict[str, Any]) -> None:
-    """Show an empty project in a window that fills the screen, as there is no window manager to place it."""
+    """Run a job with an empty project, in a window that fills the screen, as no window manager places it."""
     iface = qgis.utils.iface
     iface.mainWindow().setGeometry(QgsApplication.primaryScreen().geometry())
     iface.newProject(False)
@@ -68,16 +68,16 @@ def _begin(job: dict[str, Any]) -> None:
 
 
 def _when_idle(action: Callable[[], None]) -> None:
-    """Call `action` when nothing is drawn or computed any more."""
+    """Call `action` once nothing is being drawn or computed."""
     busy = qgis.utils.iface.mapCanvas().isDrawing() or QgsApplication.taskManager().countActiveTasks() > 0
     QTimer.singleShot(POLL_MS if busy else 0, (lambda: _when_idle(action)) if busy else action)
 
 
 def _run(job: dict[str, Any]) -> int:
-    """Run what was asked for; returns its exit code, or 1 when QGIS had an error to show and the job gave none."""
+    """Run a job; returns its exit code, or 1 if the job reports success but QGIS reported an error."""
     try:
         code = _run_pytest(job) if job["pytest"] else _run_script(job["arguments"])
-    except BaseException:  # noqa: BLE001  whatever it is, it is reported, and the application must end
+    except BaseException:  # noqa: BLE001  every error is printed, and the application must end
         traceback.print_exc()
         code = 1
     if shown_errors and code == 0:
@@ -115,16 +115,16 @@ def _run_pytest(job: dict[str, Any]) -> int:
 
 
 def _finish(job: dict[str, Any], code: int) -> None:
-    """Hand over the exit code and end the application, without its question whether to save the project.
+    """Write the exit code and end the application, without its question whether to save the project.
 
-    The project is closed beforehand: QGIS may crash where it has to close one with layers while it ends. QGIS 3.40 does
-    where a thread of its tasks has opened the database of authentication (as that of the news does) and still waits.
+    The project is closed first: QGIS may crash if it has to close a project with layers while it ends. QGIS 3.40 does
+    if a thread of its tasks, such as the news feed's, has opened the authentication database and still waits.
     """
     sys.stdout.flush()
     sys.stderr.flush()
     Path(job["result"]).write_text(str(code), encoding="utf-8")
     QgsProject.instance().setDirty(False)
     qgis.utils.iface.newProject(False)
-    # Tasks of older versions have the application's pool.
+    # Older versions run tasks in the thread pool of the application.
     getattr(QgsApplication.taskManager(), "threadPool", QThreadPool.globalInstance)().waitForDone(TASKS_END_MS)
     QgsApplication.exit(code)

@@ -1,4 +1,4 @@
-"""Writes the table of limits in docs/security.md, of core/limits.py."""
+"""Write the table of limits in docs/security.md from core/limits.py."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def limits() -> dict[str, tuple[float, str]]:
 
 
 def table() -> str:
-    """The table, as it stands in the page."""
+    """Text of the table."""
     rows = (f"| `{name}` | {_text(name, value)} | {comment} |\n" for name, (value, comment) in limits().items())
     return _HEAD + "".join(rows)
 
@@ -43,7 +43,7 @@ def _text(name: str, value: object) -> str:
 
 
 def replaced(page: str) -> str:
-    """The page with the table as it is to be."""
+    """Page with its table replaced by the current one."""
     start = page.index(_HEAD)
     end = page.index("\n\n", start) + 1
     return page[:start] + table() + page[end:]

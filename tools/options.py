@@ -1,4 +1,4 @@
-"""Writes the schema of mission files and the tables of options from the declared fields of a mission.
+"""Write the schema of mission files and the tables of options from the declared fields of a mission.
 
 Examples
 --------
@@ -53,7 +53,7 @@ _PARTS = {
     "route": "Flight path",
     "output": "Output",
 }
-#: Options whose names do not follow from one field each.
+#: Names of options that do not follow from the name of one field.
 _TOGETHER = {
     "fov_deg": "`--fov`, `--hfov`, `--vfov`, `--sensor` with `--focal-length`, or `--camera`",
     "aspect_ratio": "`--aspect-ratio`",
@@ -104,9 +104,9 @@ def schema() -> dict[str, Any]:
 
 def _property(field: Field) -> dict[str, Any]:
     kind = _TYPES[field.kind]
-    said: dict[str, Any] = {"description": _sentence(field), "type": kind if field.needed else [kind, "null"]}
+    found: dict[str, Any] = {"description": _sentence(field), "type": kind if field.needed else [kind, "null"]}
     if not field.needed:
-        said["default"] = list(field.default) if isinstance(field.default, tuple) else field.default
+        found["default"] = list(field.default) if isinstance(field.default, tuple) else field.default
     for limit, name in (
         ("least", "minimum"),
         ("most", "maximum"),
@@ -114,18 +114,18 @@ def _property(field: Field) -> dict[str, Any]:
         ("below", "exclusiveMaximum"),
     ):
         if getattr(field, limit) is not None:
-            said[name] = getattr(field, limit)
+            found[name] = getattr(field, limit)
     if field.kind is int:
-        said.setdefault("maximum", MAX_WHOLE_NUMBER)
+        found.setdefault("maximum", MAX_WHOLE_NUMBER)
     choices = list(field.choices)
     if choices and field.kind is tuple:
-        said["items"] = {"enum": choices}
+        found["items"] = {"enum": choices}
     elif choices:
-        said["enum"] = [*choices, None]
-    return {**said, **field.schema}
+        found["enum"] = [*choices, None]
+    return {**found, **field.schema}
 
 
-#: Of a latitude and of a longitude.
+#: Schemas of a latitude and of a longitude.
 _LAT_LON: tuple[dict[str, Any], dict[str, Any]] = (
     {"type": "number", "minimum": -90, "maximum": 90},
     {"type": "number", "minimum": -360, "maximum": 360},
@@ -160,14 +160,14 @@ def _no_fly() -> dict[str, Any]:
 def _area() -> dict[str, Any]:
     lat, lon = _LAT_LON
     agl = _property(field_named(Flight, "agl_m"))
-    own: dict[str, Any] = {"times_s": {"type": "number", "minimum": 0}}
+    per_point: dict[str, Any] = {"times_s": {"type": "number", "minimum": 0}}
     for name in ANGLES:
         angle = _property(field_named(Attitude, f"{name}_deg"))
-        own[f"{name}s_deg"] = {"type": "number", "minimum": angle["minimum"], "maximum": angle["maximum"]}
+        per_point[f"{name}s_deg"] = {"type": "number", "minimum": angle["minimum"], "maximum": angle["maximum"]}
     del agl["description"]
 
     def of_type(name: str, **properties: Any) -> dict[str, Any]:
-        needed = [one for one in properties if one not in own]
+        needed = [one for one in properties if one not in per_point]
         return {
             "type": "object",
             "properties": {"type": {"const": name}, **properties},
@@ -187,14 +187,14 @@ def _area() -> dict[str, Any]:
             of_type(
                 "points",
                 poses={"type": "array", "items": _tuple_of(lat, lon, agl), "minItems": 1},
-                **{one: {"type": ["array", "null"], "items": value} for one, value in sorted(own.items())},
+                **{one: {"type": ["array", "null"], "items": value} for one, value in sorted(per_point.items())},
             ),
         ],
     }
 
 
 def page() -> str:
-    """Tables of all options, one a part."""
+    """Page of all options, with one table for each part."""
     text = [_HEAD]
     for name, part in parts().items():
         text += [
@@ -206,10 +206,10 @@ def page() -> str:
         text += [_row(name, one) for one in declared_fields(part)]
         text.append("")
     declared = {one.name_of_option for part in parts().values() for one in declared_fields(part)}
-    ways = [one for one in OPTIONS if one.name not in declared | {"overlap", "wind"}]
-    own = [one for one in ways if one.name not in RUN_OPTIONS]
-    run = [one for one in ways if one.name in RUN_OPTIONS]
-    for title, some in (("Other ways to set areas and cameras", own), ("The run", run)):
+    others = [one for one in OPTIONS if one.name not in declared | {"overlap", "wind"}]
+    ways = [one for one in others if one.name not in RUN_OPTIONS]
+    run = [one for one in others if one.name in RUN_OPTIONS]
+    for title, some in (("Other ways to set areas and cameras", ways), ("The run", run)):
         text += [f"## {title}", "", "| option | description | default |", "| --- | --- | --- |"]
         text += [f"| `--{one.name.replace('_', '-')}` | {_cell(one.help)} | {_default(one.default)} |" for one in some]
         text.append("")
@@ -225,18 +225,18 @@ def page() -> str:
 
 
 def _values(values: Mapping[str, Any]) -> str:
-    """Values of a preset, as the fields that they are of."""
+    """Values of a preset, each after the name of its field."""
     return ", ".join(f"{name} {_default(value)}" for name, value in values.items() if value is not None)
 
 
 def _row(part: str, field: Field) -> str:
     usual = f"`--{field.name_of_option.replace('_', '-')}`"
     key = "seed of the wind" if (part, field.name) == ("wind", "seed") else field.name
-    about = field.unit_and_limits
+    limits = field.unit_and_limits
     if field.choices:
-        about = ", ".join(f"`{choice}`" for choice in field.choices)
+        limits = ", ".join(f"`{choice}`" for choice in field.choices)
     default = "needed" if field.needed else _default(field.default)
-    return f"| {_TOGETHER.get(key, usual)} | `{part}.{field.name}` | {_cell(field.help)} | {about} | {default} |"
+    return f"| {_TOGETHER.get(key, usual)} | `{part}.{field.name}` | {_cell(field.help)} | {limits} | {default} |"
 
 
 def _default(value: Any) -> str:
@@ -262,7 +262,7 @@ def schema_text() -> str:
 
 
 def main() -> int:
-    """Write both; returns the exit code."""
+    """Write the schema and the page; returns the exit code."""
     SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")
     return 0

@@ -1,9 +1,9 @@
-"""Builds the zip that QGIS installs and plugins.qgis.org takes: ``dist/terrainav-VERSION.zip``.
+"""Build the zip that QGIS installs and plugins.qgis.org accepts: ``dist/terrainav-VERSION.zip``.
 
-It holds what ``git archive`` gives of the last commit (``.gitattributes`` leaves development out) and the compiled
-translations. Everything that the plugin repository looks at is looked at here: the names in the zip, its size, the
-metadata, and what bandit and detect-secrets find in it. A single finding ends it without a zip. Those two come with
-the environment of the tests (``make setup``); without it the zip is made, and it is said that nothing has searched it.
+It holds the files that ``git archive`` exports from the last commit (``.gitattributes`` excludes development files) and
+the compiled translations. The zip is checked as the plugin repository does: its names, size and metadata, and the
+findings of bandit and detect-secrets. After any finding there is no zip. These two scanners come with the environment
+of the tests (``make setup``); without it the zip is built without a scan, and a warning is printed.
 
 Examples
 --------
@@ -31,12 +31,12 @@ NAME = "terrainav"
 TRANSLATIONS = ROOT / "resources" / "i18n"
 #: Python that has bandit and detect-secrets.
 SCANNERS = ROOT / ".venv" / "bin" / "python"
-#: The plugin repository's own limit.
+#: Limit of the plugin repository.
 MOST_BYTES = 25_000_000
-#: Nothing of these may be in the zip.
+#: Names that may not be in the zip.
 REFUSED = re.compile(r"(^|/)(\.|__pycache__|__MACOSX|tests?/|tools/|benchmarks/)|\.(pyc|pyo|so|dll|exe|zip)$")
 NEEDED = ("__init__.py", "metadata.txt", "LICENSE")
-#: Keys without which the plugin repository refuses, or asks for more.
+#: Keys that the plugin repository requires or asks for.
 METADATA = (
     "name qgisMinimumVersion qgisMaximumVersion description about version author email tracker repository homepage "
     "category tags icon changelog license hasProcessingProvider experimental"
@@ -44,7 +44,7 @@ METADATA = (
 
 
 class PackageError(Exception):
-    """The zip would not be taken, or cannot be made."""
+    """The zip would be refused, or cannot be built."""
 
 
 def git(*arguments: str) -> str:
@@ -57,9 +57,9 @@ def git(*arguments: str) -> str:
 
 
 def tree(working: bool) -> str:
-    """Commit that holds what is packed."""
+    """Commit to pack."""
     if working:
-        # A commit of the changes that belongs to no branch; nothing where there are none.
+        # Prints a commit of the changes, which belongs to no branch, or nothing if there are no changes.
         return git("stash", "create") or "HEAD"
     if git("status", "--porcelain", "--untracked-files=no"):
         print("package: changes that are not committed are left out", file=sys.stderr)
@@ -90,7 +90,7 @@ def check_names(names: list[str]) -> None:
 
 
 def check_metadata(text: str) -> None:
-    """Refuse metadata that are not complete."""
+    """Refuse incomplete metadata."""
     parser = configparser.ConfigParser(interpolation=None)
     parser.optionxform = str  # type: ignore[assignment]
     parser.read_string(text)
@@ -100,8 +100,8 @@ def check_metadata(text: str) -> None:
 
 
 def findings(folder: Path) -> list[str]:
-    """What bandit and detect-secrets, with the settings of the plugin repository, have against the files."""
-    # Both as the repository runs them: with none of this project's settings or marks.
+    """Findings of bandit and detect-secrets in a folder, with the settings of the plugin repository."""
+    # Like the repository, both ignore the settings and exemptions of this project.
     bandit = _json("bandit", "--quiet", "--recursive", "--ignore-nosec", "--format=json", ".", folder=folder)
     found = [
         f"{issue['filename']}:{issue['line_number']}: {issue['test_id']} {issue['issue_text']}"
@@ -123,7 +123,7 @@ def _json(module: str, *arguments: str, folder: Path) -> dict[str, list]:
 
 
 def build(folder: Path, working: bool, search: bool = True) -> Path:
-    """Make the zip in ``folder``, checked, whole or not at all; returns its path."""
+    """Build and check the zip in ``folder``, which holds no zip after an error; returns its path."""
     metadata = configparser.ConfigParser(interpolation=None)
     metadata.read(ROOT / "metadata.txt", encoding="utf-8")
     folder.mkdir(parents=True, exist_ok=True)

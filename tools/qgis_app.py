@@ -1,8 +1,8 @@
 """Run a script or the plugin's tests inside the real QGIS application.
 
-``qgis`` does not run off-screen, so every run gets an X server of its own (Xvfb, on a display number that the server
-picks), a profile of its own in which the plugin is linked and enabled, and a home folder of its own. Nothing of the
-user's is read or written, and runs beside each other do not meet. What happens inside is in ``inside_qgis.py``.
+``qgis`` does not run off-screen, so every run starts an X server (Xvfb, on a display number that the server picks). It
+uses a new profile, in which the plugin is linked and enabled, and a new home folder. No file of the user is read or
+written, and simultaneous runs do not affect each other. The code that runs inside QGIS is in ``inside_qgis.py``.
 
 Examples
 --------
@@ -36,17 +36,18 @@ PLUGIN = "terrainav"
 VISIBLE_PROFILES = ROOT / ".qgis-profile"
 
 XVFB_START_S = 30
-# A stopped application first prints its stacks; a finished one still closes its windows and files.
+# Time for a stopped application to print its stacks.
 PRINT_STACKS_S = 3
+# Time for a process to close its windows and files.
 END_S = 20
-# The code that coreutils' `timeout` returns for the same event.
+# Exit code of coreutils' `timeout` after a timeout.
 EXIT_TIMED_OUT = 124
 
-# An Xauthority record of this family, with no address and no display number, fits every display: the server picks its
-# number only after the record is written.
+# An Xauthority record of this family, without address and display number, fits every display. The display number is not
+# yet known when the record is written.
 XAUTH_FAMILY_WILD = 0xFFFF
 
-# Nothing listens on the discard port: what is not on the loopback interface fails at once instead of reaching out.
+# Nothing listens on the discard port: connections beyond the loopback interface fail at once.
 DEAD_PROXY_HOST, DEAD_PROXY_PORT = "127.0.0.1", 9
 LOOPBACK = ("127.0.0.1", "localhost")
 
@@ -87,9 +88,9 @@ class LaunchError(Exception):
 
 
 def make_profile(profiles: Path, settings: str, *, bare: bool = False) -> None:
-    """Make QGIS's profile ``default`` below `profiles`; settings already there are kept.
+    """Make QGIS's profile ``default`` below `profiles`, and keep settings that exist there.
 
-    The plugin is linked in, except into a ``bare`` one.
+    The plugin is linked into the profile unless it is ``bare``.
     """
     profile = profiles / "profiles" / "default"
     link = profile / "python" / "plugins" / PLUGIN
@@ -142,7 +143,7 @@ def x_server(folder: Path, size_px: str) -> Iterator[dict[str, str]]:
 
 
 def end(process: subprocess.Popen[Any]) -> None:
-    """End a process that this one started, gently first."""
+    """Terminate a process that this one started; kill it if it does not end."""
     if process.poll() is None:
         process.terminate()
         try:
@@ -153,14 +154,14 @@ def end(process: subprocess.Popen[Any]) -> None:
 
 
 def end_group(process: subprocess.Popen[Any]) -> None:
-    """End a process that leads its own session, with whatever it has started."""
+    """Kill a process that leads a session, with all processes that it started."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
 
 
 def unattended_environment(folder: Path) -> dict[str, str]:
-    """Return the caller's environment without what would lead QGIS out of its own folder, desktop or network."""
+    """Return the caller's environment without variables that lead QGIS to the user's files, desktop or network."""
     foreign = ("QT_", "QGIS_", "PYQGIS_", "XDG_", "PYTHON", "LC_", "DBUS_", "WAYLAND_")
     environment = {
         key: value
@@ -174,7 +175,7 @@ def unattended_environment(folder: Path) -> dict[str, str]:
     environment.update(
         HOME=str(home),
         XDG_RUNTIME_DIR=str(runtime),
-        # Tells D-Bus clients (keyring, accessibility) that there is no bus, so that none starts one.
+        # Keeps D-Bus clients (keyring, accessibility) from starting a bus.
         DBUS_SESSION_BUS_ADDRESS="disabled:",
         NO_AT_BRIDGE="1",
         LC_ALL="C.UTF-8",
@@ -192,7 +193,7 @@ def unattended_environment(folder: Path) -> dict[str, str]:
 
 
 def write_hooks(folder: Path, job: Mapping[str, object]) -> tuple[Path, Path]:
-    """Write the two scripts that QGIS itself runs: one before it loads plugins, one when its window is there."""
+    """Write the two scripts that QGIS itself runs: one before it loads plugins, one after its window opens."""
     before, after = folder / "before_plugins.py", folder / "after_start.py"
     tools = str(ROOT / "tools")
     lines = [
@@ -212,7 +213,7 @@ def site_packages() -> str:
     Raises
     ------
     LaunchError
-        When there is no environment.
+        There is no environment.
     """
     folders = sorted((ROOT / ".venv").glob("lib/python3*/site-packages"))
     if not folders:
@@ -221,7 +222,7 @@ def site_packages() -> str:
 
 
 def wait_for(process: subprocess.Popen[Any], result: Path, timeout_s: float) -> int:
-    """Wait until the application has ended or is out of time; returns the code that the job gave."""
+    """Wait until the application ends or its time is over; returns the exit code of the job."""
     try:
         code = process.wait(timeout_s)
     except subprocess.TimeoutExpired:
@@ -256,7 +257,7 @@ def run(
     bare: bool = False,
     language: str = "en",
 ) -> int:
-    """Run a script, or pytest, inside a QGIS that nobody sees.
+    """Run a script, or pytest, inside QGIS on an invisible screen.
 
     Parameters
     ----------
@@ -265,27 +266,27 @@ def run(
     pytest : bool
         Whether `arguments` are pytest's.
     timeout_s : float
-        When to stop the application, whatever it does; all its threads' stacks are printed then.
+        Time after which the application is stopped, and the stacks of its threads are printed.
     size_px : str
-        The screen, as ``WIDTHxHEIGHT``.
+        Size of the screen, as ``WIDTHxHEIGHT``.
     profiles : Path, optional
-        Where the profile is kept; otherwise it is removed after the run.
+        Folder in which to keep the profile; by default it is removed after the run.
     extra_environment : mapping, optional
         Variables for the application.
     bare : bool
-        Without the plugin and without the packages of the project's environment, as a user first has QGIS.
+        Without the plugin and the packages of the project's environment, as QGIS is after its installation.
     language : str
-        That the application speaks.
+        Language of the application.
 
     Returns
     -------
     int
-        What the script or pytest returned, 124 after a timeout, 128 + n when QGIS died of signal n.
+        Exit code of the script or of pytest; 124 after a timeout, 128 + n if signal n ended QGIS.
 
     Raises
     ------
     LaunchError
-        When QGIS or Xvfb cannot be started.
+        QGIS or Xvfb cannot be started.
     """
     qgis = shutil.which("qgis", path="/usr/bin:/usr/local/bin") or shutil.which("qgis")
     if qgis is None:
@@ -308,7 +309,7 @@ def run(
         before_plugins, after_start = write_hooks(folder, job)
         command += ["--code", str(after_start)]
         environment = {**unattended_environment(folder), **(extra_environment or {})}
-        # The interpreter that QGIS takes itself for (sys.executable) is the first one here: it has to be QGIS's own.
+        # QGIS sets sys.executable to the first interpreter in PATH, which must be the one that QGIS uses.
         environment["PATH"] = os.pathsep.join([str(Path(qgis).parent), environment.get("PATH", os.defpath)])
         environment["PYQGIS_STARTUP"] = str(before_plugins)
         with x_server(folder, size_px) as display:
@@ -322,7 +323,7 @@ def run(
 
 
 def run_visible() -> None:
-    """Become a QGIS on the user's own display, with the plugin in a profile that is kept in the clone."""
+    """Replace this process by QGIS on the user's display, with the plugin in a profile kept in the clone."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise LaunchError("there is no display; run this in a desktop session")
     if shutil.which("qgis") is None:
@@ -355,7 +356,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = parse(arguments)
-    # Ends the children as well when this process is asked to end.
+    # End the children, too, when this process is asked to end.
     signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))
     try:
         if options.visible:

@@ -1,6 +1,6 @@
-"""The pictures of the guide: the plugin in the real QGIS, driven as a person does, over the embedded world.
+"""Take the pictures of the guide: the plugin in the real QGIS, used as by a person, over the embedded world.
 
-``make screenshots`` runs it and writes ``docs/images/guide-*``. With names of scenes it plays only those.
+``make screenshots`` runs it and writes ``docs/images/guide-*``. Given names of scenes, it plays only these.
 
 Examples
 --------
@@ -77,17 +77,18 @@ from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
-#: The folder is to be seen in the pictures, so that it has a plain name.
+#: Folder of the missions; the pictures show its name.
 FOLDER = Path(tempfile.gettempdir()) / "TerrAInav"
-# Written first of all, so that only what this script made is ever cleared away.
+# Written first, so that only a folder made by this script is ever cleared.
 MARK = FOLDER / ".made-for-the-guide"
 
 WINDOW_PX = (1400, 900)
 PANEL_PX, LAYERS_PX = 420, 240
-#: They are part of the plugin's zip.
+#: Largest size of a picture of the window; pictures are part of the plugin's zip.
 MOST_BYTES = 92_000
-#: Of a part of the window, so that all together stay below the guide's limit.
+#: Largest size of most pictures of a part of the window; all pictures together must stay below the guide's limit.
 FEWER_BYTES = 84_000
+#: Largest size of the smallest picture.
 FEWEST_BYTES = 29_000
 WIDEST_PX = 1200
 QUALITIES = range(85, 20, -5)
@@ -95,15 +96,16 @@ QUALITIES = range(85, 20, -5)
 FIRST = "35.143_-89.889_35.130_-89.867"
 AGRICENTER = "35.16_-89.90_35.115_-89.823"
 MIDLANDS = "52.412_-0.128_52.392_-0.090"
-#: Edges of an orthophoto there, metres of the British National Grid.
+#: Edges of an orthophoto in the Midlands, metres of the British National Grid.
 ORTHOPHOTO_M = (527_800.0, 279_200.0, 529_800.0, 280_600.0)
 #: A mosaic about the South Pole: whole tiles of the embedded world.
 POLAR_CRS, POLAR_ZOOM, POLAR_PX = "EPSG:3031", 17, 2048
-#: A town, its middle, and a few images of it.
+#: A few images of a town, and its middle.
 TOWN, TOWN_PLACE = "35.1414_-89.8615_35.1402_-89.8597", (35.1408, -89.8606)
 LARGE = "35.35_-90.10_35.05_-89.70"
-#: Fields and a wood, to be mapped; corners of what is drawn there, as shares of the map's width and height.
+#: Fields and a wood, to be mapped.
 FIELDS = "35.1400_-89.8810_35.1318_-89.8700"
+#: Corners drawn there, as shares of the map's width and height.
 FIELD_CORNERS = ((0.14, 0.22), (0.52, 0.12), (0.88, 0.24), (0.84, 0.74), (0.47, 0.86), (0.2, 0.72))
 HOLE_CORNERS = ((0.3, 0.58), (0.42, 0.6), (0.4, 0.72), (0.3, 0.68))
 NO_FLY_CORNERS = ((0.56, 0.4), (0.7, 0.38), (0.7, 0.56), (0.57, 0.58))
@@ -111,7 +113,7 @@ TAKEOFF_AT = (0.12, 0.83)
 SLANTED_CORNERS = ((0.12, 0.62), (0.72, 0.14), (0.88, 0.34), (0.28, 0.84))
 #: A line over fields, to be flown.
 TRAJECTORY = "LineString (-89.8870 35.1322, -89.8830 35.1330, -89.8800 35.1368, -89.8740 35.1385, -89.8700 35.1362)"
-#: Images after which the capture is held for its picture.
+#: Number of images after which the capture is paused for its picture.
 HELD_AFTER = 500
 
 
@@ -130,7 +132,7 @@ class Stage:
     # --- scenery
 
     def clear(self, name: str = "agricenter") -> None:
-        """Go back to an empty project and the panel as it is at first use, for a mission of a name."""
+        """Go back to an empty project and a panel without entries, with a folder for a mission of a name."""
         for run in list(self.session.runs.runs):
             run.cancel()
         wait("end of the runs", lambda: self.session.runs.idle)
@@ -145,7 +147,7 @@ class Stage:
         self.settle()
 
     def settle(self) -> None:
-        """Give the window and its panels their sizes: what has come and gone leaves others."""
+        """Restore the sizes of the window and its panels, which other widgets have changed."""
         self.window.resize(*WINDOW_PX)
         docks = {self.dock: PANEL_PX, self.panel("Layers"): LAYERS_PX}
         self.window.resizeDocks(list(docks), list(docks.values()), Qt.Orientation.Horizontal)
@@ -156,7 +158,7 @@ class Stage:
         return self.window.findChild(QDockWidget, name)
 
     def begin(self, coordinates: str, name: str = "agricenter", **entries: object) -> None:
-        """Begin a mission: its coordinates pasted, other entries given, its place on the map."""
+        """Begin a mission: set entries, paste coordinates, and show the place on the map."""
         self.clear(name)
         self.form.set_state(replace(self.session.state(), **entries))
         self.paste(coordinates)
@@ -172,7 +174,7 @@ class Stage:
         self.plan()
 
     def show_background(self) -> None:
-        """Press "Show on map", once what was drawn before is done."""
+        """Press "Show on map" once earlier drawing has ended."""
         wait("Show on map", self.form.show_on_map.isEnabled)
         self.form.imagery.setCollapsed(False)
         click(self.form.show_on_map)
@@ -180,13 +182,13 @@ class Stage:
         wait_until_drawn()
 
     def background_file(self) -> str:
-        """File of the background, once it is as fine as it becomes."""
+        """File of the background, once it is complete."""
         wait("the whole background", self.form.show_on_map.isEnabled)
         layers = QgsProject.instance().mapLayers().values()
         return next(layer.source() for layer in layers if layer.providerType() == "gdal")
 
     def plan(self) -> None:
-        """Wait for the figures of what is entered, their cost timed."""
+        """Wait for the figures of the mission and for the timing of its cost."""
         busy = (self.session.planner, self.session.preview)
         wait("figures", lambda: not any(part.busy for part in busy))
         wait(
@@ -200,7 +202,7 @@ class Stage:
         self.wait_previewed()
 
     def wait_previewed(self) -> None:
-        """Wait until the preview is whole."""
+        """Wait until the preview is complete."""
         preview = self.session.preview
         wait("preview", lambda: preview.shown and not preview.busy)
         self.plan()
@@ -212,7 +214,7 @@ class Stage:
         wait("capture", lambda: self.session.runs.idle)
 
     def survey(self, name: str) -> None:
-        """Choose the preset for mapping, and a camera by name."""
+        """Choose a folder, the preset for mapping, and a camera by name."""
         self.form.folder.setFilePath(str(FOLDER / name))
         choose(self.form.presets.choice, "mapping")
         cameras = self.form.camera
@@ -232,7 +234,7 @@ class Stage:
         QgsProject.instance().layerTreeRoot().findLayer(layer).setItemVisibilityChecked(shown)
 
     def scroll_to(self, widget: QWidget) -> None:
-        """Bring an entry of the panel into sight."""
+        """Scroll the panel to an entry."""
         area = self.dock.parts.widget(0)
         area.verticalScrollBar().setValue(widget.mapTo(area.widget(), QPoint(0, 0)).y() - 4)
 
@@ -244,7 +246,7 @@ class Stage:
             self.wait_previewed()
 
     def show_previewed(self, west_px: int) -> QPoint:
-        """Show all of the preview east of some pixels of the map; returns the pixel of its middle."""
+        """Show the whole preview to the right of ``west_px`` pixels of the map; returns the pixel of its middle."""
         layer = self.session.preview.layer("footprints")
         extent = self.canvas.mapSettings().layerExtentToOutputExtent(layer, layer.extent())
         wide, high = self.canvas.width(), self.canvas.height()
@@ -270,7 +272,7 @@ class Stage:
         top: QWidget | None = None,
         most_bytes: int = MOST_BYTES,
     ) -> None:
-        """Write a picture of the window, or of a part of it, with the panel's entries from its beginning or another."""
+        """Write a picture of the window, or of a part of it, with the panel scrolled to its beginning or to ``top``."""
         iface.statusBarIface().clearMessage()
         # The cursor blinks, and a field in focus is marked.
         if self.window.focusWidget() is not None:
@@ -279,7 +281,7 @@ class Stage:
         wait_until_drawn()
         tidy_messages()
         for bar in self.window.statusBar().findChildren(QProgressBar):
-            # That of drawing, which QGIS takes away a while after.
+            # QGIS hides the progress bar of drawing only after a while.
             bar.setVisible(bar.isVisible() and bar.maximum() > 0)
         QTest.qWait(100)
         picture = screen_picture(self.window.geometry())
@@ -294,7 +296,7 @@ class Stage:
 
 
 def write(name: str, picture: QPixmap, most_bytes: int = MOST_BYTES) -> None:
-    """Write a picture as small as it has to be: parts of the panel as PNG, maps as JPEG."""
+    """Write a picture of limited size: parts of the panel as PNG, maps as JPEG."""
     buffer = QBuffer()
     buffer.open(QBuffer.OpenModeFlag.ReadWrite)
     picture.save(buffer, "PNG")
@@ -438,7 +440,7 @@ def orthomosaic(stage: Stage) -> None:
     stage.preview()
     stage.capture()
     stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
-    # The background shows the same ground.
+    # Hide the background, which shows the same ground.
     for layer in QgsProject.instance().mapLayers().values():
         if layer.name() in ("Captured images", "Synthetic (offline)"):
             QgsProject.instance().layerTreeRoot().findLayer(layer).setItemVisibilityChecked(False)
@@ -515,7 +517,7 @@ def choices(stage: Stage) -> None:
 
 
 class WorldTiles:
-    """A server of the embedded world's tiles on this computer, as a provider has them."""
+    """A server on this computer that provides tiles of the embedded world."""
 
     PORT = 8080
 
@@ -554,7 +556,7 @@ class WorldTiles:
 
 
 def previews(stage: Stage) -> None:
-    """Images from close up, and a mission of many from so far that they are counted, not drawn."""
+    """Images from close up, and a mission of so many that they are counted, not drawn."""
     stage.begin(FIRST, overlap_along=0.3, overlap_across=0.2)
     stage.preview()
     stage.zoom(4000)
@@ -569,7 +571,7 @@ def previews(stage: Stage) -> None:
 
 
 def capturing(stage: Stage) -> None:
-    """One mission held in the middle, and another in line."""
+    """A mission that is paused, and another in the queue."""
     stage.begin(AGRICENTER)
     stage.preview()
     click(stage.dock.capture)
@@ -586,7 +588,7 @@ def capturing(stage: Stage) -> None:
     stage.plan()
     click(stage.dock.capture)
     wait("line", lambda: len(runs.runs) == 2)
-    # Rows that come change the heights of what is above them.
+    # New rows change the heights of widgets above them.
     QTest.qWait(1000)
     stage.shoot("queue.png", stage.part(stage.dock.parts.widget(1)))
     stage.clear()
@@ -601,11 +603,11 @@ def cleaning(stage: Stage) -> None:
     stage.plugin.actions["clean_dataset"].trigger()
     wait("entropies", lambda: not part.busy)
     click(part.cleaning.panel.suggest)
-    # Over the mission's panel, and no more of the map than it has to be.
+    # Over the mission's panel, and as little of the map as possible.
     corner = stage.dock.mapToGlobal(stage.dock.rect().topRight())
     part.window.move(corner.x() - part.window.width() - 4, corner.y() + 4)
     stage.session.zoom_to_box(stage.session.planned.mission.area.bounds)
-    # The mission comes to stand in the part of the map that the window leaves free.
+    # Fit the mission into the part of the map that the window leaves free.
     free_px = part.window.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
     extent = stage.canvas.extent()
     west = extent.xMinimum()
@@ -625,7 +627,7 @@ def cleaning(stage: Stage) -> None:
 
 
 def failed(stage: Stage) -> None:
-    """Images that a file of tiles with holes in it has not all of."""
+    """A capture from a file of tiles that lacks a tile: some images fail."""
     stage.begin(FIRST, "mission-1")
     picture = stage.background_file()
     tiles = FOLDER / "orthophoto.mbtiles"
@@ -641,7 +643,7 @@ def failed(stage: Stage) -> None:
 
 
 def holed(tiles: Path) -> None:
-    """Take a tile of the finest zoom out of the middle of a file of tiles."""
+    """Delete a tile of the finest zoom from the middle of a file of tiles."""
     with sqlite3.connect(tiles) as connection:
         ((zoom, column, row),) = connection.execute(
             "SELECT zoom_level, avg(tile_column), avg(tile_row) FROM tiles "
@@ -654,8 +656,8 @@ def holed(tiles: Path) -> None:
 
 
 def orthophoto(stage: Stage) -> None:
-    """An orthophoto in the British National Grid, and the project in it, too: captured in its own pixels."""
-    # A world that has fields and woods there.
+    """An orthophoto in the British National Grid, in a project of that CRS, captured in the orthophoto's pixels."""
+    # The world of this seed has fields and woods there.
     stage.begin(MIDLANDS, "survey", seed=0)
     picture = stage.background_file()
     path = FOLDER / "orthophoto_osgb.tif"
@@ -689,7 +691,7 @@ def orthophoto(stage: Stage) -> None:
 
 
 def polar(stage: Stage) -> None:
-    """A mosaic about the South Pole, and the project in its CRS: a box around the pole, and its preview."""
+    """A mosaic about the South Pole in a project of its CRS: a box around the pole, and its preview."""
     stage.clear("pole")
     path = FOLDER / "antarctica.tif"
     polar_mosaic(path)
@@ -753,7 +755,7 @@ def relief(stage: Stage) -> None:
 
 
 def world_surface(path: Path) -> None:
-    """Write what stands in the embedded world's town as heights in UTM, half a metre a pixel."""
+    """Write the heights of the embedded world's town, buildings and trees included, in UTM at 0.5 m per pixel."""
     lat, lon = TOWN_PLACE
     with closing(WorldHeights()) as heights:
         zoom, side = 18, 1024
@@ -780,7 +782,7 @@ def world_surface(path: Path) -> None:
 
 
 def algorithms(stage: Stage) -> None:
-    """The plan's algorithm, from the toolbox."""
+    """The dialog of the algorithm that plans a mission."""
     stage.begin(FIRST)
     dialog = processing.createAlgorithmDialog("terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "FRONT_OVERLAP": 25})
     dialog.show()
@@ -841,7 +843,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
 
 
 def prepare() -> None:
-    """Start afresh: what an earlier run made goes, anything else stays and stops this one."""
+    """Delete the files of an earlier run; raise if the folder was not made by this script."""
     if FOLDER.exists() and any(FOLDER.iterdir()) and not MARK.is_file():
         raise StageError(f"folder {FOLDER}: holds something that was not made for the guide; move it away")
     shutil.rmtree(FOLDER, ignore_errors=True)

@@ -1,4 +1,4 @@
-"""What a script does in the real QGIS: waits, clicks, types, drags, and takes pictures of what is on the screen."""
+"""Actions of scripts in the real QGIS: wait, click, type, drag, and take pictures of the screen."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QWidget
 from qgis.utils import iface
 
-#: A capture may take minutes on a slow machine; nothing else comes near.
+#: Longest wait: a capture may take minutes on a slow machine, everything else takes much less.
 PATIENCE_S = 900
 POLL_MS = 20
 _LEFT = Qt.MouseButton.LeftButton
@@ -20,7 +20,7 @@ _PLAIN = Qt.KeyboardModifier.NoModifier
 
 
 class StageError(Exception):
-    """Something did not come out as it should."""
+    """A step failed, or had a wrong result."""
 
 
 def wait(what: str, condition: Callable[[], bool]) -> None:
@@ -28,7 +28,7 @@ def wait(what: str, condition: Callable[[], bool]) -> None:
     loop, timer, started, held = QEventLoop(), QTimer(), time.monotonic(), [False]
 
     def look() -> None:
-        # Once is enough: the map, for one, may be drawn again before anybody asks a second time.
+        # Kept, as the condition may not hold for long: the map, for one, may soon be drawn again.
         held[0] = condition()
         if held[0] or time.monotonic() - started > PATIENCE_S:
             loop.quit()
@@ -42,13 +42,13 @@ def wait(what: str, condition: Callable[[], bool]) -> None:
 
 
 def wait_until_drawn() -> None:
-    """Let the map be drawn to its end, and its widgets be painted."""
+    """Wait until the map is drawn and its widgets are painted."""
     canvas = iface.mapCanvas()
     if not canvas.layers():
-        # Nothing is drawn, and nothing says so.
+        # Without layers nothing is drawn, and no signal is sent.
         QTest.qWait(10 * POLL_MS)
         return
-    # A raster whose drawing is broken off has QGIS say "Image is a null image" (QgsRasterDrawer::drawImage).
+    # QGIS prints "Image is a null image" (QgsRasterDrawer::drawImage) if the drawing of a raster is interrupted.
     wait("drawing the map", lambda: not canvas.isDrawing())
     drawn: list[bool] = []
 
@@ -63,7 +63,7 @@ def wait_until_drawn() -> None:
 
 
 def tidy_messages() -> None:
-    """Take away QGIS's own word about every task, which it says where the desktop has no notifications."""
+    """Remove QGIS's messages about tasks, which it shows where the desktop has no notifications."""
     bar = iface.messageBar()
     for item in bar.items():
         if item.title() != "TerrAInav":
@@ -75,7 +75,7 @@ def layer_names() -> list[str]:
     return [layer.name() for layer in QgsProject.instance().mapLayers().values()]
 
 
-# --- a person's hands
+# --- mouse and keyboard
 
 
 def click(button: QAbstractButton) -> None:
@@ -86,7 +86,7 @@ def click(button: QAbstractButton) -> None:
 
 
 def enter(field: QWidget, text: str) -> None:
-    """Replace what is in a text field or a spin box, key by key, and leave it."""
+    """Replace the content of a text field or a spin box, key by key, and leave the field."""
     edit = field if isinstance(field, QLineEdit) else field.findChild(QLineEdit)
     edit.setFocus()
     edit.selectAll()
@@ -110,7 +110,7 @@ def at(share_x: float, share_y: float) -> QPoint:
 
 
 def press_map(start: QPoint, end: QPoint) -> None:
-    """Press the left button over the map and drag, without letting go."""
+    """Press the left button over the map and drag, without releasing it."""
     viewport = iface.mapCanvas().viewport()
     QTest.mousePress(viewport, _LEFT, _PLAIN, start)
     for share in (0.25, 0.5, 0.75, 1.0):
@@ -119,12 +119,12 @@ def press_map(start: QPoint, end: QPoint) -> None:
 
 
 def release_map(end: QPoint) -> None:
-    """Let go of the left button."""
+    """Release the left button."""
     QTest.mouseRelease(iface.mapCanvas().viewport(), _LEFT, _PLAIN, end)
 
 
 def click_map(place: QPoint) -> None:
-    """Click the map, with the pointer moved there first."""
+    """Move the pointer to a place on the map and click."""
     viewport = iface.mapCanvas().viewport()
     QTest.mouseMove(viewport, place)
     QTest.mouseClick(viewport, _LEFT, _PLAIN, place)
@@ -151,6 +151,6 @@ def window_picture() -> QPixmap:
 
 
 def screen_picture(part: QRect) -> QPixmap:
-    """Part of the screen, with what floats above the windows: menus, lists, dialogs."""
+    """Part of the screen, with menus, lists and dialogs above the windows."""
     screen = iface.mainWindow().screen()
     return screen.grabWindow(0, part.x(), part.y(), part.width(), part.height())

@@ -1,14 +1,14 @@
-"""Keeps the translations of what users of the plugin read: ``resources/i18n/terrainav_LANGUAGE.ts``.
+"""Maintain the translations of the plugin's texts: ``resources/i18n/terrainav_LANGUAGE.ts``.
 
-The texts are found in the source itself: those given to ``tr`` in the plugin, and the templates of the core's messages
-and errors, with their places for values (``{0}``, ``{1:g}``), as ``terrainav_plugin/i18n.py`` looks them up. pylupdate
-knows neither. The files are Qt Linguist's, and Qt's ``lrelease`` compiles them.
+The texts are found in the source: those passed to ``tr`` in the plugin, and the templates of the core's messages and
+errors, with their placeholders (``{0}``, ``{1:g}``), as ``terrainav_plugin/i18n.py`` looks them up. pylupdate finds
+neither. The files have the format of Qt Linguist, and Qt's ``lrelease`` compiles them.
 
 Examples
 --------
 ::
 
-    python tools/translations.py update    # after a change of texts: new ones come, vanished ones go, the rest stays
+    python tools/translations.py update    # after a change of texts: add new ones, remove old ones
     python tools/translations.py compile   # .ts to .qm, as QGIS loads them
     python tools/translations.py missing   # texts without a translation
 """
@@ -33,15 +33,15 @@ FOLDER = ROOT / "resources" / "i18n"
 LANGUAGES = ("es",)
 #: Contexts: texts of the plugin, and of the core.
 PLUGIN, CORE = "TerrAInav", "TerrAInav core"
-#: What only the command shows; all else of the core the plugin may.
-UNTOLD = (
+#: Parts of the core whose texts only the command shows; the plugin may show the texts of all other parts.
+COMMAND_ONLY = (
     "core/cli",
     "core/dataset/convert.py",
     "core/dataset/loading",
     "core/dataset/vbn.py",
     "core/pairs",
 )
-#: A text worth translating has a word in it.
+#: A word; texts without one are not translated.
 _WORD = re.compile(r"[A-Za-z]{2,}")
 _PLACE = re.compile(r"\{\d+[^{}]*\}")
 
@@ -53,7 +53,7 @@ class TranslationError(Exception):
 
 
 def texts_of(node: ast.expr) -> Iterator[str]:
-    """Yield the texts that an expression may give, where they stand there: others are found where they are made."""
+    """Yield the literal texts that may be the value of an expression; texts from elsewhere are found there."""
     if isinstance(node, ast.IfExp):
         yield from texts_of(node.body)
         yield from texts_of(node.orelse)
@@ -64,7 +64,7 @@ def texts_of(node: ast.expr) -> Iterator[str]:
 
 
 def plugin_texts(path: Path) -> Iterator[str]:
-    """Yield every text given to ``tr``."""
+    """Yield every text passed to ``tr``."""
     for call in _translated_calls(path):
         text = call.args[0] if call.args else None
         if isinstance(text, ast.Constant) and isinstance(text.value, str):
@@ -89,7 +89,7 @@ def core_texts(path: Path) -> Iterator[str]:
 
 
 def declared_texts(call: ast.Call) -> Iterator[str]:
-    """Yield what is said of a field of a mission where it is declared: title, help, and what its choices are called."""
+    """Yield the texts of a declared field of a mission: title, label, help and labels of choices."""
     for keyword in call.keywords:
         if keyword.arg in ("title", "label", "help"):
             yield from texts_of(keyword.value)
@@ -99,12 +99,12 @@ def declared_texts(call: ast.Call) -> Iterator[str]:
 
 
 def _is_worded(text: str) -> bool:
-    """Whether a text has words, and so is more than places and marks."""
+    """Whether a text has words, not only placeholders and punctuation."""
     return _WORD.search(_PLACE.sub("", text)) is not None
 
 
 def _makes_message(function: ast.expr) -> bool:
-    """Whether a function's first argument is a template: `Message` and errors of our own."""
+    """Whether a function's first argument is a template: `Message`, or an error of this project."""
     name = getattr(function, "id", getattr(function, "attr", ""))
     own = name.endswith("Error") and not hasattr(builtins, name)
     return own or name in ("Message", "InvalidInput", "Cancelled", "OutOfReach", "NotThere")
@@ -128,20 +128,20 @@ def found() -> Texts:
         _add(texts[PLUGIN], plugin_texts(path), path)
     for room in ("core", "terrainav_plugin"):
         for path in sorted((ROOT / room).rglob("*.py")):
-            if not path.relative_to(ROOT).as_posix().startswith(UNTOLD):
+            if not path.relative_to(ROOT).as_posix().startswith(COMMAND_ONLY):
                 _add(texts[CORE], core_texts(path), path)
     return texts
 
 
 def _add(texts: dict[str, list[str]], more: Iterable[str], path: Path) -> None:
     name = path.relative_to(ROOT).as_posix()
-    # In a fixed order, whatever the order of the code: moved code changes nothing.
+    # Sorted, so that moving code changes nothing.
     for text in sorted(set(more)):
         texts.setdefault(text, []).append(name)
 
 
 def translated(language: str) -> dict[tuple[str, str], str]:
-    """Translations there are, by context and text."""
+    """Existing translations, by context and text."""
     path = FOLDER / f"terrainav_{language}.ts"
     if not path.exists():
         return {}
@@ -155,7 +155,7 @@ def translated(language: str) -> dict[tuple[str, str], str]:
 
 
 def write(language: str, texts: Texts, known: dict[tuple[str, str], str]) -> None:
-    """Write a language's file: every text once, with its places, in the order of the source."""
+    """Write a language's file: every text once, with the files that have it, in the order of the source."""
     lines = [
         '<?xml version="1.0" encoding="utf-8"?>',
         "<!DOCTYPE TS>",
@@ -182,7 +182,7 @@ def write(language: str, texts: Texts, known: dict[tuple[str, str], str]) -> Non
 
 
 def update() -> None:
-    """Bring the files up to what the source says now."""
+    """Update the files to the texts that are in the source now."""
     texts = found()
     FOLDER.mkdir(exist_ok=True)
     for language in LANGUAGES:
@@ -190,17 +190,17 @@ def update() -> None:
 
 
 def places_of(text: str) -> list[str]:
-    """Places for values in a text, in alphabetical order."""
+    """Placeholders of a text, in alphabetical order."""
     return sorted(re.findall(r"\{[^{}]*\}", text))
 
 
 def mnemonics_of(text: str) -> int:
-    """How many letters of a text are keys that choose it."""
+    """Number of mnemonics in a text: letters after ``&``."""
     return len(re.findall(r"&(?=\w)", text))
 
 
 def missing(language: str) -> list[str]:
-    """Texts without a translation, or whose translation has other places for values or keys."""
+    """Texts without a translation, or whose translation has other placeholders or mnemonics."""
     known = translated(language)
     return [
         f"{places[0]}: {text}"
@@ -230,7 +230,7 @@ def compile_all(folder: Path = FOLDER) -> None:
 
 
 def main() -> int:
-    """Do what the command line asks for; returns the exit code."""
+    """Run the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("what", choices=("update", "compile", "missing"))
     what = parser.parse_args().what

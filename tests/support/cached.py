@@ -1,4 +1,4 @@
-"""Sources over a cache on the loopback, for tests."""
+"""Sources with a cache, of servers on the loopback."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def tile(x, y=0, tile_px=256):
 
 
 def source_of(template, cache, *, tries=2, key=None, **options):
-    """Source that does not wait long before it tries again."""
+    """Source that waits only briefly before it tries again."""
     client = Client(
         RequestsTransport(4, Timeouts(connect_s=5.0, read_s=5.0, whole_s=10.0)),
         "The provider",

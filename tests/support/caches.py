@@ -1,4 +1,4 @@
-"""What is in a cache of tiles, looked at without the code that wrote it."""
+"""Contents of a cache of tiles, read without the code that wrote it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tests.support.patterns import positions
 
 
 def check_cache(folder, tile_px=256):
-    """Assert that every tile kept of a `TileServer` is the one it is said to be; returns how many are."""
+    """Assert that every tile cached of a `TileServer` has the right pixels; returns the number of tiles."""
     kept = 0
     for path in folder.glob("*.mbtiles"):
         with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as file:
-            about = dict(file.execute("SELECT name, value FROM metadata"))
+            metadata = dict(file.execute("SELECT name, value FROM metadata"))
             rows = file.execute("SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles").fetchall()
-        map_type = next((kind for kind in ("roadmap", "terrain") if kind in f"{path.name} {about}"), "satellite")
+        map_type = next((kind for kind in ("roadmap", "terrain") if kind in f"{path.name} {metadata}"), "satellite")
         for zoom, x, row, data in rows:
             # Rows of MBTiles count from the south.
             y = (1 << zoom) - 1 - row

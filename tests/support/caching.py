@@ -1,4 +1,4 @@
-"""A tile server that tells how long its tiles may be kept, and answers conditional requests."""
+"""A tile server that states how long its tiles may be cached, and answers conditional requests."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ class CachingTileServer(TileServer):
     ----------
     headers : dict or None
         Sent with every tile and every 304.
-    etag, last_modified : bool or str
-        Whether tiles have an ETag, which changes with the picture; the date they were last modified.
+    etag : bool
+        Whether tiles have an ETag, which changes with the picture.
+    last_modified : str
+        Date when the tiles were last modified; empty for none.
     length_in_304 : bool
         Whether a 304 states the length of the picture it leaves out, as servers may (RFC 9110, 8.6).
     clock : callable
@@ -57,12 +59,12 @@ class CachingTileServer(TileServer):
             headers["ETag"] = f'"{hashlib.sha256(body).hexdigest()[:16]}"'
         if self.last_modified:
             headers["Last-Modified"] = self.last_modified
-        asked = handler.headers
-        # If-None-Match goes before If-Modified-Since (RFC 9110, 13.2.2).
-        if "If-None-Match" in asked:
-            same = asked["If-None-Match"] == headers.get("ETag")
+        conditions = handler.headers
+        # If-None-Match takes precedence over If-Modified-Since (RFC 9110, 13.2.2).
+        if "If-None-Match" in conditions:
+            same = conditions["If-None-Match"] == headers.get("ETag")
         else:
-            same = bool(self.last_modified) and asked.get("If-Modified-Since") == self.last_modified
+            same = bool(self.last_modified) and conditions.get("If-Modified-Since") == self.last_modified
         with self.lock:
             self.statuses[304 if same else 200] += 1
         if same:

@@ -1,4 +1,4 @@
-"""The command run within the test's own process, as a user with nothing configured or cached."""
+"""The command run in the test's process, for a user with nothing configured or cached."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from terrainav.core.imagery.http.client import Client
 
 
 class Finished(NamedTuple):
-    """What a command leaves on the terminal."""
+    """Exit code and output of a command."""
 
     returncode: int
     stdout: str
@@ -24,13 +24,13 @@ def command(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.chdir(tmp_path)
-    # Servers that are gone are asked again, and what is waited in between is not of interest here.
+    # Requests to servers that do not answer are repeated; the wait in between does not matter here.
     monkeypatch.setitem(Client.__init__.__kwdefaults__, "first_wait_s", 0.001)
 
     def run(*arguments, **environment):
-        with monkeypatch.context() as own:
+        with monkeypatch.context() as patched:
             for name, value in environment.items():
-                own.setenv(name, value)
+                patched.setenv(name, value)
             capsys.readouterr()
             try:
                 code = main(arguments)

@@ -1,4 +1,4 @@
-"""Small datasets written by hand, whose images are all different and whose rows are of every kind."""
+"""Small datasets written by hand, with different images and rows of every kind."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ HEAD = "img_names,columns,rows,Lat,Lon,Alt,entropies,status,reason,rejected,spli
 
 
 def pixels_of(number: int, height: int = 30, width: int = 40) -> np.ndarray:
-    """Pixels (height, width, 3) of a smooth image of its own, sharp edge included."""
+    """Pixels (height, width, 3) of a smooth image with a sharp edge, different for each number."""
     y, x = np.mgrid[:height, :width] * (30 / height)
     red, green = 128 + 100 * np.sin(x / 9 + number), 128 + 100 * np.cos(y / 7 - number)
     blue = np.where(x + y > 20 + number, 220, 30)

@@ -1,4 +1,4 @@
-"""What an error of TerrAInav's is about, compared by its parts and not by its wording."""
+"""Expected errors of TerrAInav, compared by their parts and not by their wording."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from terrainav.core.errors import InvalidInput, TerrAInavError
 def refused(
     template: str, *values: object, field: str = "", kind: type[TerrAInavError] = InvalidInput
 ) -> Iterator[pytest.ExceptionInfo[TerrAInavError]]:
-    """Expect an error of a kind, about a field, of a template, and of these values where some are given."""
+    """Expect an error with a kind, a field, a template and, if any are given, values."""
     with pytest.raises(kind) as caught:
         yield caught
     error = caught.value

@@ -1,6 +1,7 @@
-"""What tile servers do wrong, on demand.
+"""Faults of tile servers, on demand.
 
-A fault answers one request in place of the server. It is given the handler and the picture that would have been sent.
+A fault is a function that answers one request in place of the server. Its arguments are the handler and the picture
+that the server would have sent.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ QUOTA_WORDS = "You have exceeded your daily request quota for this API."
 STALL_S = 30.0
 HUGE_BYTES = 200 << 20
 BOMB_PX = 40_000
-#: More than the largest body that is read, packed to a thousandth of it.
+#: Unpacked size of a body, more than the largest body that is read; it is packed to a thousandth.
 UNPACKED_MB = 40
 
 
@@ -61,7 +62,7 @@ def _reset(handler, body):
     handler.start(200, content_type(body), len(body))
     handler.wfile.write(body[: len(body) // 2])
     handler.wfile.flush()
-    # Closing with unsent data to be dropped sends a reset instead of an end.
+    # With this option, closing drops unsent data and sends a reset instead of an end.
     handler.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     handler.close_connection = True
 
@@ -98,9 +99,9 @@ def _corrupt(handler, body):
 
 
 def _bad_copy(handler, body):
-    """Answer as a proxy whose copy is broken, and which asks the server itself only where it is told to."""
-    past = "no-cache" in handler.headers.get("Cache-Control", "")
-    if past and not any(name.startswith("If-") for name in handler.headers):
+    """Answer like a proxy with a broken copy, which asks the server only if the request has ``no-cache``."""
+    bypassed = "no-cache" in handler.headers.get("Cache-Control", "")
+    if bypassed and not any(name.startswith("If-") for name in handler.headers):
         handler.answer(200, body, content_type(body))
     else:
         _corrupt(handler, body)
@@ -147,7 +148,7 @@ def _png_without_pixels(handler, body):
 
 
 def _packed_bomb(handler, _body):
-    # Blocks that stand for themselves are packed once.
+    # A block that does not depend on the others is packed once and repeated.
     packing = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
     block = packing.compress(bytes(1 << 20)) + packing.flush(zlib.Z_FULL_FLUSH)
     body = b"\x1f\x8b\x08" + bytes(7) + block * UNPACKED_MB
@@ -167,19 +168,19 @@ def _many_headers(handler, body):
 
 
 def flat_placeholder(size_px: int = 256) -> bytes:
-    """Encode the placeholder picture the server sends for ground it has nothing of."""
+    """Encode the placeholder picture that a server sends where it has no imagery."""
     return to_bytes(np.full((size_px, size_px, 3), 204, np.uint8), "png")
 
 
 def gif_bomb() -> bytes:
-    """Encode a GIF of a few bytes whose only frame is of 12.9 GB."""
+    """Encode a GIF of a few bytes whose only frame would take 12.9 GB."""
     screen = struct.pack("<HHBBB", 256, 256, 0, 0, 0)
     frame = b"," + struct.pack("<HHHHB", 0, 0, 65535, 65535, 0x80) + bytes(6)
     return b"GIF89a" + screen + frame + b"\x02\x02\x4c\x01\x00;"
 
 
 def bomb() -> bytes:
-    """Encode a PNG of a few bytes that unfolds to 4.8 GB: its rows are never sent, its header is what matters."""
+    """Encode a PNG of a few bytes whose header announces 4.8 GB; most of its rows are missing."""
 
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))

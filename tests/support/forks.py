@@ -1,7 +1,7 @@
-"""Captures in processes that can be killed, or that a limit or an ordinary user's rights are set on.
+"""Captures in processes that can be killed, limited, or run with the rights of an ordinary user.
 
-A process that has everything imported forks one child a run, so that a run costs what a capture costs. The driver reads
-one request a line from its input and answers with one line each; both are JSON.
+A process that has imported everything forks one child for each run, so that a run takes only the time of the capture.
+The process reads one request a line from its input and answers each with one line; both are JSON.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ import traceback
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-# Longest a run may take, far longer than any does; the longest that what a killed run started may stay.
-NEVER_S, ORPHANS_S = 60.0, 5.0
+# Longest time that a run may take, far longer than any does.
+NEVER_S = 60.0
+# Longest time that processes started by a killed run may stay.
+ORPHANS_S = 5.0
 KILLED = -signal.SIGKILL
 _FILE_EVENTS = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
 
@@ -30,7 +32,7 @@ class Driver:
     Parameters
     ----------
     environment : mapping
-        Added to that of the runs.
+        Variables added to the environment of the runs.
     """
 
     def __init__(self, environment=()):
@@ -54,32 +56,32 @@ class Driver:
         self._process.wait()
 
     def run(self, **request):
-        """Run a capture; returns what became of it.
+        """Run a capture; returns its outcome.
 
         Parameters
         ----------
         mission : str
             JSON of the mission, captured from a source whose pixels hold their position; or
         argv : list of str
-            Arguments of the command. ``debug`` logs all that is logged, ``hasty`` waits briefly and tries once.
+            Arguments of the command. ``debug`` logs everything, ``hasty`` waits briefly and tries once.
         folder : str
-            For ``mission``, and for ``kill_at_event``.
+            Folder of the dataset, for ``mission`` and ``kill_at_event``.
         environment : mapping
-            Added to the driver's, for this run.
+            Variables added to the driver's environment for this run.
         output : str
             File for what the run prints.
         kill_after_s : float
-            After so long it is killed.
+            Time after which the run is killed.
         kill_at_event : int
-            It is killed before that one of its changes to the folder, from 0.
+            Number, from 0, of the change to the folder before which the run is killed.
         wait_s, connections, workers
-            Of the source and the capture.
+            Options of the source and the capture.
         largest_file_bytes : int
             RLIMIT_FSIZE.
-        user : int
-            Runs as this user.
+        obeys_permissions : bool
+            Whether a run of root obeys permissions like an ordinary user.
         closes_after : int
-            The folder becomes read-only once so many parts were fetched.
+            Number of fetched parts after which the folder becomes read-only.
 
         Returns
         -------
@@ -93,7 +95,7 @@ class Driver:
 
 
 def _main():
-    # All that a run imports.
+    # Import everything that a run needs.
     import resource  # noqa: F401
 
     import PIL.Image  # noqa: F401
@@ -114,16 +116,16 @@ def _main():
     print("ready", flush=True)
     for line in sys.stdin:
         request = json.loads(line)
-        came, went = os.pipe()
+        read_end, write_end = os.pipe()
         child = os.fork()
         if child == 0:
-            os.close(came)
-            _child(request, went)
-        os.close(went)
-        print(json.dumps(_watch(child, came, request)), flush=True)
+            os.close(read_end)
+            _child(request, write_end)
+        os.close(write_end)
+        print(json.dumps(_watch(child, read_end, request)), flush=True)
 
 
-def _watch(child, came, request):
+def _watch(child, read_end, request):
     with contextlib.suppress(OSError):
         os.setpgid(child, child)
     began = time.monotonic()
@@ -139,14 +141,14 @@ def _watch(child, came, request):
     while (orphans := _signal_group(child, 0)) and time.monotonic() < deadline:
         time.sleep(0.002)
     _signal_group(child, signal.SIGKILL)
-    with os.fdopen(came) as told:
-        text = told.read()
+    with os.fdopen(read_end) as pipe:
+        text = pipe.read()
     code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
     return {"code": code, "seconds": seconds, "orphans": orphans, **(json.loads(text) if text else {})}
 
 
 def _signal_group(group, number):
-    """Signal the processes of a group; whether there are any."""
+    """Signal the processes of a group; returns whether there are any."""
     try:
         os.killpg(group, number)
     except ProcessLookupError:
@@ -154,9 +156,9 @@ def _signal_group(group, number):
     return True
 
 
-def _child(request, went):
-    """Run a capture and never come back."""
-    code, told = 70, {}
+def _child(request, write_end):
+    """Run a capture and end the process."""
+    code, outcome = 70, {}
     try:
         with contextlib.suppress(OSError):
             os.setpgid(0, 0)
@@ -165,7 +167,7 @@ def _child(request, went):
         for old, new in ((null, 0), (output, 1), (output, 2)):
             os.dup2(old, new)
         signal.alarm(int(NEVER_S))
-        code = _run(request, told)
+        code = _run(request, outcome)
     except SystemExit as wrong:
         code = wrong.code
     except BaseException:  # noqa: BLE001 (the process ends here)
@@ -173,12 +175,12 @@ def _child(request, went):
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
-        os.write(went, json.dumps(told).encode())
-        # Not by way of the parent's clean-up.
+        os.write(write_end, json.dumps(outcome).encode())
+        # End without the parent's clean-up.
         os._exit(code)
 
 
-def _run(request, told):
+def _run(request, outcome):
     from terrainav.core.capture.runner import capture
     from terrainav.core.cli import main
     from terrainav.core.errors import TerrAInavError
@@ -190,7 +192,7 @@ def _run(request, told):
     os.environ.update(request.get("environment", {}))
     if request.get("argv"):
         if request.get("folder"):
-            _kill_at(request["folder"], request.get("kill_at_event"), told)
+            _kill_at(request["folder"], request.get("kill_at_event"), outcome)
         if request.get("debug"):
             logging.basicConfig(level=logging.DEBUG)
         if request.get("hasty"):
@@ -199,7 +201,7 @@ def _run(request, told):
     source = PatternSource(wait_s=request.get("wait_s", 0.0))
     worked_out = plan(Mission.from_json(request["mission"]), source.grid)
     folder = request["folder"]
-    _kill_at(folder, request.get("kill_at_event"), told)
+    _kill_at(folder, request.get("kill_at_event"), outcome)
     _limit(request)
     if request.get("closes_after") is not None:
         source.paint = _closing(source, folder, request["closes_after"])
@@ -213,14 +215,14 @@ def _run(request, told):
             resume=True,
         )
     except TerrAInavError as wrong:
-        told["error"] = str(wrong)
+        outcome["error"] = str(wrong)
         return 3
-    told.update(written=result.written, skipped=result.skipped, failed=len(result.failed))
+    outcome.update(written=result.written, skipped=result.skipped, failed=len(result.failed))
     return 0
 
 
 def _hurry():
-    """Let every attempt at a request end soon, and be the only one."""
+    """Try every request only once, and with short timeouts."""
     from terrainav.core.imagery.http import client, requests_transport, transport
 
     client.Client.__init__.__kwdefaults__["tries"] = 1
@@ -232,18 +234,18 @@ def _hurry():
     )
 
 
-def _kill_at(folder, at, told):
+def _kill_at(folder, at, outcome):
     """Count changes to the folder, and end the process before one of them."""
-    told["events"] = 0
+    outcome["events"] = 0
 
     def hook(event, arguments):
         if event not in _FILE_EVENTS or not str(arguments[0]).startswith(folder):
             return
         if event == "open" and not (isinstance(arguments[1], str) and set(arguments[1]) & set("wax+")):
             return
-        if told["events"] == at:
+        if outcome["events"] == at:
             os.kill(os.getpid(), signal.SIGKILL)
-        told["events"] += 1
+        outcome["events"] += 1
 
     sys.addaudithook(hook)
 
@@ -260,7 +262,7 @@ def _limit(request):
 
 
 def _closing(source, folder, after):
-    """Paint as ever, but close the folder to writers after so many parts."""
+    """Return the source's painter, which also makes the folder read-only after a number of parts."""
     paint = source.paint
 
     def closing(map_type, part):

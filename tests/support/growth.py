@@ -1,4 +1,4 @@
-"""How the work of something grows with the size of what it is given, whatever the machine."""
+"""Growth of a function's work with the size of its input, on any machine."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ import gc
 import math
 import time
 
+#: Factor between the two sizes that are compared.
 TIMES = 8
-#: Growth up to which work counts as proportional: with the square of the size it grows `TIMES` as much.
+#: Largest growth of work that counts as proportional; for work that grows with the square of the size it is `TIMES`.
 PROPORTIONAL = TIMES / 2.0
-#: Seconds that cannot be told from none.
+#: Shortest time that can be measured.
 _NOISE_S = 0.02
 
 
 def growth(work, size):
     """Processor time of ``work(TIMES * size)`` over `TIMES` that of ``work(size)``.
 
-    Where it seems not to be proportional it is measured twice more, and the least of each counts.
+    If the work does not seem proportional, both are measured up to twice more, and the least time of each counts.
     """
     small_s = large_s = math.inf
     for _ in range(3):
@@ -28,7 +29,7 @@ def growth(work, size):
 
 
 def _seconds(work, size):
-    # A garbage collection takes time by the objects of other tests.
+    # A garbage collection takes more time if other tests have left objects.
     gc.disable()
     try:
         began_s = time.process_time()

@@ -1,4 +1,4 @@
-"""Documents of ArcGIS REST services and of an OGC API, in the shape that real servers give them."""
+"""Documents of ArcGIS REST services and of an OGC API, in the form that real servers send."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 #: Half the circumference of the sphere of EPSG:3857, by its radius; ArcGIS Server writes it with 17 digits.
 HALF_M = math.pi * 6378137.0
 MERCATOR = {"wkid": 102100, "latestWkid": 3857}
-#: Where the imagery of these services is: about Memphis.
+#: Extent of these services' imagery, around Memphis.
 EXTENT_M = {"xmin": -10_040_000.0, "ymin": 4_160_000.0, "xmax": -9_980_000.0, "ymax": 4_200_000.0}
 DEGREES = "http://www.opengis.net/def/crs/OGC/1.3/CRS84"
 REL = "http://www.opengis.net/def/rel/ogc/1.0/"
@@ -170,7 +170,7 @@ def tileset(url: str, base: str, name: str, crs: str, *, limits=(), data: str = 
 
 
 def matrix_set(name: str, crs: str, corner, sizes, tile_px: int = 256, span: float = 1.0) -> dict:
-    """Describe a tile matrix set of cells of sizes in metres, from a corner in the system's own order of axes."""
+    """Describe a tile matrix set with pixels of sizes in metres; ``corner`` has the axis order of the CRS."""
     return {
         "id": name,
         "crs": crs,

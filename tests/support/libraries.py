@@ -1,7 +1,7 @@
-"""Mathematical libraries that are not this machine's: the core with sines and the like that are off.
+"""Mathematical libraries of other machines: run the core with sines and other functions that are inexact.
 
-Processors with AVX-512 give numpy 1 sines up to 4 units in the last place off, others give it better ones. What holds
-for any of them is tried with `inexact`, on whatever processor; a process can do without its `chosen_instructions`.
+On processors with AVX-512, sines of numpy 1 are up to 4 units in the last place off; on others they are better. With
+`inexact`, tests on any processor cover all of them. A process can disable its `chosen_instructions`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import terrainav.core
 ULPS = 4.0
 _ONE_ARGUMENT = "sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp expm1 log log1p log2 log10"
 _TWO_ARGUMENTS = "arctan2 hypot"
-#: numpy's names of what Python's own library calls otherwise.
+#: Names in ``math`` of functions that numpy names differently.
 _PYTHONS = {"arc" + name: "a" + name for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "tan2")}
 #: Steps of splitmix64 (Steele, Lea and Flood 2014).
 _GOLDEN, _MIX, _MIX_AGAIN = (
@@ -32,7 +32,7 @@ _GOLDEN, _MIX, _MIX_AGAIN = (
 
 
 def chosen_instructions() -> list[str]:
-    """What numpy chooses at run time because this processor has it, as ``NPY_DISABLE_CPU_FEATURES`` names it."""
+    """Instruction sets that numpy uses on this processor, named as in ``NPY_DISABLE_CPU_FEATURES``."""
     umath = importlib.import_module(
         "numpy.core._multiarray_umath" if np.__version__ < "2" else "numpy._core._multiarray_umath"
     )
@@ -52,7 +52,7 @@ def _scattered(seed: int, *arguments: np.ndarray) -> np.ndarray:
 
 
 def _function(name: str, seed: int, ulps: float) -> Callable[..., Any]:
-    """A function of numpy whose float64 results are off by up to so many units; exact results stay exact."""
+    """A numpy function with float64 results off by up to ``ulps`` units; exact results stay exact."""
     exactly = getattr(np, name)
 
     def function(*arguments: Any, **options: Any) -> Any:
@@ -91,11 +91,11 @@ def _core_modules() -> Iterator[ModuleType]:
 
 @contextlib.contextmanager
 def inexact(seed: int, ulps: float = ULPS, but: str | None = None) -> Iterator[None]:
-    """Give the core's loaded modules a numpy and a ``math`` whose functions are off by up to so many units.
+    """Give the core's loaded modules a numpy and a ``math`` whose functions are off by up to ``ulps`` units.
 
     Results are exact ones moved by a share of the units that depends on the argument alone: the same argument gives the
-    same result, as in any library. Long double, what is not the core, and modules whose names begin with ``but`` are
-    left alone.
+    same result, as in any library. Long double, modules outside the core, and modules whose names begin with ``but``
+    stay exact.
     """
     names = (*_ONE_ARGUMENT.split(), *_TWO_ARGUMENTS.split())
     functions = {name: _function(name, seed + number, ulps) for number, name in enumerate(names)}

@@ -17,7 +17,7 @@ TOPICS = {
     "sensor_gps": ("uint64_t timestamp;uint64_t time_utc_usec;", "<QQ"),
 }
 LEVEL = (1.0, 0.0, 0.0, 0.0)
-#: Of an aircraft that heads east with its nose 10 degrees up, w first: yaw, then pitch.
+#: Quaternion, w first, of an aircraft that heads east with its nose 10 degrees up: yaw, then pitch.
 EAST_UP = (
     math.cos(math.pi / 4) * math.cos(math.radians(5)),
     -math.sin(math.pi / 4) * math.sin(math.radians(5)),

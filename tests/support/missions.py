@@ -1,4 +1,4 @@
-"""Missions of every kind, for properties that hold of all of them."""
+"""Missions of every kind, for tests of properties that all missions have."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ missions = st.builds(
 )
 
 
-#: Values of texts, lists and pairs that are not their defaults; those of other fields follow from what is declared.
+#: Values of texts, lists and pairs other than their defaults; those of other fields follow from the declaration.
 _OTHERS = {
     "facing": "33.5",
     "start": "2024-06-21T12:00:00Z",
@@ -94,12 +94,12 @@ _OTHERS = {
     "takeoff": (35.1, -89.8),
     "img_size": (64, 48, 1),
 }
-#: Fields without which others are refused.
+#: Fields that others require.
 _NEEDED = {"surface": ("elevation",), "battery_min": ("takeoff",)}
 
 
 def other_value(field):
-    """Value of a declared field that is right, and not its default."""
+    """Valid value of a declared field other than its default."""
     if field.name in _OTHERS:
         return _OTHERS[field.name]
     if field.kind is bool:
@@ -116,7 +116,7 @@ def other_value(field):
 
 
 def with_other(field):
-    """Fields of a part by name: a field with a value that is not its default, and those that it needs."""
+    """Values by field: a value other than the default of a field, and values of the fields that it requires."""
     return {field.name: other_value(field), **{name: _OTHERS[name] for name in _NEEDED.get(field.name, ())}}
 
 

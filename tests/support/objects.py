@@ -1,4 +1,4 @@
-"""An S3 store on loopback: moto's server, which speaks S3's own protocol."""
+"""An S3 store on the loopback: moto's server, which has the protocol of S3."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 import requests
 
-#: What a test's store takes for credentials; the second is looked for where none may be printed.
+#: Credentials of the store; tests search output for the secret.
 KEY, SECRET = "TESTKEY", "TESTSECRETNOBODYMAYSEE"
 
 
 @contextlib.contextmanager
 def s3_store(monkeypatch: pytest.MonkeyPatch, bucket: str = "data") -> Iterator[str]:
-    """Run a store with a bucket, which the environment leads to; yields the bucket's address."""
+    """Run a store with a bucket, set the environment to use it, and yield the bucket's address."""
     moto = pytest.importorskip("moto.server", reason="needs moto")
     boto3 = pytest.importorskip("boto3", reason="needs boto3")
     s3fs = pytest.importorskip("s3fs", reason="needs s3fs")
@@ -33,7 +33,7 @@ def s3_store(monkeypatch: pytest.MonkeyPatch, bucket: str = "data") -> Iterator[
         ):
             monkeypatch.setenv(name, value)
         s3fs.S3FileSystem.clear_instance_cache()
-        # Servers of one process have their objects in common.
+        # Servers of one process share their objects, so start without any.
         requests.post(f"http://{host}:{port}/moto-api/reset", timeout=10).raise_for_status()
         boto3.client("s3").create_bucket(Bucket=bucket)
         yield f"s3://{bucket}"

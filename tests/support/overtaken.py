@@ -1,8 +1,8 @@
-"""A capture of a process of its own that waits for files: ``python -m tests.support.overtaken KIND PLACE SIGNALS``.
+"""A capture in a separate process that waits for files: ``python -m tests.support.overtaken KIND PLACE SIGNALS``.
 
-It makes the file ``asked`` when it first needs imagery, and goes on once ``go`` is there. KIND says what holds the
-place: ``no-locks`` has a file system without locks, ``lost`` one whose lock is lost in silence, as a server of files
-that was begun again loses it, ``flock`` an ordinary one. With ``-blocks`` the capture is in blocks.
+It creates the file ``asked`` when it first needs imagery, and continues once ``go`` exists. KIND is the file system:
+``flock`` an ordinary one, ``no-locks`` one without locks, and ``lost`` one that loses a lock without notice, like that
+of a file server after a restart. With ``-blocks`` the capture is in blocks.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ PATIENCE_S = 120.0
 
 
 class Waiting(PatternSource):
-    """A source that answers once there is a file."""
+    """A source that answers once the file ``go`` exists."""
 
     def paint(self, map_type, part):
         signals = Path(sys.argv[3])
@@ -41,9 +41,9 @@ class Waiting(PatternSource):
 
 
 def main() -> int:
-    """Capture; 3 where that is refused, as the command says it."""
+    """Capture; returns 3, as the command does, if the capture is refused."""
     kind, place, _ = sys.argv[1:]
-    # Who was stopped counts as dead soon, and who only waits for its turn or for a server on a busy machine does not.
+    # A stopped process soon counts as dead; a process that only waits on a busy machine does not.
     holding.BEAT_S, holding.DEAD_S = 0.05, 10.0 if is_address(place) else 4.0
     if not kind.startswith("flock"):
         fcntl.flock = _no_locks if kind.startswith("no-locks") else _lost_locks()
@@ -63,7 +63,7 @@ def _no_locks(_file, _how):
 
 
 def _lost_locks():
-    """Locks within this process alone: it takes them for held, and others can have them, too."""
+    """Return a lock function that works only within this process: others can take the locks, too."""
     held = {}
 
     def path_of(file):
@@ -74,7 +74,7 @@ def _lost_locks():
         if how & fcntl.LOCK_UN:
             held.pop(path)
             return
-        # What was closed is let go of.
+        # A file that was closed no longer holds its lock.
         if held.get(path, file) != file and path_of(held[path]) == path:
             raise OSError(errno.EAGAIN, "held")
         held[path] = file

@@ -1,7 +1,7 @@
-"""The mission panel on PyQt6, without QGIS: run by ``tests/test_qt6.py`` in a process of its own.
+"""The mission panel on PyQt6, without QGIS: run by ``tests/test_qt6.py`` in a separate process.
 
-What the panel takes from QGIS are mostly Qt's own widgets with a little more; here it gets Qt's. No figure of QGIS is
-tested so, but every line of the panel that makes, fills and asks a widget runs as it will in QGIS 4.
+The panel's QGIS widgets are mostly Qt widgets with small additions; here Qt's widgets replace them. This does not test
+QGIS, but every line of the panel that makes, fills or reads a widget runs as in QGIS 4.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from PyQt6.QtCore import QSettings, Qt, pyqtSignal
 
 
 class _Anything(type(QtCore.QObject)):
-    """Classes that nothing here needs an instance of: any of their names is there."""
+    """Type of placeholder classes, which have any attribute."""
 
     def __getattr__(cls, name: str) -> object:
         if name.startswith("__"):
@@ -25,7 +25,7 @@ class _Anything(type(QtCore.QObject)):
 
 
 class _Nothing:
-    """What has nothing in it, whatever it is asked for."""
+    """Placeholder object: any attribute or call returns it, and it has no items."""
 
     def __getattr__(self, name: str) -> _Nothing:
         if name.startswith("__"):
@@ -63,7 +63,7 @@ class QgsApplication(QtWidgets.QApplication):
 
 
 class Qgis:
-    """Versions that the plugin asks for."""
+    """Version and enumerations that the plugin reads."""
 
     QGIS_VERSION_INT = 40000
 
@@ -217,7 +217,7 @@ def stand_in() -> None:
 
 
 def say(text: str) -> None:
-    """Tell the test."""
+    """Print a line for the test."""
     print(text, flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Pictures whose pixels are known: each says where on the global pixel grid it is, or shows the embedded world."""
+"""Pictures with known pixels, which encode their position on the global pixel grid or show the embedded world."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from PIL import Image
 # A tile: (map_type, zoom, x, y, size_px) -> (size_px, size_px, 3) uint8, or None where there is no imagery.
 Painter = Callable[[str, int, int, int, int], "np.ndarray | None"]
 
-# Positions are told modulo this: 12 bits for each axis fill the 24 bits of a pixel.
+# Positions are encoded modulo this: 12 bits for each axis fill the 24 bits of a pixel.
 MODULUS = 4096
-# Which channels hold what, so that map types cannot be mistaken for each other.
+# Order of the channels by map type, so that map types cannot be confused.
 _CHANNELS = {"satellite": (0, 1, 2), "roadmap": (1, 2, 0), "terrain": (2, 0, 1)}
 
 
@@ -41,7 +41,7 @@ def positions(map_type, zoom, x, y, size_px):
 
 
 def encoded_positions(map_type, x, y, size_px, extension):
-    """Encode a tile that holds global pixels; there are as many different ones as fit the modulus."""
+    """Encode a tile that holds global pixels; tiles repeat with the modulus."""
     return _encoded_positions(map_type, x % (MODULUS // size_px), y % (MODULUS // size_px), size_px, extension)
 
 
@@ -66,7 +66,7 @@ def world(seed: int = 2024) -> Painter:
 
 
 def folder(path: Path | str) -> Callable[[str, int, int, int, str], bytes | None]:
-    """Reader of tiles that another program has cut: ``path/z/x/y.*``, or ``path/map_type/z/x/y.*``."""
+    """Reader of tiles made by another program: ``path/z/x/y.*``, or ``path/map_type/z/x/y.*``."""
     root = Path(path)
 
     def read(map_type, zoom, x, y, _extension):

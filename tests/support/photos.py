@@ -1,4 +1,4 @@
-"""What mapping software makes of a photo's tags: ExifTool's numbers, and the formulas of OpenSfM and OpenDroneMap."""
+"""Tags of photos as mapping software reads them: by ExifTool, and by the formulas of OpenSfM and OpenDroneMap."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pyproj import Transformer
 
 A_M, B_M = 6_378_137.0, 6_356_752.314245179
 
-#: Half of the sixth digit, which is the last that files state of other figures than degrees, relative to a number.
+#: Relative rounding of numbers other than degrees, which files state with six digits: half of the sixth.
 SIXTH_DIGIT = 5e-6
 
 
@@ -80,7 +80,7 @@ def image_to_north_east_down(yaw_deg, pitch_deg, roll_deg):
 
 
 def ground_seen(tags, columns_rows, ground_height_m=0.0):
-    """Longitude and latitude that a photo's tags say it shows at points, px from its upper left corner, (k, 2)."""
+    """Longitude and latitude of the ground that a photo shows at points (k, 2), px from its upper left corner."""
     per_mm = [tags[f"ExifIFD:FocalPlane{axis}Resolution"] / 10.0 for axis in "XY"]
     focal_px = tags["ExifIFD:FocalLength"] * np.array(per_mm)
     centre_px = np.array([float(mm) for mm in tags["XMP-Camera:PrincipalPoint"].split(",")]) * per_mm
@@ -91,7 +91,7 @@ def ground_seen(tags, columns_rows, ground_height_m=0.0):
 
 
 def _hit(lat_deg, lon_deg, altitude_m, north, east, below, ground_height_m):
-    """Where rays from a position meet an ellipsoid, by PROJ's geocentric coordinates and a quadratic equation."""
+    """Longitude and latitude where rays meet an ellipsoid, by geocentric coordinates and a quadratic equation."""
     to_geocentric = Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
     origin = np.array(to_geocentric.transform(lon_deg, lat_deg, altitude_m))
     lat, lon = np.radians([lat_deg, lon_deg])
@@ -103,7 +103,7 @@ def _hit(lat_deg, lon_deg, altitude_m, north, east, below, ground_height_m):
     start, along = origin / axes, rays / axes[:, np.newaxis]
     a, b, c = (along**2).sum(axis=0), 2.0 * start @ along, (start**2).sum() - 1.0
     hit = origin[:, np.newaxis] + 2.0 * c / (-b + np.sqrt(b**2 - 4.0 * a * c)) * rays
-    # Latitude and longitude are those of the normal of the ground's own ellipsoid.
+    # Latitude and longitude are those of the normal of the ellipsoid at the height of the ground.
     normal = hit / (axes**2)[:, np.newaxis]
     lon = np.degrees(np.arctan2(normal[1], normal[0]))
     return lon, np.degrees(np.arctan2(normal[2], np.hypot(normal[0], normal[1])))

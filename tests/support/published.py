@@ -1,4 +1,4 @@
-"""Datasets of others, written as their own programs write them."""
+"""Datasets of others, written as by their programs."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from PIL import Image
 
 HEAD = ",img_names,columns,row,Lat,Lon,Alt,entropies"
-#: The published flight's: metres above ground, diagonal field of view, and its label of an aspect ratio of 4:3.
+#: Folder of the published flight, with its metres above ground, field of view, and label of the aspect ratio 4:3.
 FLIGHT = "raster_images_35.1375_-89.8615_0_120.0_78.8_4_4"
 
 
 def picture(seed, blank=False, size=(64, 48)) -> Image.Image:
-    """Image with much to see, or with nothing."""
+    """Image of noise, or a blank one."""
     width, height = size
     if blank:
         return Image.new("RGB", size, (240, 240, 240))
@@ -33,7 +33,7 @@ def write_published(
     entropies=True,
     start=(35.16, -89.9),
 ) -> list[str]:
-    """Write a map type with its table, as the paper's ``to_csv`` has it: an unnamed index, numbers with a point.
+    """Write a map type with its table, as the paper's ``to_csv`` writes it: an unnamed index, numbers with a point.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def write_published(
     blank : collection of (column, row)
         Images without anything to see.
     entropies : bool
-        Whether the table has a column of them.
+        Whether the table has a column of entropies.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def write_published(
 
 
 def flown_size(agl_m: float, fov_deg: float, lat_deg: float, zoom: int) -> tuple[int, int]:
-    """Size in px of an image of 4:3 that a camera's frame has at a zoom, on a sphere."""
+    """Size in px, at a zoom and on a sphere, of a camera's image with an aspect ratio of 4:3."""
     diagonal_px = 2.0 * agl_m * math.tan(math.radians(fov_deg / 2.0))
     diagonal_px /= 40075016.686 / (256 * 2**zoom) * math.cos(math.radians(lat_deg))
     return int(0.8 * diagonal_px), int(0.6 * diagonal_px)
@@ -78,9 +78,9 @@ def write_vbn(folder: Path, stems, *, texts=None, line=" {lat} {lon} {alt} ") ->
     Parameters
     ----------
     texts : list of str or None
-        Stems of the texts, where they are others.
+        Stems of the texts, if they differ from those of the images.
     line : str
-        What follows the colon of the position.
+        Template of the text after the colon of the position.
     """
     (folder / "JPG2").mkdir(parents=True)
     (folder / "MetaData2").mkdir()

@@ -94,17 +94,17 @@ class RangeServer:
     redirects : dict of path to URL
     asked : list of (method, path and query, headers)
     faults : list of status
-        Of the next answers; 0 for none.
+        Statuses of the next answers; 0 for no fault.
     sends_parts, names_versions, keeps_conditions : bool
-        What of Range, ETag and If-Match it knows.
+        Whether the server supports Range, ETag and If-Match.
     answers_heads : bool
-        Whether it answers requests for heads, as it does not where addresses are signed for GET alone.
+        Whether the server answers HEAD; servers with addresses signed only for GET do not.
     when : (int, callable) or None
-        After how many requests something happens.
+        Number of requests after which a function is called, and the function.
     sends_instead : callable or None
-        Of the first and the last byte that are asked for: what is sent in their place, and what is said that it is.
+        Function of the first and last byte requested that returns the bytes to send instead, and their Content-Range.
     cuts_at : int or None
-        Bytes after which the connection is closed in bodies that are longer.
+        Number of bytes after which the connection is closed if the body is longer.
     """
 
     def __init__(self):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from osgeo import gdal, osr
 
-#: Levels by which a colour of `position_colours` changes per metre, and where it turns: a triangle wave.
+#: Period, px, of the triangle wave that gives the colours of `position_colours`.
 RAMP_PERIOD = 125.0
 
 
@@ -58,7 +58,7 @@ def triangle(position: np.ndarray) -> np.ndarray:
 
 
 def turns(position: np.ndarray, within_px: float) -> np.ndarray:
-    """Where the wave turns within so many px, and means over pixels are not linear."""
+    """Whether the wave turns within ``within_px``, so that means over pixels are not linear."""
     phase = np.mod(position / (RAMP_PERIOD / 2.0), 1.0)
     return np.minimum(phase, 1.0 - phase) * (RAMP_PERIOD / 2.0) < within_px
 

@@ -1,7 +1,7 @@
-"""What messages advise: every one of them found by walking the code, and what it takes to try it.
+"""Find the advice in the messages of the code, and try it.
 
-A message gives advice where one of its clauses begins with what to do ("; choose another folder"), or where it names an
-option or a command. Its entry provokes it, and does each thing that it says.
+A message gives advice if one of its clauses begins with a verb ("; choose another folder"), or if it names an option or
+a command. For each such message an entry provokes it, and does everything that it advises.
 """
 
 from __future__ import annotations
@@ -24,26 +24,26 @@ from tests.support.trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 
-#: What clauses of advice begin with.
+#: First words of clauses that give advice.
 VERBS = frozenset(
     "add agree allow ask capture choose clean click close copy correct cut drag draw enter finish fix fly get give go "
     "have install leave make mend move name overlap pip plan press put raise remove rename repair resize resume run "
     "say select set shorten show split start take tick tilt try use wait write".split()
 )
-#: What clauses of refusals begin with that say what is wrong, or what would be right.
+#: First words of clauses that state the fault, or the condition that was not met.
 STATEMENTS = frozenset(
     "a an commas dates did expected it its known left lat must need needs no nothing the this which".split()
 )
 _FIRST = re.compile(r"^(?:\{\}, )?(?:or )?([a-z]+)\b(?!.*:)")
 _CLAUSE = re.compile(r"[;:] (?:or |\{\})?([a-z]+)\b")
-#: Sentences that say what to do, and conditions that a clause to do something follows.
+#: Sentences that give advice, and conditions before a clause that does.
 _SENTENCE = re.compile(r"(?:^|\. )([A-Z][a-z]+)\b(?=.*\.$)|[;:] if [^,;]*, ([a-z]+)\b", re.DOTALL)
 _NAMED = re.compile(r"^(--[a-z-]+ \{\})|[;:] ([^;:]*?(?:--[a-z]|`?\bterrainav [a-z]))")
-#: Where an option or a parameter says in its own words what it is for.
+#: Modules whose texts are help of options and parameters.
 _HELP = frozenset(["mission/options.py", "processing/mission_parameters.py"])
 #: The function that describes an algorithm.
 _DESCRIPTION = "texts"
-#: What reads like advice, and is none.
+#: Texts that only look like advice.
 NO_ADVICE = frozenset(
     [
         "shares {}: add up to {}; must add up to 1",
@@ -59,7 +59,7 @@ NO_ADVICE = frozenset(
             "bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be rejected, "
             "which may all be good."
         ),
-        # What a part of a window is for, and a question that windows ask.
+        # Descriptions of parts of a window, and a question that a window asks.
         (
             "Drag the line: images with less entropy (bits) are rejected.\nArrow keys move it by {step}, with Shift by "
             "{shift}, Page keys by {page} bits."
@@ -101,19 +101,19 @@ NO_ADVICE = frozenset(
         "set take-off point",
     ]
 )
-#: What stands between two things to do, or two things that are named for one.
+#: Text between two pieces of advice.
 _BETWEEN = re.compile(r"\b(?:or|and)\b|\W")
 
 
 class Place(NamedTuple):
-    """A message and the module that it stands in; values are {}, or have a name in braces."""
+    """A message and its module; values in the message are {}, or have a name in braces."""
 
     module: str
     message: str
 
     @property
     def advice_at(self) -> int:
-        """Where in the message the advice begins; -1 where there is none."""
+        """Index in the message at which the advice begins; -1 without advice."""
         clauses = [match.start(1) for match in _CLAUSE.finditer(self.message) if match[1] in VERBS]
         first = _FIRST.match(self.message)
         starts = clauses or [first.start(1)] if first is not None and first[1] in VERBS else clauses
@@ -123,12 +123,12 @@ class Place(NamedTuple):
         return min(starts, default=-1)
 
     def advice_of(self, text: str) -> str:
-        """What a text that is this message advises; empty where it is another."""
+        """Advice in a text with this message; empty if it is another message."""
         head, tail = (
             re.sub(r"\\\{\w*\\\}|%s", "(?:.|\\n)*?", re.escape(part))
             for part in (self.message[: self.advice_at], self.message[self.advice_at :].rstrip(", "))
         )
-        # What ends with a value goes on to the end of the text, or of the line where it is a command's.
+        # Advice that ends with a value extends to the end of the text, or of the line in a command's output.
         whole = f"({tail[:-1]})$" if tail.endswith("*?") else f"({tail})(?=$|[,;.] )"
         # The panel begins its sentences with a capital.
         found = re.search(head + whole, text, re.IGNORECASE)
@@ -147,7 +147,7 @@ def _named(function: ast.AST) -> str:
 
 
 def _option(node: ast.AST) -> str:
-    """What a value in a template says where it stands there itself: a word, or the name of an option; {} of others."""
+    """Text of a value in a template if it is a literal or the name of an option, else {}."""
     form = "{}"
     if isinstance(node, ast.Attribute) and node.attr == "in_brackets":
         node, form = node.value, " ({})"
@@ -157,7 +157,7 @@ def _option(node: ast.AST) -> str:
 
 
 def _filled(template: ast.AST, values: list[ast.expr]) -> list[str]:
-    """Texts of a template, of which there may be two to choose from, with the options that it names and {} else."""
+    """Texts of a template (several if it is conditional), with names of options filled in and {} for other values."""
     if isinstance(template, ast.IfExp):
         return _filled(template.body, values) + _filled(template.orelse, values)
     if isinstance(template, ast.Call) and _named(template.func) == "Message":
@@ -171,7 +171,7 @@ def _filled(template: ast.AST, values: list[ast.expr]) -> list[str]:
 
 
 def _of_call(call: ast.Call) -> list[str]:
-    """Texts of a message, or of an error with what helps, where they stand in the call."""
+    """Texts of a message, or of an error with its remedy, in a call."""
     if (
         not re.search(r"^(Message|InvalidInput|Cancelled|OutOfReach|NotThere)$|Error$", _named(call.func))
         or not call.args
@@ -181,7 +181,7 @@ def _of_call(call: ast.Call) -> list[str]:
     advice = [text for remedy in remedies for text in _filled(remedy, [])]
     texts = _filled(call.args[0], call.args[1:])
     if len(texts) == len(advice) > 1:
-        # One of the two for one, and one for several.
+        # The text and the remedy are both conditional, as for one thing and for several: pair them.
         return [f"{text}; {one}" for text, one in zip(texts, advice)]
     return [f"{text}; {one}" for text in texts or ["{}"] for one in advice] or texts
 
@@ -217,21 +217,21 @@ def _messages(tree: ast.Module) -> Iterator[str]:
 
 @cache
 def places(package: str) -> Counter[Place]:
-    """Every message of a package that gives advice, and how often it stands in its module."""
+    """Every message of a package that gives advice, and how often its module has it."""
     found: Counter[Place] = Counter()
     for path in sorted((ROOT / package).rglob("*.py")):
         module = path.relative_to(ROOT / package).as_posix()
         if module in _HELP:
             continue
         tree = tree_of(path)
-        # What begins with a line's end is a page of help, or a style.
+        # Texts that begin with a line feed are help or style sheets.
         texts = (text for text in _messages(tree) if text not in NO_ADVICE and not text.startswith("\n"))
         found.update(place for place in (Place(module, text) for text in texts) if place.advice_at >= 0)
     return found
 
 
 def unknown_beginnings(package: str) -> set[str]:
-    """Words that clauses of refusals begin with and that are known neither of advice nor of statements."""
+    """First words of clauses of refusals that are in neither `VERBS` nor `STATEMENTS`."""
     found: set[str] = set()
     for path in (ROOT / package).rglob("*.py"):
         for node in ast.walk(tree_of(path)):
@@ -242,12 +242,12 @@ def unknown_beginnings(package: str) -> set[str]:
 
 
 Entry = Callable[["Case"], None]
-#: What tries the advice of each place.
+#: Entries that try the advice, by place.
 ENTRIES: dict[Place, Entry] = {}
 
 
 def remedy(module: str, message: str) -> Callable[[Entry], Entry]:
-    """Enter what tries the advice of a message."""
+    """Register a function as the entry that tries the advice of a message."""
 
     def enter(entry: Entry) -> Entry:
         place = Place(module, message)
@@ -260,7 +260,7 @@ def remedy(module: str, message: str) -> Callable[[Entry], Entry]:
 
 
 class Case:
-    """One message that is provoked, and what is left to do of its advice."""
+    """One message that is provoked, and the part of its advice that remains to be tried."""
 
     def __init__(self, place: Place, package: str, request: pytest.FixtureRequest) -> None:
         self.place = place
@@ -290,14 +290,14 @@ class Case:
         return self._run
 
     def refused(self, action: Callable[[], Any], kind: type[BaseException] = Exception) -> str:
-        """Do what is refused by the message, raised in its module; returns the text."""
+        """Run an action that raises the message in its module; returns the text."""
         with pytest.raises(kind) as caught:
             action()
         assert self._passed(caught.value), f"not raised in {self.place.module}: {caught.value}"
         return self._heard(str(caught.value))
 
     def says(self, text: str, *, only_here: bool = True) -> str:
-        """Find the message in a text; where it stands in several modules, what was run has to tell which it was."""
+        """Find the message in a text; returns its line. ``only_here`` states that only this module has it."""
         same = [place for place in places(self._package) if place.message == self.place.message]
         assert (same == [self.place]) == only_here, "said at several places: provoke it by `refused`"
         lines = [line for line in text.splitlines(keepends=True) if self.place.advice_of(line)]
@@ -322,13 +322,13 @@ class Case:
         return text
 
     def follow(self, what: str, action: Callable[[], Any]) -> None:
-        """Do one of the things that the message says, in its words; fails where it is refused, or gives False."""
+        """Follow a part of the advice, quoted in ``what``; fails if the action raises or returns False."""
         assert self._left is not None, "nothing was refused before"
         assert what in self._left, f"{what!r} is not in what is left of the advice: {self._left!r}"
         assert action() is not False, f"{what!r} did not help"
         self._left = self._left.replace(what, " ", 1)
 
     def check(self) -> None:
-        """Fail where something that the message says was not done."""
+        """Fail if a part of the advice was not followed."""
         assert self._left is not None, "the message was not provoked"
         assert not _BETWEEN.sub("", self._left), f"not tried of the advice: {self._left!r}"

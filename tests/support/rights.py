@@ -1,4 +1,4 @@
-"""The rights of an ordinary user for a process of root, to whom every folder is writable."""
+"""Rights of an ordinary user for a process of root, which may otherwise write to every folder."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ctypes
 import os
 
 _CAP_DAC_OVERRIDE = 1
-#: Of capabilities in two words of 32 bits (linux/capability.h).
+#: Version of the interface with capabilities in two words of 32 bits (linux/capability.h).
 _VERSION_3 = 0x20080522
 
 
@@ -19,9 +19,9 @@ class _Data(ctypes.Structure):
 
 
 def obey_permissions() -> None:
-    """Give up root's right to write where permissions forbid it, for good; nothing to give up for other users.
+    """Give up root's right to write where permissions forbid it, permanently; no effect for other users.
 
-    Another user would do as well, but for a project in a folder that only root may read.
+    Changing the user would not do: the project may be in a folder that only root may read.
     """
     if os.getuid() != 0:
         return

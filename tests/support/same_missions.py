@@ -1,6 +1,6 @@
-"""Missions captured by a process of its own: ``python -m tests.support.same_missions FOLDER [few|all] [SEED]``.
+"""Missions captured in a separate process: ``python -m tests.support.same_missions FOLDER [few|all] [SEED]``.
 
-With a seed its mathematical library is one that is up to 4 units in the last place off.
+With a seed, results of its mathematical library are up to 4 units in the last place off.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact
 
-#: Few, as each pixel over the landscape's relief is traced.
+#: Few poses, as every pixel over relief is traced.
 HILLS = Points(((35.1412, -89.8656, 90.0), (35.1408, -89.8648, 70.0)))
 LEANING = {"yaw_deg": 213.0, "tilt_deg": 31.0, "roll_deg": 4.0}
 BOX = Box(35.1425, -89.866, 35.1405, -89.8625)
@@ -58,23 +58,23 @@ MISSIONS = {
         HILLS, 110.0, image_format="png", max_px=400, products=("depth", "points", "normals"), **LEANING
     ),
 }
-#: Of every kind of layout, frame and product one; those left out take most of the time.
+#: One mission for each kind of layout, frame and product; the others take most of the time.
 FEW = tuple(name for name in MISSIONS if name not in ("relief", "horizon", "grid"))
 #: Missions that are also captured in blocks.
 IN_BLOCKS = ("products", "turned")
 
 
 def _load_core() -> None:
-    """Load what the core imports when it is used, so that its library can be replaced."""
+    """Import all modules of the core, so that their mathematical library can be replaced."""
     for found in pkgutil.walk_packages(terrainav.core.__path__, "terrainav.core."):
-        # Loaders need packages that are not there everywhere; the world's landscape is imagery that is given.
+        # Loaders need packages that are not always installed.
         if not any(part in found.name for part in ("_loader", "__main__")):
             with contextlib.suppress(ImportError):
                 importlib.import_module(found.name)
 
 
 def main() -> None:
-    """Capture them all."""
+    """Capture the missions."""
     folder, which, *seed = sys.argv[1:]
     _load_core()
     source = WorldSource()

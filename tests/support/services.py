@@ -1,4 +1,4 @@
-"""A WMTS and a WMS on the loopback: capabilities written for the test, tiles whose pixels hold their own position."""
+"""A WMTS and a WMS on the loopback: capabilities written for the test, tiles whose pixels encode their position."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.support import patterns
 
 # Half the circumference of the sphere of EPSG:3857, by its radius.
 HALF_M = math.pi * 6378137.0
-# A query's parameters, in upper case, to a status, media type and body.
+# Function of a path and a query's parameters, in upper case, that returns a status, media type and body.
 Answer = Callable[[str, dict], "tuple[int, str, bytes]"]
 
 
@@ -41,12 +41,12 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def png(picture):
-    """Answer of an image."""
+    """Answer with an image."""
     return 200, "image/png", patterns.to_bytes(picture, "png")
 
 
 def xml(body, status=200):
-    """Answer of a document."""
+    """Answer with a document."""
     return status, "text/xml", body
 
 
@@ -95,7 +95,7 @@ def matrix(
     scale: float = 1.0,
     width: int | None = None,
 ) -> str:
-    """Write a tile matrix of the Web-Mercator quad, or of one that is off it."""
+    """Write a tile matrix of the Web-Mercator quad, or one that differs from it."""
     # By the standard: metres of a pixel over those of a pixel at scale 1:1.
     denominator = 2 * HALF_M / (tile_px * 2**zoom) / 0.00028 * scale
     west, north = corner or (-HALF_M, HALF_M)
@@ -124,10 +124,11 @@ def wmts_layer(
     styles=(("default", True),),
     bounds=None,
 ) -> str:
-    """Write a layer; ``links`` maps tile matrix sets to the matrices that it has, whole; none for all.
+    """Write a layer.
 
-    They may be a mapping to the limits themselves: first column and row, last column and row. ``bounds`` are west,
-    south, east and north in degrees.
+    ``links`` maps tile matrix sets to the matrices that the layer has: a list of names (empty for all), or a mapping of
+    names to limits, which are first column and row, last column and row. ``bounds`` are west, south, east and north in
+    degrees.
     """
     texts = []
     for matrix_set_name, limited in links.items():
@@ -206,7 +207,7 @@ def wms_document(version: str, url: str, layers: str, formats=("image/jpeg", "im
 
 
 def painted(query: dict) -> np.ndarray:
-    """Paint what a GetMap asks for: pixels that hold their position on the grid of the zoom its BBOX is of."""
+    """Paint the answer to a GetMap: pixels hold their position on the pixel grid that its BBOX and size imply."""
     west, south, east, north = (float(edge) for edge in query["BBOX"].split(","))
     width, height = int(query["WIDTH"]), int(query["HEIGHT"])
     size_x, size_y = (east - west) / width, (north - south) / height
@@ -217,7 +218,7 @@ def painted(query: dict) -> np.ndarray:
 
 @dataclass(frozen=True)
 class NationalSet:
-    """A tile matrix set in a projected CRS, in the shape that a real service has it.
+    """A tile matrix set in a projected CRS, as of a real service.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ class NationalSet:
     west, north : float
         Easting and northing of the upper left corner.
     width, height : float
-        Of the set, in the CRS's unit.
+        Size of the set, in the CRS's unit.
     resolutions : mapping of identifier to units a pixel
     tile_px : int
     unit_m : float
@@ -244,7 +245,7 @@ class NationalSet:
     unit_m: float = 1.0
 
     def text(self, *, northing_first: bool = False, crs: str = "urn:ogc:def:crs:EPSG::{}") -> str:
-        """Write it, its corner in either order."""
+        """Write the set, with its corner in either axis order."""
         corner = (self.north, self.west) if northing_first else (self.west, self.north)
         matrices = [
             f"<TileMatrix><ows:Identifier>{name}</ows:Identifier>"
@@ -268,7 +269,7 @@ class NationalSet:
         return patterns.encode_position(column * self.tile_px + steps, row * self.tile_px + steps)
 
 
-#: As swisstopo has it: few of its levels halve.
+#: Set of swisstopo, in which few levels halve the pixels of the level before.
 SWISS = NationalSet(
     "2056_28",
     2056,
@@ -284,7 +285,7 @@ SWISS = NationalSet(
         )
     },
 )
-#: As PDOK has it.
+#: Set of PDOK.
 DUTCH = NationalSet(
     "EPSG:28992",
     28992,
@@ -294,7 +295,7 @@ DUTCH = NationalSet(
     880_803.84,
     {f"{zoom:02d}": 3440.64 / 2**zoom for zoom in range(17)},
 )
-#: As NASA GIBS has it about both poles.
+#: Sets of NASA GIBS about both poles.
 ANTARCTIC = NationalSet(
     "250m",
     3031,
@@ -315,7 +316,7 @@ ARCTIC = NationalSet(
     {str(zoom): 8192.0 / 2**zoom for zoom in range(9)},
     512,
 )
-#: In a system whose own order is northing, easting.
+#: Set in a CRS whose axis order is northing, easting.
 EUROPEAN = NationalSet(
     "inspire",
     3035,
@@ -328,7 +329,7 @@ EUROPEAN = NationalSet(
 
 
 def painted_by(query: dict, pixel: float, west: float, north: float, *, northing_first: bool = False) -> np.ndarray:
-    """Paint what a GetMap asks for: pixels that hold their column and row from a corner, ``pixel`` units wide each."""
+    """Paint the answer to a GetMap: pixels, ``pixel`` units wide, hold their column and row from a corner."""
     edges = [float(edge) for edge in query["BBOX"].split(",")]
     x0, y0, x1, y1 = (edges[at] for at in ((1, 0, 3, 2) if northing_first else (0, 1, 2, 3)))
     width, height = int(query["WIDTH"]), int(query["HEIGHT"])

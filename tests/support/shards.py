@@ -1,4 +1,4 @@
-"""Datasets in shards, packed from the folder of a capture as a capture in blocks leaves them."""
+"""Datasets in shards, packed from the folder of a capture, in the form that a capture in blocks writes."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.storage.files import write_whole
 from terrainav.core.storage.stores import Address, store_path
 
-#: Of the embedded world: 20 images, 5 columns in 4 rows.
+#: Mission over the embedded world: 20 images, 5 columns in 4 rows.
 MISSION = Mission(Box(35.16, -89.90, 35.1561, -89.8927), 120.0, image_px=48, max_px=48, image_format="png")
-#: What lies beside an image and belongs to it.
+#: Endings of the files that belong to an image.
 _BESIDE = (".jgw", ".pgw", ".jpg.aux.xml", ".png.aux.xml", ".tif.aux.xml")
 _COLUMNS = ("shard", "offset_bytes", "size_bytes")
 
@@ -92,7 +92,7 @@ def _shard(
 
 
 def _row(table: Table, row: int) -> dict[str, object]:
-    """What the table knows of an image, by the names of its fields; the file's name as ``img_name``."""
+    """Values of an image in the table, by field; the file's name is ``img_name``."""
     known: dict[str, object] = {"img_name": table.img_names[row]}
     for name in HEADERS:
         value = getattr(table, name)[row]

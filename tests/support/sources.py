@@ -1,4 +1,4 @@
-"""Sources in memory, for tests of what is done with pixels: they know their pixels, count, wait or fail as told."""
+"""Sources in memory with known pixels, which count requests, and wait or fail on demand."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.support.patterns import encode_position
 
 
 class PatternSource:
-    """Tiles whose pixels say where on the global pixel grid they are; every request is counted."""
+    """Tiles whose pixels encode their position on the global pixel grid; every request is counted."""
 
     name = "pattern"
     title = "Pattern"
@@ -59,7 +59,7 @@ class PatternSource:
 
 
 class FailingSource(PatternSource):
-    """Tiles of which some cannot be had: ``errors`` tells by window which error is raised."""
+    """Tiles of which some fail: ``errors`` maps their windows to the errors to raise."""
 
     def __init__(self, errors: dict[Window, Exception], **options):
         super().__init__(**options)
@@ -72,7 +72,7 @@ class FailingSource(PatternSource):
 
 
 class CentredSource(PatternSource):
-    """Whole pictures by their centre, as an image service with positions of six decimals gives them."""
+    """Whole pictures by their centre, as from an image service that rounds positions to six decimals."""
 
     def __init__(self):
         super().__init__(map_types=())
@@ -90,7 +90,7 @@ def missing(reason: str = "no imagery (404)") -> PartError:
 
 
 class NamedPattern(NamedSource):
-    """`PatternSource`, or another of this module, as a mission names it: a plain value, which other processes open."""
+    """`PatternSource`, or another source of this module, by name: a plain value that other processes can open."""
 
     def __init__(self, options=SourceOptions(), opens=None, policy=None, **how):  # noqa: B008
         super().__init__("pattern", options)

@@ -1,4 +1,4 @@
-"""Tables as text, as their files have it."""
+"""Conversion of tables to the text of their files, and back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parametrisations of which the usual run takes what stands for the others."""
+"""Parametrisations of which the usual run takes only representative cases."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import os
 
 import pytest
 
-#: Set to "all" where properties are tried with as many examples as the thorough tests take.
+#: Environment variable, "all" to try properties with as many examples as the thorough tests.
 EXAMPLES = "TERRAINAV_EXAMPLES"
 
 
 def examples(most):
-    """Examples that hypothesis tries of a property: a third of those of the thorough tests."""
+    """Number of examples that hypothesis tries: a third of ``most``, which the thorough tests try."""
     return most if os.environ.get(EXAMPLES) == "all" else max(most // 3, 2)
 
 
 def thinned(cases, quick):
-    """Cases for ``parametrize``: those that are named ``quick`` as they are, all others as thorough ones.
+    """Cases for ``parametrize``; all cases except those named in ``quick`` are marked as thorough.
 
     Parameters
     ----------
     cases : mapping
-        What each name stands for: the values of a case as a tuple, or its one value.
+        Cases by name: the values of a case as a tuple, or its one value.
     quick : iterable of str
     """
     quick = set(quick)
@@ -42,7 +42,7 @@ def named(cases):
 
 
 def sampled(cases, step):
-    """Cases for ``parametrize``: the first and each ``step``-th one after it as they are, all others as thorough ones.
+    """Cases for ``parametrize``; all except the first and each ``step``-th one after it are marked as thorough.
 
     For sweeps, in which no case stands out.
     """
@@ -50,7 +50,7 @@ def sampled(cases, step):
 
 
 def _thorough(case):
-    """A case with its mark."""
+    """A case marked as thorough."""
     if isinstance(case, type(pytest.param())):
         return pytest.param(*case.values, id=case.id, marks=(*case.marks, pytest.mark.thorough))
     return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.thorough)

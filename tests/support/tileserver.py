@@ -34,13 +34,13 @@ from tests.support.faults import FAULTS
 
 _TILE = re.compile(r"(?:/(\w+))?/(\d+)/(\d+)/(-?\d+)(@2x)?\.(png|jpg|jpeg|webp)")
 _STATIC_MAP = "/maps/api/staticmap"
-# Pictures about a centre hold positions in these parts of a px, because they do not start at whole ones.
+# Pictures about a centre do not start at whole pixels, so they hold positions in this many parts of a pixel.
 STATIC_MAP_UNITS_PER_PX = 16
 
 
 class _Handler(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
-    # Small writes leave at once, or they would wait for the acknowledgement of those before (40 ms).
+    # Send small writes at once: otherwise they wait for the acknowledgement of earlier ones (40 ms).
     disable_nagle_algorithm = True
 
     def do_GET(self):
@@ -99,7 +99,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Fault:
-    """A fault, which requests it falls on, and how often on each."""
+    """A fault, the tiles that it affects, and how often it affects each of them."""
 
     def __init__(self, kind, tiles=None, share=None, times=None):
         self.kind, self._tiles, self._share, self._times = kind, tiles, share, times
@@ -122,15 +122,16 @@ class TileServer:
     Parameters
     ----------
     paint : callable or None
-        Map type, zoom, x, y, size in px to a picture, or None for a 404; by default pixels hold their own position.
+        Function of map type, zoom, x, y and size in px that returns a picture, or None for a 404. By default pixels
+        hold their position.
     read : callable or None
-        Map type, zoom, x, y, extension to a file's bytes, instead of ``paint``.
+        Function of map type, zoom, x, y and extension that returns a file's bytes, instead of ``paint``.
     tile_px : int
-        Of tiles without @2x.
+        Size of tiles without @2x.
     latency_s : float
         Wait before every answer.
     key, secret : str or None
-        What requests to the static map must have and be signed with.
+        Key that requests for static maps must have, and secret that must sign them.
     port : int
         0 for any that is free.
 
@@ -226,9 +227,9 @@ class TileServer:
         ----------
         kind : str
         tiles : (zoom, x, y)
-            None given: all.
+            Tiles affected; all if none is given.
         share : float or None
-            Share of the tiles, always the same ones.
+            Share of the tiles affected, always the same ones.
         times : int or None
             How often on each tile, None for always.
         """
@@ -268,7 +269,7 @@ class TileServer:
         # The service keeps six decimals, whatever it is sent.
         lat_deg, lon_deg = (round(float(value), 6) for value in asked["center"].split(","))
         world_px = (256 * scale) << zoom
-        # By the textbook, independent of the formulas under test.
+        # Formulas of a textbook, independent of those under test.
         centre_x = (lon_deg + 180.0) / 360.0 * world_px
         sine = np.sin(np.radians(lat_deg))
         centre_y = (0.5 - np.log((1.0 + sine) / (1.0 - sine)) / (4.0 * np.pi)) * world_px
@@ -307,7 +308,7 @@ class TileServer:
 
 
 def expected_signature(path_and_query: str, secret: str) -> str:
-    """Sign as the service's documentation says, step by step and apart from the code under test."""
+    """Signature by the steps in the service's documentation, independent of the code under test."""
     key = base64.b64decode(secret.replace("-", "+").replace("_", "/"))
     raw = hmac.digest(key, path_and_query.encode(), hashlib.sha1)
     return base64.b64encode(raw).decode().replace("+", "-").replace("/", "_")
@@ -355,7 +356,7 @@ def main():
 
 
 def obey(server, commands):
-    """Do as a program says that started the server; `counts` are answered with a line of JSON."""
+    """Obey the program that started the server; the command `counts` is answered with a line of JSON."""
     for command in map(str.strip, commands):
         if command == "end":
             return
