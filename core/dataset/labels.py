@@ -283,7 +283,7 @@ def choose_frame(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
     Raises
     ------
     InvalidInput
-        There is no such frame, there are no positions, or the frame cannot hold some.
+        The frame does not exist, there are no positions, or the frame cannot hold some positions.
     """
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
     if not lat.size or not (np.isfinite(lat) & np.isfinite(lon) & (np.abs(lat) <= 90.0)).all():

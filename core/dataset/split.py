@@ -127,7 +127,7 @@ def split(
         The folder is not a dataset, a table disagrees with the files, or the split is impossible. Nothing is changed
         then.
     OutputError
-        Another run works in the folder, or it cannot be written.
+        Another run works in the folder, or a file cannot be written.
     """
     wanted = _check(shares, how, block_m, gap_m)
     with locked_folder(folder, only_read=dry_run):
@@ -192,7 +192,7 @@ def shuffle(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> li
 
 
 def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
-    """Return shares of training, validation and test; raises InvalidInput if they are not three that add up to 1."""
+    """Return shares of training, validation and test; raises InvalidInput unless three add up to 1."""
     listed = ", ".join(f"{share:g}" for share in shares)
     if len(shares) != len(PARTS):
         raise InvalidInput("shares {0}: must be three, of {1}", listed, ", ".join(PARTS))

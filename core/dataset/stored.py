@@ -205,7 +205,7 @@ def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
 
 
 def members(read: Callable[[int, int], bytes], shard: str | Path, start: int, end: int) -> Iterator[tarfile.TarInfo]:
-    """Yield consecutive members of a shard, without headers that extend the next one.
+    """Yield consecutive members of a shard, without headers that extend the next header.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ def members(read: Callable[[int, int], bytes], shard: str | Path, start: int, en
 
 
 def parse_member(header: bytes) -> tarfile.TarInfo | None:
-    """Parse a block of a tar as a member's header; None if it is not a complete one."""
+    """Parse a block of a tar as a member's header; None if the block is not a complete header."""
     # The magic of POSIX and GNU tars (POSIX.1, ustar interchange format).
     if header[257:262] != b"ustar":
         return None

@@ -250,7 +250,7 @@ class Table:
 
     @classmethod
     def load(cls, path: Address) -> Table:
-        """Read a table from a file; raises InvalidInput if it or some rows cannot be read."""
+        """Read a table from a file; raises InvalidInput if the file or a row cannot be read."""
         try:
             texts = _read_texts(store_path(path))
             try:
@@ -445,7 +445,7 @@ class _ColumnBuilder:
             )
         self._headers, self._name, self._faults = headers, name, faults
         names = {header: field_name for field_name, header in HEADERS.items()}
-        #: Field of each column, or the header of an additional one; empty for columns without a header.
+        #: Field of each column, or the header of an additional column; empty for columns without a header.
         self._fields = [names.get(header, header) for header in headers]
         self._texts: dict[str, list[str]] = {
             field: [] for field in self._fields if field and (field in _TEXT or field not in HEADERS)

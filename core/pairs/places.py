@@ -160,7 +160,7 @@ def spread_places(
     Raises
     ------
     InvalidInput
-        The box has no room for so many.
+        The box has no room for so many places.
     """
     if not 1 <= count <= MAX_PAIR_PLACES:
         raise InvalidInput("{0:,} places: must be from 1 to {1:,}", count, MAX_PAIR_PLACES)

@@ -189,7 +189,7 @@ class PairSettings:
         chosen = [view for view in self.views if view.tilt_deg == tilt_deg]
         ground, above, relief = self.ground, np.zeros(len(lat_deg)), {}
         if ground_m is not None:
-            # Stand-offs hardly depend on the height of the ground: by a millionth or so for each ten metres.
+            # Stand-offs hardly depend on the height of the ground: by about a millionth for each ten metres.
             ground, above = WGS84.raised(float(np.median(ground_m))), ground_m
             relief = {**vars(self.terrain), "height_above": ELLIPSOID}
         standing = [standing_poses(lat_deg, lon_deg, view, ground) for view in chosen]
@@ -227,7 +227,7 @@ def places_in_box(
     Raises
     ------
     InvalidInput
-        The box has no room for so many, or no spacing is given and a view sees the horizon.
+        The box has no room for so many places, or no spacing is given and a view sees the horizon.
     """
     by_views = spacing_m is None
     if spacing_m is None:

@@ -1,4 +1,4 @@
-"""Cheaper footprints than the exact one, for comparison: flat ground mapped onto the ellipsoid.
+"""Footprints cheaper than the exact footprint, for comparison: flat ground mapped onto the ellipsoid.
 
 For nadir cameras, within the domain of `accuracy.outside_flat_domain`.
 """

@@ -370,7 +370,7 @@ class Batches:
         return self._position.state(self.epoch)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Resume the next iteration where another one was, whatever the workers of either.
+        """Resume the next iteration where another iteration was, with any number of workers.
 
         Raises
         ------

@@ -152,7 +152,7 @@ class _Resumable:
         return self.sampler.position.state(self.dataset.epoch)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Resume the next iteration where another one was, whatever the workers of either."""
+        """Resume the next iteration where another iteration was, with any number of workers."""
         self.dataset.set_epoch(self.sampler.position.load(state))
 
 

@@ -45,5 +45,5 @@ def test_a_coarse_clock_is_given_work_enough(monkeypatch):
     # A clock that goes on by a step of 16 ms at every hundredth look.
     monkeypatch.setattr(cost.time, "thread_time", lambda: next(steps) // 100 * 0.016)
     done = []
-    assert cost._own_s(lambda: done.append(1)) > 0.0
+    assert cost._processor_s(lambda: done.append(1)) > 0.0
     assert len(done) > 100
